@@ -1,0 +1,31 @@
+"""All effects, found by looking into `skin_models.effects`: a new effect is one new file there and nothing else."""
+
+import importlib
+import inspect
+import pkgutil
+from functools import cache
+
+import skin_models.effects
+from skin_models.effect import Effect
+from skin_models.errors import ModelError
+
+
+@cache
+def effects() -> tuple[type[Effect], ...]:
+    """Every effect class, in the order of its file's name."""
+    modules = (importlib.import_module(f"skin_models.effects.{m.name}") for m in pkgutil.iter_modules(skin_models.effects.__path__))
+    return tuple(c for module in modules for c in vars(module).values() if _is_effect_of(c, module))
+
+
+def _is_effect_of(c: object, module: object) -> bool:
+    return inspect.isclass(c) and issubclass(c, Effect) and not inspect.isabstract(c) and c.__module__ == module.__name__
+
+
+def effect_class(cause: str, where: str) -> type[Effect]:
+    """The class that models `cause` at `where` (`taxel_3` finds `taxel`). Raises `ModelError` listing what exists."""
+    word = "taxel" if where.startswith("taxel") else where
+    for c in effects():
+        if c.cause == cause and word in c.places:
+            return c
+    known = sorted(f"{c.cause} ({', '.join(c.places)})" for c in effects())
+    raise ModelError(f"no effect models {cause!r} in {where!r}; known: {'; '.join(known)}")

@@ -1,0 +1,141 @@
+"""What an effect is: one departure of the real testbed from the dispersion model, at one place of the chain.
+
+    encoder depth ─ DEPTH ─► tip depth ─ SKIN ─ contact rule ─ SURFACE ─┬─► applied force ─ LOAD_CELL ─► force
+                                                                        └─► sensed force × SPREAD ─ TAXEL ─► taxels
+
+An effect takes the signal that passes its place and returns it changed. The signal `y` is
+
+    DEPTH      depth of the plunger                          scalar, or (N,)     m
+    SKIN       sensed and dispersed force, in contact        (2,),   or (2, N)   N
+    SURFACE    the same, after the contact rule (no pulling) (2,),   or (2, N)   N
+    LOAD_CELL  applied force                                 scalar, or (N,)     N, compression positive
+    SPREAD     share of the sensed force on every taxel      (T,),   or (T, N)
+    TAXEL      sensed force of every taxel                   (T,),   or (T, N)   N, compression positive
+
+A clock is no place of its own: an effect of the clock acts at the place of the channel that is late.
+
+Effects are either `Memoryless` (a function of the present) or `Dynamic` (explicit state, exact or convergent stepping); both come as
+one sample at a time and as a whole recording, and the two agree. A class is abstract or final: nobody overrides an effect.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import Enum
+from itertools import product
+from typing import Any, ClassVar
+
+import numpy as np
+
+from skin_models.errors import ModelError
+from skin_models.parameter import AMPLITUDE, SHAPE, check_parameters, parameters_of, scan_of
+from skin_models.signals import Motion, Sample
+
+
+class Place(Enum):
+    """Where in the chain an effect acts; see the diagram above."""
+
+    DEPTH = "depth"
+    SKIN = "skin"
+    SURFACE = "surface"
+    LOAD_CELL = "load_cell"
+    SPREAD = "spread"
+    TAXEL = "taxel"
+
+
+@dataclass(frozen=True)
+class Effect(ABC):
+    """One cause at one place.
+
+    `where` is the word a finding uses: skin, rig, load_cell, taxel (all alike), taxel_3 (one of them) or clock. `places` maps the words a
+    class accepts to its place in the chain; the key "taxel" stands for "taxel_<i>" as well.
+    """
+
+    cause: ClassVar[str]
+    places: ClassVar[Mapping[str, Place]]
+    source: ClassVar[str]  # where in the literature the form comes from
+
+    where: str
+
+    def __post_init__(self) -> None:
+        self.place  # raises for a place this effect does not know
+        check_parameters(self)
+
+    @property
+    def place(self) -> Place:
+        """Where in the chain it acts. Raises `ModelError` for a `where` this effect cannot have."""
+        word = "taxel" if self.taxel is not None else self.where
+        if word not in self.places:
+            raise ModelError(f"{self.cause} cannot sit in {self.where!r}, only in {', '.join(self.places)}")
+        return self.places[word]
+
+    @property
+    def taxel(self) -> int | None:
+        """Index of the one taxel it acts on, or None."""
+        head, _, tail = self.where.partition("_")
+        return int(tail) if head == "taxel" and tail.isdigit() else None
+
+    @property
+    def rows(self) -> Any:
+        """Which rows of a (T, N) taxel signal it acts on."""
+        return slice(None) if self.taxel is None else slice(self.taxel, self.taxel + 1)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Parameter values by name."""
+        return {p.name: p.value for p in parameters_of(self)}
+
+    def with_values(self, **values: float) -> "Effect":
+        """A copy with other parameter values. Raises `ModelError` outside the bounds."""
+        return replace(self, **values)
+
+    def absent(self) -> "Effect":
+        """The same effect with size zero: the identity."""
+        return self.with_values(**{p.name: 0.0 for p in parameters_of(self) if p.role == AMPLITUDE})
+
+    @classmethod
+    def typical(cls, where: str, **values: float) -> "Effect":
+        """An example of ordinary size, for pictures, tests and the start of a fit."""
+        usual = {p.name: p.typical for p in parameters_of(cls) if not np.isnan(p.typical)}
+        return cls(where=where, **{**usual, **values})
+
+    @classmethod
+    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
+        """The settings of the SHAPE parameters among which a proposal of this cause is profiled: the product of their grids."""
+        names = [p.name for p in parameters_of(cls) if p.role == SHAPE]
+        grids = [scan_of(cls, name) for name in names]
+        for values in product(*grids):
+            yield dict(zip(names, values, strict=True))
+
+    @abstractmethod
+    def initial(self, rng: np.random.Generator | None = None) -> Any:
+        """State at rest, before the first sample."""
+
+    @abstractmethod
+    def step(self, state: Any, y: Any, s: Sample, dt: float) -> tuple[Any, Any]:
+        """One sample: `state, y = step(state, y, s, dt)`. `state` is never changed in place."""
+
+    @abstractmethod
+    def batch(self, y: np.ndarray, s: Motion, rng: np.random.Generator | None = None) -> np.ndarray:
+        """A whole recording from rest; equal to stepping through it. `y` is not changed in place."""
+
+
+class Memoryless(Effect):
+    """An effect that depends on the present sample alone: its subclasses write `apply` once, for scalars and arrays alike."""
+
+    @abstractmethod
+    def apply(self, y: Any, s: Sample | Motion) -> Any:
+        """The changed signal. Must work elementwise along the last axis."""
+
+    def initial(self, rng: np.random.Generator | None = None) -> None:
+        return None
+
+    def step(self, state: None, y: Any, s: Sample, dt: float) -> tuple[None, Any]:
+        return None, self.apply(y, s)
+
+    def batch(self, y: np.ndarray, s: Motion, rng: np.random.Generator | None = None) -> np.ndarray:
+        return self.apply(y, s)
+
+
+class Dynamic(Effect):
+    """An effect with memory: subclasses write `initial`, `step` and `batch`."""

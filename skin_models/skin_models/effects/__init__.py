@@ -1,0 +1,1 @@
+"""One file per effect. `skin_models.catalogue` finds them."""

@@ -1,0 +1,60 @@
+"""Stress relaxation: the skin's force decays while the depth is held.
+
+Maxwell arm parallel to both springs, the simplest Prony series (thesis eqs 6 and 8),
+
+    f' = k v - f / tau        f(0) = 0        added to the sensed and to the dispersed force, each with its own k.
+
+The step is exact for a depth that is linear between samples (first-order hold):
+
+    f[n] = e f[n-1] + k (1 - e) tau / dt (x[n] - x[n-1]),        e = exp(-dt / tau).
+
+Source: N. W. Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior, Springer 1989, ch. 3.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.signal import lfilter
+
+from skin_models.effect import Dynamic, Place
+from skin_models.parameter import SHAPE, quantity
+from skin_models.signals import Motion, Sample
+
+
+@dataclass(frozen=True)
+class StressRelaxation(Dynamic):
+    """One Maxwell arm beside both branches of the dispersion model."""
+
+    cause: ClassVar[str] = "stress_relaxation"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Tschoegl 1989, ch. 3; thesis eqs 6, 8"
+
+    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness of the arm that the taxel feels")
+    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness of the arm that it does not")
+    tau: float = quantity(
+        "s", 1.0, lower=1e-3, upper=1e4, role=SHAPE, typical=1.0, doc="relaxation time",
+        scan=(0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0),
+    )  # fmt: skip
+
+    def initial(self, rng=None) -> tuple[float, float | None]:
+        return 0.0, None  # stretch of the arm's spring (m); last depth in contact (m): at rest at the first sample
+
+    def step(self, state, y, s: Sample, dt: float):
+        stretch, last = state
+        x = max(s.x, 0.0)
+        last = x if last is None else last
+        e = np.exp(-dt / self.tau)
+        stretch = e * stretch + (1.0 - e) * self.tau / dt * (x - last)
+        return (stretch, x), y + self._stiffness * stretch
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        e = np.exp(-s.dt / self.tau)
+        gain = (1.0 - e) * self.tau / s.dt
+        x = np.maximum(s.x, 0.0)
+        stretch = lfilter([gain, -gain], [1.0, -e], x - x[0])
+        return y + self._stiffness[:, None] * stretch
+
+    @property
+    def _stiffness(self) -> np.ndarray:
+        return np.array([self.k_sensed, self.k_dispersed])

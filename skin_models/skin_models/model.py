@@ -1,0 +1,120 @@
+"""The chain: dispersion model, spread over taxels, and any effects, simulated as one.
+
+`Model.simulate` runs a whole recording, `Model.step` one sample with explicit state; both are the same chain (see `skin_models.effect`
+for its places), and both give truth (what the skin did) beside measured (what the sensors say).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from skin_models.dispersion import Dispersion, never_pulling
+from skin_models.effect import Effect, Place
+from skin_models.errors import ModelError
+from skin_models.signals import Motion, Sample
+
+
+@dataclass(frozen=True)
+class Response:
+    """What a simulation gives: arrays (N,) and (T, N), or scalars and (T,) for one sample; N, compression positive."""
+
+    force: Any
+    taxels: Any
+    force_truth: Any
+    taxels_truth: Any
+
+
+@dataclass(frozen=True)
+class Model:
+    """A testbed: one specimen of skin, its taxels, and every effect that departs from the plain dispersion model.
+
+    `shares` is each taxel's share of the sensed force: 1 for a taxel under the plunger, less beside it; empty for a material test
+    without taxels. Effects act in the order of the chain's places, and at one place in the order given.
+    """
+
+    dispersion: Dispersion
+    shares: tuple[float, ...] = (1.0,)
+    effects: tuple[Effect, ...] = ()
+    name: str = "dispersion"
+    source: str = ""
+    notes: dict[str, Any] = field(default_factory=dict, hash=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not all(np.isfinite(share) and share >= 0.0 for share in self.shares):
+            raise ModelError(f"shares of the taxels must be finite and not negative, not {self.shares}")
+        for e in self.effects:
+            if e.taxel is not None and e.taxel >= len(self.shares):
+                raise ModelError(f"{e.cause} sits in {e.where}, but the model has {len(self.shares)} taxels, counted from taxel_0")
+
+    def at(self, place: Place) -> tuple[Effect, ...]:
+        """The effects at one place of the chain."""
+        return tuple(e for e in self.effects if e.place is place)
+
+    def extended(self, effect: Effect) -> "Model":
+        """The same model with one more effect."""
+        return replace(self, effects=(*self.effects, effect))
+
+    def without(self, effect: Effect) -> "Model":
+        """The same model with `effect` taken out."""
+        return replace(self, effects=tuple(e for e in self.effects if e is not effect))
+
+    def simulate(self, s: Motion, seed: int | None = None) -> Response:
+        """The response to a measured or planned depth. `seed` drives the effects that are random; None leaves those out."""
+        rng = None if seed is None else np.random.default_rng(seed)
+        return self._run(s, lambda e, y, context: e.batch(y, context, rng), Motion.at_depth)
+
+    def initial(self, seed: int | None = None) -> "State":
+        """The state at rest, for `step`."""
+        rng = None if seed is None else np.random.default_rng(seed)
+        return State(tuple(e.initial(rng) for e in self.effects))
+
+    def step(self, state: "State", s: Sample, dt: float) -> tuple["State", Response]:
+        """One sample: `state, response = step(state, sample, dt)`. `state` itself is left as it was, so a step can be tried."""
+        after = _Stepper(self.effects, state, dt)
+        response = self._run(s, after.act, after.moved)
+        return State(tuple(after.states), after.shift), response
+
+    def _run(self, s: Any, act: Callable[[Effect, Any, Any], Any], moved: Callable[[Any, Any], Any]) -> Response:
+        """The chain itself, for one sample or a recording: `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`."""
+
+        def through(place: Place, y: Any, context: Any) -> Any:
+            for e in self.at(place):
+                y = act(e, y, context)
+            return y
+
+        tip = moved(s, through(Place.DEPTH, s.x, s))
+        branches = through(Place.SURFACE, never_pulling(through(Place.SKIN, self.dispersion.branches(tip), tip)), tip)
+        applied = branches.sum(axis=0) + self.dispersion.inertial(tip)
+        shares = np.multiply.outer(np.array(self.shares, float), np.ones_like(applied))
+        sensed = through(Place.SPREAD, shares, tip) * branches[0]
+        force, taxels = through(Place.LOAD_CELL, applied, tip), through(Place.TAXEL, sensed, tip)
+        return Response(force, taxels, applied, sensed)
+
+
+@dataclass(frozen=True)
+class State:
+    """Everything a model remembers from one sample to the next."""
+
+    effects: tuple[Any, ...]
+    shift: float | None = None  # m, by how much the DEPTH effects moved the last sample
+
+
+class _Stepper:
+    """Collects the new states while the chain runs over one sample."""
+
+    def __init__(self, effects: tuple[Effect, ...], before: State, dt: float) -> None:
+        self.index = {id(e): i for i, e in enumerate(effects)}
+        self.states = list(before.effects)
+        self.before, self.shift, self.dt = before, before.shift, dt
+
+    def act(self, e: Effect, y: Any, s: Sample) -> Any:
+        i = self.index[id(e)]
+        self.states[i], y = e.step(self.before.effects[i], y, s, self.dt)
+        return y
+
+    def moved(self, s: Sample, x: float) -> Sample:
+        self.shift = x - s.x
+        last = self.shift if self.before.shift is None else self.before.shift
+        return replace(s, x=x, v=s.v + (self.shift - last) / self.dt)

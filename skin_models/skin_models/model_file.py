@@ -1,0 +1,142 @@
+"""Models as YAML: what `fit` and `diagnose` write, `skin_node` loads and a person edits.
+
+    schema: 1
+    name: silicone 4 mm
+    source: thesis Table 4-5
+    dispersion:
+      m: {value: 0.000432, unit: kg}
+      ...
+    shares: [1.0]
+    effects:
+      - cause: stress_relaxation
+        where: skin
+        parameters:
+          tau: {value: 0.8, unit: s, std: 0.05}
+          ...
+
+Every parameter must be there, with its unit: a file that leaves one out, or says mm where m is meant, is refused with one sentence.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from skin_models.catalogue import effect_class
+from skin_models.dispersion import Dispersion
+from skin_models.effect import Effect
+from skin_models.errors import ModelError
+from skin_models.model import Model
+from skin_models.parameter import parameters_of
+
+SCHEMA = 1
+
+
+def load_model(path: str | os.PathLike) -> Model:
+    """The model in a YAML file. Raises `ModelError` naming the file and what is wrong with it."""
+    try:
+        return model_from_dict(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
+    except (OSError, UnicodeDecodeError) as error:
+        raise ModelError(f"cannot read the model {path}: {getattr(error, 'strerror', None) or error}") from error
+    except yaml.YAMLError as error:
+        raise ModelError(f"{path} is not YAML: {' '.join(str(error).split())}") from error
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}") from error
+
+
+def save_model(model: Model, path: str | os.PathLike, std: Mapping[str, float] | None = None) -> None:
+    """Write a model whole or not at all. `std` gives standard errors by parameter, keyed `k1`, or `stress_relaxation.skin.tau` for an effect."""
+    path = Path(path)
+    partial = path.with_name(path.name + ".partial")
+    partial.write_text(yaml.safe_dump(model_to_dict(model, std or {}), sort_keys=False, allow_unicode=True), encoding="utf-8")
+    partial.replace(path)
+
+
+def model_to_dict(model: Model, std: Mapping[str, float] | None = None) -> dict[str, Any]:
+    """The content of the YAML file."""
+    std = std or {}
+    return {
+        "schema": SCHEMA,
+        "name": model.name,
+        "source": model.source,
+        "dispersion": _parameters_to_dict(model.dispersion, std, ""),
+        "shares": [float(share) for share in model.shares],
+        "effects": [
+            {"cause": e.cause, "where": e.where, "parameters": _parameters_to_dict(e, std, f"{e.cause}.{e.where}.")} for e in model.effects
+        ],
+        **({"notes": model.notes} if model.notes else {}),
+    }
+
+
+def model_from_dict(content: Any) -> Model:
+    """The model that `model_to_dict` describes. Raises `ModelError` for a missing, unknown or wrongly typed entry."""
+    content = _mapping(content, "a model")
+    if content.get("schema") != SCHEMA:
+        raise ModelError(f"schema is {content.get('schema')!r}; this version reads schema {SCHEMA}")
+    _only(content, {"schema", "name", "source", "dispersion", "shares", "effects", "notes"}, "a model")
+    shares = content.get("shares", [1.0])
+    if not isinstance(shares, list) or not all(_is_number(share) for share in shares):
+        raise ModelError("shares must be a list of numbers, one per taxel")
+    return Model(
+        dispersion=Dispersion(**_values(Dispersion, content.get("dispersion"), "dispersion")),
+        shares=tuple(float(share) for share in shares),
+        effects=tuple(_effect(entry) for entry in content.get("effects") or []),
+        name=str(content.get("name", "model")),
+        source=str(content.get("source", "")),
+        notes=_mapping(content.get("notes", {}), "notes"),
+    )
+
+
+def _effect(entry: Any) -> Effect:
+    entry = _mapping(entry, "an effect")
+    _only(entry, {"cause", "where", "parameters"}, "an effect")
+    for key in ("cause", "where", "parameters"):
+        if key not in entry:
+            raise ModelError(f"an effect has no {key!r}: it needs cause, where and parameters")
+    cls = effect_class(str(entry["cause"]), str(entry["where"]))
+    return cls(where=str(entry["where"]), **_values(cls, entry["parameters"], cls.cause))
+
+
+def _parameters_to_dict(thing: Any, std: Mapping[str, float], prefix: str) -> dict[str, Any]:
+    def entry(p):
+        spread = {"std": float(std[prefix + p.name])} if prefix + p.name in std else {}
+        return {"value": float(p.value), "unit": p.unit, **spread}
+
+    return {p.name: entry(p) for p in parameters_of(thing)}
+
+
+def _values(cls: type, entries: Any, label: str) -> dict[str, float]:
+    entries, declared = _mapping(entries, label), {p.name: p for p in parameters_of(cls)}
+    _only(entries, set(declared), label)
+    missing = [name for name in declared if name not in entries]
+    if missing:
+        raise ModelError(f"{label} lacks {', '.join(missing)}")
+    return {name: _value(f"{label}.{name}", entries[name], declared[name].unit) for name in declared}
+
+
+def _value(label: str, entry: Any, unit: str) -> float:
+    if not isinstance(entry, Mapping) or "value" not in entry or "unit" not in entry:
+        raise ModelError(f"{label} must be written as {{value: …, unit: {unit}}}")
+    if entry["unit"] != unit:
+        raise ModelError(f"{label} is in {entry['unit']!r}, but must be in {unit!r}")
+    if not _is_number(entry["value"]):
+        raise ModelError(f"{label} must have a number as its value, not {entry['value']!r}")
+    return float(entry["value"])
+
+
+def _mapping(thing: Any, label: str) -> dict:
+    if not isinstance(thing, Mapping):
+        raise ModelError(f"{label} must be a mapping of names to values")
+    return dict(thing)
+
+
+def _only(entries: Mapping, known: set[str], label: str) -> None:
+    unknown = sorted(set(map(str, entries)) - known)
+    if unknown:
+        raise ModelError(f"{label} has an unknown entry {unknown[0]!r}; known are {', '.join(sorted(known))}")
+
+
+def _is_number(thing: Any) -> bool:
+    return isinstance(thing, (int, float)) and not isinstance(thing, bool)

@@ -1,0 +1,87 @@
+"""Physical parameters: a name, a unit, a value, bounds.
+
+An effect or a model part is a frozen dataclass whose float fields are declared with `quantity`; `parameters_of` reads them back as
+`Parameter` objects, so that a YAML file, a fit and a report all speak of the same thing.
+"""
+
+import math
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any
+
+from skin_models.errors import ModelError
+
+AMPLITUDE = "amplitude"
+SHAPE = "shape"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One physical parameter. `role` is AMPLITUDE (zero removes the effect) or SHAPE (meaningless without an amplitude)."""
+
+    name: str
+    unit: str
+    value: float
+    lower: float = -math.inf
+    upper: float = math.inf
+    role: str = AMPLITUDE
+    typical: float = math.nan
+    doc: str = ""
+
+
+def quantity(
+    unit: str,
+    default: Any = MISSING,
+    *,
+    lower: float = -math.inf,
+    upper: float = math.inf,
+    role: str = AMPLITUDE,
+    typical: float | None = None,
+    scan: tuple[float, ...] = (),
+    doc: str = "",
+) -> Any:
+    """Declare a parameter as a field of a frozen dataclass.
+
+    `typical` is a sensible size (the prior's median), used to draw examples and to start fits; `scan` is the grid on which a SHAPE
+    parameter is profiled when a cause is proposed.
+    """
+    metadata = dict(unit=unit, lower=lower, upper=upper, role=role, typical=typical, scan=scan, doc=doc)
+    return field(default=default, metadata=metadata, kw_only=True)
+
+
+def parameters_of(thing: Any) -> tuple[Parameter, ...]:
+    """The parameters that a frozen dataclass, or an instance of it, declares with `quantity`."""
+    declared = [f for f in fields(thing) if "unit" in f.metadata]
+    return tuple(_parameter(f, thing) for f in declared)
+
+
+def _parameter(f: Any, thing: Any) -> Parameter:
+    value = f.default if isinstance(thing, type) else getattr(thing, f.name)
+    typical = f.metadata["typical"]
+    return Parameter(
+        name=f.name,
+        unit=f.metadata["unit"],
+        value=math.nan if value is MISSING else value,
+        lower=f.metadata["lower"],
+        upper=f.metadata["upper"],
+        role=f.metadata["role"],
+        typical=math.nan if typical is None else typical,
+        doc=f.metadata["doc"],
+    )
+
+
+def scan_of(cls: type, name: str) -> tuple[float, ...]:
+    """The grid on which the parameter `name` of a dataclass is profiled; empty where none is declared."""
+    return next(f.metadata.get("scan", ()) for f in fields(cls) if f.name == name)
+
+
+def check_parameters(thing: Any) -> None:
+    """Raise `ModelError` unless every parameter of `thing` is a number within its bounds. Call it from `__post_init__`."""
+    for p in parameters_of(thing):
+        if isinstance(p.value, bool) or not isinstance(p.value, (int, float)) or math.isnan(p.value):
+            raise ModelError(f"{_label(thing)}: {p.name} must be a number in {p.unit}, not {p.value!r}")
+        if not p.lower <= p.value <= p.upper:
+            raise ModelError(f"{_label(thing)}: {p.name} = {p.value:g} {p.unit} is outside [{p.lower:g}, {p.upper:g}] {p.unit}")
+
+
+def _label(thing: Any) -> str:
+    return getattr(thing, "cause", type(thing).__name__.lower())

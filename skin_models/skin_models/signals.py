@@ -1,0 +1,57 @@
+"""What an effect may look at: time and the motion of the plunger, sampled at one rate."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_models.errors import ModelError
+
+GRAVITY = 9.80665  # m/s^2, standard acceleration of free fall
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One instant: time (s), indentation depth (m, positive into the skin, zero at the surface), speed (m/s), acceleration (m/s^2)."""
+
+    t: float
+    x: float
+    v: float
+    a: float
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A whole recording of the above: arrays of shape (N,), evenly sampled every `dt` seconds."""
+
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    dt: float
+
+    def __len__(self) -> int:
+        return self.t.size
+
+    def __getitem__(self, i: int) -> Sample:
+        return Sample(self.t[i], self.x[i], self.v[i], self.a[i])
+
+    def at_depth(self, x: np.ndarray) -> "Motion":
+        """The same instants at another depth. The speed changes by the backward difference of the shift, as it does sample by sample."""
+        shift = x - self.x
+        return replace(self, x=x, v=self.v + np.diff(shift, prepend=shift[0]) / self.dt)
+
+
+def motion(t, x, v=None, a=None) -> Motion:
+    """A `Motion` from samples; speed and acceleration are central differences of the depth unless they are known.
+
+    Raises `ModelError` where the samples are not finite, not evenly spaced (0.1 % of the period) or fewer than three.
+    """
+    t, x = np.asarray(t, float), np.asarray(x, float)
+    if t.ndim != 1 or t.shape != x.shape or t.size < 3:
+        raise ModelError(f"a motion needs matching time and depth of at least 3 samples, not {t.shape} and {x.shape}")
+    dt = (t[-1] - t[0]) / (t.size - 1)
+    if not (dt > 0 and np.all(np.isfinite(x)) and np.max(np.abs(np.diff(t) - dt)) <= 1e-3 * dt):
+        raise ModelError("a motion must be finite and evenly sampled: resample the recording first")
+    v = np.gradient(x, dt) if v is None else np.asarray(v, float)
+    a = np.gradient(v, dt) if a is None else np.asarray(a, float)
+    return Motion(t, x, v, a, dt)
