@@ -1,0 +1,127 @@
+"""How every executable of the suite runs its node: one executor loop, clean exits, errors as one line.
+
+    def main() -> None:
+        run(DriverNode)
+
+Exit status: 0 after SIGINT, SIGTERM or `end()`, 2 for anything a user can mend (`SkinError`, arguments that ROS cannot parse).
+A second signal ends the process at once.
+"""
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import rclpy
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from skin_models.errors import SkinError
+
+try:
+    from rclpy.experimental import EventsExecutor
+except ImportError:  # older distributions
+    EventsExecutor = None
+
+_ENDING = (signal.SIGINT, signal.SIGTERM)
+
+
+class _Run:
+    """What the loop, the signal thread and `end` share."""
+
+    def __init__(self, executor: Executor) -> None:
+        self.executor, self.ended, self.error = executor, False, None
+
+    def end(self, error: SkinError | None = None) -> None:
+        self.error = self.error or error
+        self.ended = True
+        self.executor.wake()
+
+
+_runs: list[_Run] = []
+
+
+def end(error: SkinError | None = None) -> None:
+    """Ask `run` to end, from any thread: with status 0, or with the error's sentence and status 2."""
+    for running in _runs:
+        running.end(error)
+
+
+def run(
+    make_node: Callable[[], Node],
+    args: list[str] | None = None,
+    make_executor: Callable[[], Executor] | None = None,
+) -> None:
+    """Run the node that `make_node` gives until a signal, then exit the process. Never returns.
+
+    `make_executor` replaces the default (`quickest_executor`), for nodes that need several threads. The node's `destroy_node` is
+    called while the ROS context is still alive, so that it can publish a last word.
+    """
+    sys.exit(_status(make_node, sys.argv if args is None else args, make_executor or quickest_executor))
+
+
+def quickest_executor() -> Executor:
+    """The executor with the least latency that this rclpy has."""
+    return EventsExecutor() if EventsExecutor is not None else SingleThreadedExecutor()
+
+
+def spin_while(executor: Executor, keep_going: Callable[[], bool]) -> None:
+    """Run callbacks as long as `keep_going()`. To end it from another thread also call `executor.wake()`.
+
+    `spin_once` in a loop, because `EventsExecutor.spin` of the Jazzy wheels dispatches nothing. Other executors do not return
+    from `spin_once` when they are woken, and look up twice a second.
+    """
+    patience = 1000.0 if EventsExecutor is not None and not isinstance(executor, Executor) else 0.5
+    while keep_going():
+        executor.spin_once(timeout_sec=patience)
+
+
+def _status(make_node: Callable[[], Node], args: list[str], make_executor: Callable[[], Executor]) -> int:
+    name = Path(args[0]).name if args else "node"
+    # Blocked here, before any thread starts, so that only the waiting thread below receives them.
+    signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:  # rcl's own classes for arguments it cannot parse
+        return _complain(name, f"ROS arguments cannot be used: {_first_sentence(error)}")
+    try:
+        _spin(make_node, make_executor)
+    except SkinError as error:
+        return _complain(name, str(error))
+    finally:
+        rclpy.try_shutdown()
+    return 0
+
+
+def _spin(make_node: Callable[[], Node], make_executor: Callable[[], Executor]) -> None:
+    running = _Run(make_executor())
+    _runs.append(running)
+    threading.Thread(target=_wait_for_signals, args=(running,), daemon=True).start()
+    node = make_node()
+    try:
+        running.executor.add_node(node)
+        spin_while(running.executor, lambda: not running.ended and rclpy.ok())
+    finally:
+        _runs.remove(running)
+        node.destroy_node()
+    if running.error is not None:
+        raise running.error
+
+
+def _wait_for_signals(running: _Run) -> None:
+    signal.sigwait(_ENDING)
+    running.end()
+    second = signal.sigwait(_ENDING)
+    os._exit(128 + second)  # the node does not come back from its callback or its farewell
+
+
+def _complain(name: str, sentence: str) -> int:
+    print(f"{name}: {' '.join(sentence.split())}", file=sys.stderr, flush=True)
+    return 2
+
+
+def _first_sentence(error: Exception) -> str:
+    return str(error).split(", at ")[0]
