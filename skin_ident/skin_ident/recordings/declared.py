@@ -1,0 +1,141 @@
+"""What is known about a rig beforehand: `rig.yaml` beside the recordings, every entry optional.
+
+    sample_rate_hz: 100
+    force_step_n: 0.0678          # one step of the load cell's converter
+    taxel_step_n: 0.107
+    encoder_step_um: 0.1
+    plunger_diameter_mm: 9.53
+    taxel_positions_mm: [[0, 0], [14, 0]]
+    skin_thickness_mm: 4
+    moving_mass_kg: 0.000432
+    calibration:                  # for columns or topics in volts: force = slope * (voltage - zero)
+      ai0: {channel: force, slope_n_per_v: -4.1448, zero_v: -0.072}
+      taxel_0: {slope_n_per_v: 9.4}
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from skin_ident.recordings.errors import RecordingError
+
+FILE_NAME = "rig.yaml"
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A straight line from volts to newtons. `channel` is what the column means (force, taxel_<name>); empty: what it is called.
+
+    `zero_v` is the voltage without load; None takes the median of the first second of the recording.
+    """
+
+    slope_n_per_v: float
+    zero_v: float | None = None
+    channel: str = ""
+
+
+@dataclass(frozen=True)
+class Declared:
+    """Everything `rig.yaml` may say. None, or empty, is unknown."""
+
+    sample_rate_hz: float | None = None
+    force_step_n: float | None = None
+    taxel_step_n: float | None = None
+    encoder_step_um: float | None = None
+    plunger_diameter_mm: float | None = None
+    skin_thickness_mm: float | None = None
+    moving_mass_kg: float | None = None
+    taxel_positions_mm: tuple[tuple[float, float], ...] = ()
+    calibration: Mapping[str, Calibration] = field(default_factory=dict, hash=False)
+
+    def filled_with(self, other: "Declared") -> "Declared":
+        """The same, with what is unknown here taken from `other`."""
+        unknown = [f.name for f in fields(self) if getattr(self, f.name) in (None, (), {})]
+        return replace(self, **{name: getattr(other, name) for name in unknown})
+
+
+def declared_beside(path: Path) -> Declared:
+    """What the `rig.yaml` in the folder of `path` declares, or in `path` itself where that is a folder; nothing where there is none."""
+    for folder in (path, path.parent) if path.is_dir() else (path.parent,):
+        if (folder / FILE_NAME).is_file():
+            return read_declared(folder / FILE_NAME)
+    return Declared()
+
+
+def read_declared(path: Path) -> Declared:
+    """The content of a `rig.yaml`. Raises `RecordingError` for an unknown key or a value that is no positive number."""
+    try:
+        return declared_from(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise RecordingError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+    except RecordingError as error:
+        raise RecordingError(f"{path}: {error}") from error
+
+
+def declared_from(text: str) -> Declared:
+    """The same from the file's text. Raises `RecordingError`."""
+    try:
+        content = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise RecordingError(f"this is not YAML: {' '.join(str(error).split())}") from error
+    content = _mapping({} if content is None else content, "a rig description")
+    _only(content, [f.name for f in fields(Declared)], "a rig description")
+    numbers = {key: _positive(key, value) for key, value in content.items() if key not in ("taxel_positions_mm", "calibration")}
+    return Declared(
+        **numbers,
+        taxel_positions_mm=_positions(content.get("taxel_positions_mm", [])),
+        calibration={str(k): _calibration(str(k), v) for k, v in _mapping(content.get("calibration", {}), "calibration").items()},
+    )
+
+
+def _calibration(name: str, entry: Any) -> Calibration:
+    entry = _mapping(entry, f"calibration of {name}")
+    _only(entry, [f.name for f in fields(Calibration)], f"calibration of {name}")
+    if "slope_n_per_v" not in entry:
+        raise RecordingError(f"calibration of {name} needs slope_n_per_v")
+    slope = _number(f"{name}.slope_n_per_v", entry["slope_n_per_v"])
+    if slope == 0.0:
+        raise RecordingError(f"calibration of {name}: slope_n_per_v must not be zero")
+    zero = entry.get("zero_v")
+    return Calibration(slope, None if zero is None else _number(f"{name}.zero_v", zero), str(entry.get("channel", "")))
+
+
+def _positions(entries: Any) -> tuple[tuple[float, float], ...]:
+    if not isinstance(entries, list):
+        raise RecordingError("taxel_positions_mm must be a list: one [x, y], or one number for a row of taxels, per taxel")
+    return tuple(_position(entry) for entry in entries)
+
+
+def _position(entry: Any) -> tuple[float, float]:
+    pair = entry if isinstance(entry, list) else [entry, 0.0]
+    if len(pair) not in (2, 3):
+        raise RecordingError(f"taxel_positions_mm: {entry!r} is neither a number nor [x, y]")
+    return _number("taxel_positions_mm", pair[0]), _number("taxel_positions_mm", pair[1])
+
+
+def _positive(key: str, value: Any) -> float | None:
+    number = None if value is None else _number(key, value)
+    if number is not None and number <= 0.0:
+        raise RecordingError(f"{key} must be positive, not {value!r}")
+    return number
+
+
+def _number(key: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < float("inf"):
+        raise RecordingError(f"{key} must be a number, not {value!r}")
+    return float(value)
+
+
+def _mapping(thing: Any, label: str) -> dict:
+    if not isinstance(thing, Mapping):
+        raise RecordingError(f"{label} must be a mapping of names to values")
+    return dict(thing)
+
+
+def _only(entries: Mapping, known: list[str], label: str) -> None:
+    unknown = sorted(set(map(str, entries)) - set(known))
+    if unknown:
+        raise RecordingError(f"{label} has an unknown entry {unknown[0]!r}; known are {', '.join(known)}")

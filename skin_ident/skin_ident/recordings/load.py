@@ -1,0 +1,71 @@
+"""One call for every kind of recording: `load(paths)`."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from skin_ident.recordings.bag import is_bag, read_bag
+from skin_ident.recordings.declared import FILE_NAME, declared_beside
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.table import is_spread_scan, read_table, read_text
+
+TABLES = (".csv", ".tsv", ".txt", ".tab", ".dat")
+
+
+def load(paths: Iterable[str | Path] | str | Path, topics: Mapping[str, str] | None = None) -> list[Any]:
+    """Every recording in files and folders: `Recording` for sessions, `SpreadScan` for static spread scans.
+
+    A folder stands for all in it, in the order of names. `topics` maps force, encoder and taxels to topic names of bags. Raises
+    `RecordingError` naming the file and what is wrong with it.
+    """
+    paths = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    files = [file for path in paths for file in find(Path(path))]
+    return [load_one(file, topics) for file in files]
+
+
+def find(path: Path) -> list[Path]:
+    """The recordings at a path: itself, or all in a folder. Raises `RecordingError` where there is none."""
+    if not path.exists():
+        raise RecordingError(f"{path} does not exist")
+    if path.is_file() or is_bag(path):
+        return [path]
+    found = _within(path)
+    if not found:
+        raise RecordingError(f"{path} holds no recording: no rosbag2 directory, .mcap, or table ({', '.join(TABLES)})")
+    return found
+
+
+def _within(folder: Path) -> list[Path]:
+    found = []
+    for entry in sorted(folder.iterdir()):
+        if entry.name.startswith("."):
+            continue
+        if entry.is_dir():
+            found += [entry] if is_bag(entry) else _within(entry)
+        elif entry.suffix.lower() in (".mcap", ".db3", *TABLES) and not _is_prose(entry):
+            found.append(entry)
+    return found
+
+
+def _is_prose(file: Path) -> bool:
+    """A NOTE.txt or README.txt that lies beside the recordings."""
+    if file.suffix.lower() not in (".txt", ".dat"):
+        return False
+    with file.open(encoding="utf-8", errors="replace") as lines:
+        second = [line for _, line in zip(range(20), lines, strict=False) if line.strip() and not line.startswith("#")][1:2]
+    return not any(cell.strip().lstrip("+-.")[:1].isdigit() for line in second for cell in line.split(max("\t,;", key=line.count)))
+
+
+def load_one(path: Path, topics: Mapping[str, str] | None = None) -> Any:
+    """One recording. Raises `RecordingError`."""
+    declared = declared_beside(path)
+    if is_bag(path):
+        return read_bag(path, declared, topics)
+    if path.name == FILE_NAME or path.suffix.lower() not in TABLES:
+        raise RecordingError(f"{path} is no recording: a rosbag2 directory, an .mcap file or a table is expected")
+    text = read_text(path)
+    if is_spread_scan(text):
+        from skin_ident.recordings.spread_scan import read_spread_scan
+
+        return read_spread_scan(path)
+    return read_table(path, declared)

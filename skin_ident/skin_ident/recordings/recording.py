@@ -1,0 +1,101 @@
+"""One session of measurement: evenly sampled arrays in SI units, checked once, when they are made."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.errors import RecordingError
+
+DISPLACEMENT = "displacement"  # depth, and what it does to taxels (and to the load cell, where there is one)
+MATERIAL_TEST = "material_test"  # depth and force, no taxel
+FORCE_TO_FORCE = "force_to_force"  # force and taxels, no depth
+TAXELS_ONLY = "taxels_only"
+FEWEST = 20  # samples; with less, nothing can be said
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One session.
+
+    t        (N,)    s, evenly spaced
+    depth    (N,)    m, positive into the skin, zero at its surface; or None
+    force    (N,)    N, compression positive; or None
+    taxels   (T, N)  N, compression positive; T may be 0. A row whose unit is "V" is uncalibrated and holds volts
+
+    `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
+    do not fit together, are not finite, or not evenly spaced.
+    """
+
+    name: str
+    t: np.ndarray
+    depth: np.ndarray | None = None
+    force: np.ndarray | None = None
+    taxels: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
+    taxel_names: tuple[str, ...] = ()
+    declared: Declared = field(default_factory=Declared)
+    warnings: tuple[str, ...] = ()
+    taxel_units: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        n = np.size(self.t)
+        taxels = np.asarray(self.taxels, float)
+        self._set(t=np.asarray(self.t, float), taxels=taxels if taxels.size else np.empty((len(taxels), n)))
+        for channel in ("depth", "force"):
+            if getattr(self, channel) is not None:
+                self._set(**{channel: np.asarray(getattr(self, channel), float)})
+        count = len(self.taxels)
+        self._set(taxel_names=tuple(self.taxel_names) or tuple(f"taxel_{i}" for i in range(count)))
+        self._set(taxel_units=tuple(self.taxel_units) or ("N",) * count)
+        self._check()
+
+    def __len__(self) -> int:
+        return self.t.size
+
+    @property
+    def dt(self) -> float:
+        """Sampling period, s."""
+        return (self.t[-1] - self.t[0]) / (self.t.size - 1)
+
+    @property
+    def kind(self) -> str:
+        """What sort of test this is: one of the words at the top of this file."""
+        if self.depth is not None:
+            return DISPLACEMENT if len(self.taxels) else MATERIAL_TEST
+        return FORCE_TO_FORCE if self.force is not None else TAXELS_ONLY
+
+    @property
+    def channels(self) -> dict[str, np.ndarray]:
+        """Every measured force by the name findings use: `force`, `taxel_0`, `taxel_1`, …"""
+        force = {} if self.force is None else {"force": self.force}
+        return force | {f"taxel_{i}": row for i, row in enumerate(self.taxels)}
+
+    def part(self, start: int, stop: int) -> "Recording":
+        """The samples from `start` up to `stop`."""
+
+        def cut(row: np.ndarray | None) -> np.ndarray | None:
+            return None if row is None else row[..., start:stop]
+
+        return replace(self, t=cut(self.t), depth=cut(self.depth), force=cut(self.force), taxels=cut(self.taxels))
+
+    def warned(self, *warnings: str) -> "Recording":
+        """The same with more warnings."""
+        return replace(self, warnings=(*self.warnings, *warnings))
+
+    def _set(self, **values: object) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _check(self) -> None:
+        n = self.t.size
+        if self.t.ndim != 1 or n < FEWEST:
+            raise RecordingError(f"{self.name} holds {n} usable samples; at least {FEWEST} are needed")
+        if not (self.dt > 0 and np.max(np.abs(np.diff(self.t) - self.dt)) <= 1e-3 * self.dt):
+            raise RecordingError(f"{self.name} is not evenly sampled")
+        if self.depth is None and self.force is None and not len(self.taxels):
+            raise RecordingError(f"{self.name} has neither depth nor force nor taxels")
+        for label, row in (("depth", self.depth), ("force", self.force), *zip(self.taxel_names, self.taxels, strict=True)):
+            if row is not None and (row.shape != (n,) or not np.all(np.isfinite(row))):
+                raise RecordingError(f"{self.name}: {label} must hold {n} finite samples")
+        if len(self.taxel_units) != len(self.taxels) or len(set(self.taxel_names)) != len(self.taxels):
+            raise RecordingError(f"{self.name}: every taxel needs a name of its own and a unit")

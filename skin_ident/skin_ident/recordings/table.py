@@ -1,0 +1,98 @@
+"""Tables: one row per sample, tab, comma or semicolon between the columns, units in the header (see `units`)."""
+
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+
+from skin_ident.recordings.assemble import Channel, assemble
+from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.timing import counted
+from skin_ident.recordings.units import column
+
+
+def read_text(path: Path) -> str:
+    """The text of a table. Raises `RecordingError` for one that is empty or no text."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RecordingError(f"cannot read {path}: {getattr(error, 'strerror', None) or 'it is not text'}") from error
+    if not text.strip():
+        raise RecordingError(f"{path} is empty")
+    return text
+
+
+def header_of(text: str) -> tuple[list[str], str]:
+    """The column titles and the separator."""
+    line = next(line for line in text.splitlines() if line.strip() and not line.startswith("#"))
+    mark = max("\t,;", key=line.count)
+    return [title.strip().strip('"') for title in line.split(mark)], mark
+
+
+def read_rows(text: str, path: Path) -> tuple[list[str], np.ndarray, tuple[str, ...]]:
+    """Titles, values (columns, rows) with NaN where there is no number, and warnings. Raises `RecordingError`."""
+    titles, mark = header_of(text)
+    if all(_is_number(title) for title in titles):
+        raise RecordingError(f"{path} has no header: its first line must name the columns with units, as in t_s, x_mm, force_n")
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")][1:]
+    if not lines:
+        raise RecordingError(f"{path} has a header but no rows")
+    try:
+        return titles, np.loadtxt(io.StringIO("\n".join(lines)), delimiter=mark, ndmin=2, unpack=True, comments=None)[: len(titles)], ()
+    except ValueError:
+        return _carefully(titles, mark, lines, path)
+
+
+def _carefully(titles: list[str], mark: str, lines: list[str], path: Path) -> tuple[list[str], np.ndarray, tuple[str, ...]]:
+    """Cell by cell: rows that are cut short are dropped and counted, cells that hold no number become NaN."""
+    cells = [line.split(mark) for line in lines]
+    whole = [row for row in cells if len(row) == len(titles)]
+    if mark == ";" and not any(_is_number(c) for row in whole for c in row):
+        raise RecordingError(f"{path}: decimal commas are not read; write numbers with a point")
+    if len(whole) < 0.9 * len(cells):
+        short = counted(len(cells) - len(whole), "row")
+        raise RecordingError(f"{path}: {short} of {len(cells)} do not have the {len(titles)} columns of the header")
+    values = np.array([[_number(c) for c in row] for row in whole]).T
+    lost = len(cells) - len(whole)
+    return titles, values, (f"{counted(lost, 'incomplete row')} dropped",) if lost else ()
+
+
+def read_table(path: Path, declared: Declared) -> Recording:
+    """The recording in a table. Raises `RecordingError`."""
+    text = read_text(path)
+    titles, values, warnings = read_rows(text, path)
+    if values.shape[0] != len(titles):
+        raise RecordingError(f"{path}: the rows have {values.shape[0]} columns, the header {len(titles)}")
+    try:
+        columns = [column(title) for title in titles]
+    except RecordingError as error:
+        raise RecordingError(f"{path}: {error}") from error
+    times = [i for i, c in enumerate(columns) if c.kind == "time"]
+    if len(times) > 1:
+        raise RecordingError(f"{path} has more than one time column: {', '.join(titles[i] for i in times)}")
+    if not times and declared.sample_rate_hz is None:
+        raise RecordingError(f"{path} has no time column: add t_s, or declare sample_rate_hz in rig.yaml")
+    t = columns[times[0]].factor * values[times[0]] if times else np.arange(values.shape[1]) / declared.sample_rate_hz
+    channels = [Channel(c.kind, c.name, c.unit, c.factor * y) for c, y in zip(columns, values, strict=True) if c.kind != "time"]
+    return assemble(path.name, t, channels, declared, warnings)
+
+
+def is_spread_scan(text: str) -> bool:
+    """Whether a table holds rows of depth and columns of distance, as `depth_mm, f_0mm_n, f_1mm_n`."""
+    titles, _ = header_of(text)
+    distances = [title for title in titles[1:] if re.search(r"\d\s*_?(mm|um|µm|cm|m)\b|\d(mm|um|cm)_", title.lower())]
+    return len(titles) > 2 and titles[0].lower().startswith(("depth", "x")) and len(distances) == len(titles) - 1
+
+
+def _is_number(cell: str) -> bool:
+    return not np.isnan(_number(cell)) or cell.strip().lower() == "nan"
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return np.nan
