@@ -31,9 +31,8 @@ class SpreadScan:
         for field in ("depth", "distance", "force"):
             object.__setattr__(self, field, np.array(getattr(self, field), float))
         if self.depth.ndim != 1 or self.distance.ndim != 1 or self.force.shape != (self.depth.size, self.distance.size):
-            raise SpreadScanError(
-                f"{self.name}: force has shape {self.force.shape}, but there are {self.depth.size} depths and {self.distance.size} distances"
-            )
+            sizes = f"{self.depth.size} depths and {self.distance.size} distances"
+            raise SpreadScanError(f"{self.name}: force has shape {self.force.shape}, but there are {sizes}")
         if not (self.depth.size and np.all(np.isfinite(self.depth)) and np.all(self.depth > 0.0)):
             raise SpreadScanError(f"{self.name}: every depth must be a positive number")
         if self.distance.size < 3 or not np.all(np.diff(self.distance) > 0.0):  # also false for NaN

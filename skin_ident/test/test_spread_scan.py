@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from skin_ident.spread_scan import SpreadScan, SpreadScanError
 
 DEPTH, DISTANCE = [1e-4, 2e-4], [0.0, 1e-3, 3e-3]

@@ -1,0 +1,116 @@
+"""Fits the general Gaussian to a static spread scan, as the thesis does in section 4.3.4.
+
+    f(x) = a exp(-((x - b) / c)^2)
+
+A scan runs from the taxel's centre outwards on one side. It is mirrored about the centre, the sample at the centre counted once, and
+fitted by least squares; R^2 = 1 - SSE / SST with SST about the mean of the mirrored samples. (With the centre counted twice, one side
+alone, or R^2 adjusted for the parameters, the digits of Table 4-8 do not come out.)
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from skin_ident.spread_scan import SpreadScan, SpreadScanError
+
+
+@dataclass(frozen=True)
+class GaussianFit:
+    """Result for one depth. `reason` is empty, or says why there is no fit; the numbers are NaN then."""
+
+    a: float  # N, force at the centre
+    b: float  # m, centre
+    c: float  # m, width
+    r2: float
+    a_std: float  # standard errors from the residuals of the samples before mirroring; they take the noise as white
+    b_std: float
+    c_std: float
+    samples: int  # fitted, mirrored ones included
+    reason: str = ""
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        """The fitted force at positions `x` (m), N."""
+        return self.a * np.exp(-(((np.asarray(x) - self.b) / self.c) ** 2))
+
+
+def mirrored(distance: np.ndarray, force: np.ndarray, centre: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and forces of a one-sided scan and its mirror image about `centre`; a sample at distance 0 is counted once.
+
+    Raises `SpreadScanError` for distances on both sides: such a scan needs no mirror.
+    """
+    distance, force = np.asarray(distance, float), np.asarray(force, float)
+    if np.any(distance < 0.0):
+        raise SpreadScanError("a scan with distances on both sides of the centre is not mirrored: fit it with mirror=False")
+    off = distance > 0.0
+    return np.r_[centre - distance[off][::-1], centre + distance], np.r_[force[off][::-1], force]
+
+
+def fit_gaussian(
+    distance: np.ndarray, force: np.ndarray, centre: float = 0.0, free_centre: bool = False, mirror: bool = True
+) -> GaussianFit:
+    """Least-squares fit of (R,) forces (N) at (R,) distances (m); NaN forces are left out.
+
+    `centre` is b (the thesis counts positions so that it is 12 mm); `free_centre` fits it. `mirror` reflects a one-sided scan.
+    """
+    distance, force = np.asarray(distance, float), np.asarray(force, float)
+    known = np.isfinite(force)
+    distance, force = distance[known], force[known]
+    x, y = mirrored(distance, force, centre) if mirror else (distance + centre, force)
+    if force.size < 3:
+        return _no_fit(x.size, "fewer than 3 forces")
+    start = _start(x, y, centre)
+    if start is None:
+        return _no_fit(x.size, "the force does not fall with distance: nothing but noise reaches the taxel")
+    return _refine(x, y, start, free_centre, force.size)
+
+
+def fit_spread(scan: SpreadScan, **options) -> tuple[GaussianFit, ...]:
+    """A fit for every depth of a scan; `options` as for `fit_gaussian`. A scan with negative distances is not mirrored."""
+    options = {"mirror": bool(np.all(scan.distance >= 0.0)), **options}
+    return tuple(fit_gaussian(scan.distance, force, **options) for force in scan.force)
+
+
+def _no_fit(samples: int, reason: str) -> GaussianFit:
+    nan = float("nan")
+    return GaussianFit(nan, nan, nan, nan, nan, nan, nan, samples, reason)
+
+
+def _start(x: np.ndarray, y: np.ndarray, centre: float) -> np.ndarray | None:
+    """The best (a, b, c) on a grid of widths, a being linear; None where the widest is the best or nothing is positive."""
+    span = np.ptp(x)
+    widths = np.geomspace(span / 50.0, 5.0 * span, 60)
+    shapes = np.exp(-(((x - centre) / widths[:, None]) ** 2))
+    heights = shapes @ y / np.sum(shapes**2, axis=1)
+    errors = np.sum((y - heights[:, None] * shapes) ** 2, axis=1)
+    best = int(np.argmin(errors))
+    return None if best == widths.size - 1 or heights[best] <= 0.0 else np.array([heights[best], centre, widths[best]])
+
+
+def _refine(x: np.ndarray, y: np.ndarray, start: np.ndarray, free_centre: bool, independent: int) -> GaussianFit:
+    free = np.array([True, free_centre, True])
+
+    def residual(p: np.ndarray) -> np.ndarray:
+        a, b, c = _filled(start, free, p)
+        return a * np.exp(-(((x - b) / c) ** 2)) - y
+
+    found = least_squares(residual, start[free], x_scale=np.maximum(np.abs(start[free]), 1e-3), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    a, b, c = _filled(start, free, found.x)
+    sse = 2.0 * found.cost
+    std = np.zeros(3)
+    std[free] = _standard_errors(found.jac, sse / x.size, independent)
+    r2 = 1.0 - sse / np.sum((y - y.mean()) ** 2)
+    return GaussianFit(float(a), float(b), float(abs(c)), float(r2), *map(float, std), x.size)
+
+
+def _filled(start: np.ndarray, free: np.ndarray, p: np.ndarray) -> np.ndarray:
+    full = start.copy()
+    full[free] = p
+    return full
+
+
+def _standard_errors(jacobian: np.ndarray, mean_square: float, independent: int) -> np.ndarray:
+    """Mirrored samples are no new information: the covariance is that of the `independent` samples before mirroring."""
+    n, k = jacobian.shape
+    variance = mean_square * independent / max(independent - k, 1)
+    return np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * variance * n / independent)
