@@ -21,11 +21,12 @@ def _is_effect_of(c: object, module: object) -> bool:
     return inspect.isclass(c) and issubclass(c, Effect) and not inspect.isabstract(c) and c.__module__ == module.__name__
 
 
-def effect_class(cause: str, where: str) -> type[Effect]:
-    """The class that models `cause` at `where` (`taxel_3` finds `taxel`). Raises `ModelError` listing what exists."""
+def effect_class(cause: str, where: str, form: str = "") -> type[Effect]:
+    """The class that models `cause` at `where` (`taxel_3` finds `taxel`) in one of its forms. Raises `ModelError` listing what exists."""
     word = "taxel" if where.startswith("taxel") else where
     for c in effects():
-        if c.cause == cause and word in c.places:
+        if (c.cause, c.form) == (cause, form) and word in c.places:
             return c
-    known = sorted(f"{c.cause} ({', '.join(c.places)})" for c in effects())
-    raise ModelError(f"no effect models {cause!r} in {where!r}; known: {'; '.join(known)}")
+    asked = f"{cause!r}{form and f' of the form {form!r}'} in {where!r}"
+    known = sorted(f"{c.cause} {c.form and f'of the form {c.form} '}({', '.join(c.places)})" for c in effects())
+    raise ModelError(f"no effect models {asked}; known: {'; '.join(known)}")

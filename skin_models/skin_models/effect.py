@@ -54,6 +54,7 @@ class Effect(ABC):
     cause: ClassVar[str]
     places: ClassVar[Mapping[str, Place]]
     source: ClassVar[str]  # where in the literature the form comes from
+    form: ClassVar[str] = ""  # tells several forms of one cause at one place apart; the plainest has none
 
     where: str
 
@@ -79,6 +80,18 @@ class Effect(ABC):
     def rows(self) -> Any:
         """Which rows of a (T, N) taxel signal it acts on."""
         return slice(None) if self.taxel is None else slice(self.taxel, self.taxel + 1)
+
+    def mine(self, y: Any) -> Any:
+        """The rows of `y` that it acts on: all, or those of its one taxel."""
+        return y if self.taxel is None else y[self.rows]
+
+    def put_back(self, y: Any, mine: Any) -> Any:
+        """`y` with its own rows replaced by `mine`; `y` itself stays as it was."""
+        if self.taxel is None:
+            return mine
+        whole = np.array(y, float)
+        whole[self.rows] = mine
+        return whole
 
     @property
     def values(self) -> dict[str, float]:

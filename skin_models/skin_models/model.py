@@ -62,19 +62,22 @@ class Model:
 
     def simulate(self, s: Motion, seed: int | None = None) -> Response:
         """The response to a measured or planned depth. `seed` drives the effects that are random; None leaves those out."""
-        rng = None if seed is None else np.random.default_rng(seed)
-        return self._run(s, lambda e, y, context: e.batch(y, context, rng), Motion.at_depth)
+        rngs = {id(e): rng for e, rng in zip(self.effects, self._generators(seed), strict=True)}
+        return self._run(s, lambda e, y, context: e.batch(y, context, rngs[id(e)]), Motion.at_depth)
 
     def initial(self, seed: int | None = None) -> "State":
         """The state at rest, for `step`."""
-        rng = None if seed is None else np.random.default_rng(seed)
-        return State(tuple(e.initial(rng) for e in self.effects))
+        return State(tuple(e.initial(rng) for e, rng in zip(self.effects, self._generators(seed), strict=True)))
 
     def step(self, state: "State", s: Sample, dt: float) -> tuple["State", Response]:
         """One sample: `state, response = step(state, sample, dt)`. `state` itself is left as it was, so a step can be tried."""
         after = _Stepper(self.effects, state, dt)
         response = self._run(s, after.act, after.moved)
         return State(tuple(after.states), after.shift), response
+
+    def _generators(self, seed: int | None) -> list[np.random.Generator | None]:
+        """One random generator per effect, so that the numbers of one do not depend on the others."""
+        return [None if seed is None else np.random.default_rng([seed, i]) for i in range(len(self.effects))]
 
     def _run(self, s: Any, act: Callable[[Effect, Any, Any], Any], moved: Callable[[Any, Any], Any]) -> Response:
         """The chain itself, for one sample or a recording: `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`."""

@@ -14,6 +14,8 @@
           tau: {value: 0.8, unit: s, std: 0.05}
           ...
 
+An effect that comes in several forms also says which: `form: hunt_crossley`. Without the entry it is the plainest.
+
 Every parameter must be there, with its unit: a file that leaves one out, or says mm where m is meant, is refused with one sentence.
 """
 
@@ -63,9 +65,7 @@ def model_to_dict(model: Model, std: Mapping[str, float] | None = None) -> dict[
         "source": model.source,
         "dispersion": _parameters_to_dict(model.dispersion, std, ""),
         "shares": [float(share) for share in model.shares],
-        "effects": [
-            {"cause": e.cause, "where": e.where, "parameters": _parameters_to_dict(e, std, f"{e.cause}.{e.where}.")} for e in model.effects
-        ],
+        "effects": [_effect_to_dict(e, std) for e in model.effects],
         **({"notes": model.notes} if model.notes else {}),
     }
 
@@ -91,12 +91,17 @@ def model_from_dict(content: Any) -> Model:
 
 def _effect(entry: Any) -> Effect:
     entry = _mapping(entry, "an effect")
-    _only(entry, {"cause", "where", "parameters"}, "an effect")
+    _only(entry, {"cause", "where", "form", "parameters"}, "an effect")
     for key in ("cause", "where", "parameters"):
         if key not in entry:
             raise ModelError(f"an effect has no {key!r}: it needs cause, where and parameters")
-    cls = effect_class(str(entry["cause"]), str(entry["where"]))
+    cls = effect_class(str(entry["cause"]), str(entry["where"]), str(entry.get("form", "")))
     return cls(where=str(entry["where"]), **_values(cls, entry["parameters"], cls.cause))
+
+
+def _effect_to_dict(e: Effect, std: Mapping[str, float]) -> dict[str, Any]:
+    form = {"form": e.form} if e.form else {}
+    return {"cause": e.cause, "where": e.where, **form, "parameters": _parameters_to_dict(e, std, f"{e.cause}.{e.where}.")}
 
 
 def _parameters_to_dict(thing: Any, std: Mapping[str, float], prefix: str) -> dict[str, Any]:

@@ -1,0 +1,50 @@
+"""Adhesion: the skin holds on to the plunger on release.
+
+    f = -F b (1 - (x / l)^2)^2        for |x| < l, else 0
+
+b is the bond: made where the plunger is pressed deeper than l, broken where it is drawn further than l out of the surface. The force
+is zero at both, so it comes and goes without a step; on the way out it is strongest at the surface, -F, and pulls a little way into
+the air. It acts after the contact rule, which otherwise forbids pulling. A cycle costs the work of adhesion, 16/15 F l.
+
+Source: the law is a smooth stand-in for K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324 (1971) 301-313, whose contact
+also forms and parts at different gaps; D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from skin_models.effect import Dynamic, Place
+from skin_models.operators.relay import relay, relay_step
+from skin_models.parameter import SHAPE, quantity
+from skin_models.signals import Motion, Sample
+
+
+@dataclass(frozen=True)
+class Adhesion(Dynamic):
+    """A pull on release. State: whether the bond is made, 0.0 or 1.0."""
+
+    cause: ClassVar[str] = "adhesion"
+    places: ClassVar = {"skin": Place.SURFACE}
+    source: ClassVar[str] = "after Johnson, Kendall and Roberts 1971; Maugis 1992"
+
+    pull_sensed: float = quantity("N", 0.0, lower=0.0, typical=0.8, doc="greatest pull F on the sensed branch")
+    pull_dispersed: float = quantity("N", 0.0, lower=0.0, typical=0.4, doc="greatest pull F on the dispersed branch")
+    reach: float = quantity(
+        "m", 0.2e-3, lower=1e-6, upper=0.02, role=SHAPE, typical=0.2e-3, scan=(0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3), doc="reach l"
+    )
+
+    def initial(self, rng=None) -> float:
+        return 0.0
+
+    def step(self, state, y, s: Sample, dt: float):
+        state = relay_step(state, s.x, -self.reach, self.reach)
+        return state, y + self._pull(state, s.x)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        return y + self._pull(relay(s.x, -self.reach, self.reach), s.x)
+
+    def _pull(self, bond, x):
+        shape = np.maximum(1.0 - (x / self.reach) ** 2, 0.0) ** 2
+        return -np.multiply.outer(np.array([self.pull_sensed, self.pull_dispersed]), bond * shape)

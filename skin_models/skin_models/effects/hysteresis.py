@@ -1,0 +1,120 @@
+"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Three forms:
+
+    skin, Prandtl-Ishlinskii   f = k E_r[x]        one elastic-plastic element: stiffness k until it yields at r (several add up)
+    skin, Bouc-Wen             f = k z,  z' = v - |v| z / r        the same with a gradual yield (n = 1, beta = 1, gamma = 0: Dahl's model)
+    taxel, load cell           y + a E_r[y]        the stop operator on the reading
+
+E_r is the stop operator of `skin_models.operators.play`, exact for any path that is monotone between samples. Bouc-Wen is stepped exactly
+for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). Both dissipate: no closed path returns energy.
+
+Sources: P. Krejčí, Hysteresis, Convexity and Dissipation, 1996; F. Ikhouane and J. Rodellar, Systems with Hysteresis, Wiley 2007
+(Bouc-Wen); P. Dahl, A Solid Friction Model, TOR-0158, 1968; K. Kuhnen, Eur. J. Control 9 (2003) 407-418 (sensors and actuators).
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from skin_models.effect import Dynamic, Place
+from skin_models.operators.contact import branches, depth_in_contact
+from skin_models.operators.play import play_step, stop
+from skin_models.operators.scan import running_affine
+from skin_models.parameter import SHAPE, quantity
+from skin_models.signals import Motion, Sample
+
+DEPTHS = (0.02e-3, 0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3, 1.5e-3)  # m
+
+
+@dataclass(frozen=True)
+class SkinHysteresis(Dynamic):
+    """One elastic-plastic element beside both branches. Its state is the play operator's (m), None at rest."""
+
+    cause: ClassVar[str] = "hysteresis"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Prandtl-Ishlinskii; Krejčí 1996"
+
+    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness before it yields, sensed")
+    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness before it yields, dispersed")
+    threshold: float = quantity(
+        "m", 0.2e-3, lower=1e-6, upper=0.05, role=SHAPE, typical=0.2e-3, scan=DEPTHS, doc="stretch r at which it yields"
+    )
+
+    def initial(self, rng=None) -> None:
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        x = depth_in_contact(s.x)
+        state = play_step(state, x, self.threshold)
+        return state, y + branches(self.k_sensed, self.k_dispersed, x - state, s.x)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        return y + branches(self.k_sensed, self.k_dispersed, stop(depth_in_contact(s.x), self.threshold), s.x)
+
+
+@dataclass(frozen=True)
+class BoucWenHysteresis(Dynamic):
+    """A gradually yielding element beside both branches. State: its stretch z (m) and the last depth in contact (m), None at rest."""
+
+    cause: ClassVar[str] = "hysteresis"
+    form: ClassVar[str] = "bouc_wen"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Bouc-Wen, n = 1; Ikhouane and Rodellar 2007; Dahl 1968"
+
+    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness after a turning point, sensed")
+    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness after a turning point, dispersed")
+    threshold: float = quantity(
+        "m", 0.2e-3, lower=1e-6, upper=0.05, role=SHAPE, typical=0.2e-3, scan=DEPTHS, doc="stretch r that it tends to"
+    )
+
+    def initial(self, rng=None) -> tuple[float, float | None]:
+        return 0.0, None
+
+    def step(self, state, y, s: Sample, dt: float):
+        z, last = state
+        x = depth_in_contact(s.x)
+        gain, offset = self._map(x - (x if last is None else last))
+        z = gain * z + offset
+        return (z, x), y + branches(self.k_sensed, self.k_dispersed, z, s.x)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        x = depth_in_contact(s.x)
+        z = running_affine(*self._map(np.diff(x, prepend=x[0])))
+        return y + branches(self.k_sensed, self.k_dispersed, z, s.x)
+
+    def _map(self, dx):
+        path = -np.abs(dx) / self.threshold
+        return np.exp(path), -np.sign(dx) * self.threshold * np.expm1(path)
+
+
+@dataclass(frozen=True)
+class SensorHysteresis(Dynamic):
+    """The reading is pulled towards where it came from. State: the play operator's, shape of `y`, None at rest."""
+
+    cause: ClassVar[str] = "hysteresis"
+    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
+    source: ClassVar[str] = "Prandtl-Ishlinskii; Kuhnen 2003"
+
+    relative: float = quantity("1", 0.0, lower=-0.5, upper=2.0, typical=0.1, doc="gain a of the loop; its height is 2 a r")
+    threshold: float = quantity(
+        "N",
+        1.0,
+        lower=1e-4,
+        upper=1e3,
+        role=SHAPE,
+        typical=1.0,
+        scan=(0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0),
+        doc="force r at which it yields",
+    )
+
+    def initial(self, rng=None) -> None:
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        mine = self.mine(y)
+        state = play_step(state, mine, self.threshold)
+        return state, self.put_back(y, mine + self.relative * (mine - state))
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        mine = self.mine(y)
+        return self.put_back(y, mine + self.relative * stop(mine, self.threshold))

@@ -1,0 +1,56 @@
+"""Lag: a sensor follows its input as a first-order filter.
+
+    tau z' + z = y,        y' = z,        z(0) = y(0)
+
+The step is exact for an input that is linear between samples (first-order hold):
+
+    z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n],        e = exp(-dt / tau),  g = (1 - e) tau / dt.
+
+tau = 0 is the identity.
+
+Source: K. J. Åström and B. Wittenmark, Computer-Controlled Systems, 3rd ed., Prentice Hall 1997, ch. 2.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.signal import lfilter
+
+from skin_models.effect import Dynamic, Place
+from skin_models.parameter import quantity
+from skin_models.signals import Motion, Sample
+
+
+@dataclass(frozen=True)
+class Lag(Dynamic):
+    """First-order sensor lag. State: last output and last input, None at rest."""
+
+    cause: ClassVar[str] = "lag"
+    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
+    source: ClassVar[str] = "Åström and Wittenmark 1997, ch. 2"
+
+    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, doc="time constant")
+
+    def initial(self, rng=None) -> None:
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        mine = self.mine(y)
+        z, last = (mine, mine) if state is None else state
+        e, g = self._factors(dt)
+        z = e * z + (g - e) * last + (1.0 - g) * mine
+        return (z, mine), self.put_back(y, z)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        mine = self.mine(y)
+        e, g = self._factors(s.dt)
+        start = g * mine[..., :1]  # the filter's memory of an input that has always been y[0]
+        z, _ = lfilter([1.0 - g, g - e], [1.0, -e], mine, zi=start)
+        return self.put_back(y, z)
+
+    def _factors(self, dt: float) -> tuple[float, float]:
+        if self.tau == 0.0:
+            return 0.0, 0.0
+        e = float(np.exp(-dt / self.tau))
+        return e, -float(np.expm1(-dt / self.tau)) * self.tau / dt

@@ -1,0 +1,26 @@
+"""Position offset: the zero of the encoder is not the surface of the skin.
+
+    tip depth = x + offset        positive: the skin is met before the encoder reads zero
+
+Source: geometry.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skin_models.effect import Memoryless, Place
+from skin_models.parameter import quantity
+
+
+@dataclass(frozen=True)
+class PositionOffset(Memoryless):
+    """The plunger is deeper than the encoder says."""
+
+    cause: ClassVar[str] = "position_offset"
+    places: ClassVar = {"rig": Place.DEPTH}
+    source: ClassVar[str] = "geometry"
+
+    offset: float = quantity("m", 0.0, lower=-0.02, upper=0.02, typical=0.15e-3, doc="tip depth minus encoder depth")
+
+    def apply(self, y, s):
+        return y + self.offset

@@ -1,0 +1,54 @@
+"""Rate dependence: the skin's damping is not proportional to speed. Two forms, added to b v in contact:
+
+    power          f = F sign(v) |v / 10 mm/s|^p
+    Hunt-Crossley  f = c x v            damping that grows from zero with the contact
+
+Sources: K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975)
+440-445; R. B. Bird, R. C. Armstrong, O. Hassager, Dynamics of Polymeric Liquids, vol. 1, Wiley 1987, ch. 4 (power law).
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from skin_models.effect import Memoryless, Place
+from skin_models.operators.contact import branches, depth_in_contact
+from skin_models.parameter import SHAPE, quantity
+
+
+@dataclass(frozen=True)
+class PowerDamping(Memoryless):
+    """Damping that follows a power of the speed: p < 1 thins, p > 1 thickens."""
+
+    cause: ClassVar[str] = "rate_dependence"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "power law; Bird, Armstrong and Hassager 1987, ch. 4"
+
+    reference: ClassVar[float] = 0.01  # m/s
+
+    force_sensed: float = quantity("N", 0.0, typical=4.0, doc="force at 10 mm/s, sensed")
+    force_dispersed: float = quantity("N", 0.0, typical=2.0, doc="force at 10 mm/s, dispersed")
+    exponent: float = quantity(
+        "1", 0.4, lower=0.05, upper=4.0, role=SHAPE, typical=0.4, scan=(0.15, 0.25, 0.4, 0.6, 1.5, 2.0, 3.0), doc="power of the speed"
+    )
+
+    def apply(self, y, s):
+        f = np.sign(s.v) * np.abs(s.v / self.reference) ** self.exponent
+        return y + branches(self.force_sensed, self.force_dispersed, f, s.x)
+
+
+@dataclass(frozen=True)
+class HuntCrossley(Memoryless):
+    """Damping proportional to depth times speed."""
+
+    cause: ClassVar[str] = "rate_dependence"
+    form: ClassVar[str] = "hunt_crossley"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Hunt and Crossley 1975"
+
+    c_sensed: float = quantity("N*s/m^2", 0.0, lower=0.0, typical=4e5, doc="factor of x v, sensed")
+    c_dispersed: float = quantity("N*s/m^2", 0.0, lower=0.0, typical=2e5, doc="factor of x v, dispersed")
+
+    def apply(self, y, s):
+        return y + branches(self.c_sensed, self.c_dispersed, depth_in_contact(s.x) * s.v, s.x)

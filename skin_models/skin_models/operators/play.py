@@ -1,0 +1,29 @@
+"""Play and stop: the two elementary operators of rate-independent hysteresis.
+
+    play    P[n] = min(x[n] + r, max(x[n] - r, P[n-1]))       follows x with slack r on either side
+    stop    E[n] = x[n] - P[n] = min(r, max(-r, E[n-1] + x[n] - x[n-1]))       an elastic-plastic spring that yields at r
+
+Both start at rest in the middle: P = x[0], E = 0.
+
+Source: M. Brokate and J. Sprekels, Hysteresis and Phase Transitions, Springer 1996, ch. 2; P. Krejčí, Hysteresis, Convexity and
+Dissipation in Hyperbolic Equations, 1996.
+"""
+
+import numpy as np
+
+from skin_models.operators.scan import running_clamp
+
+
+def play(x: np.ndarray, r: float) -> np.ndarray:
+    """The play operator over a whole record, along the last axis."""
+    return running_clamp(x - r, x + r, x[..., 0])
+
+
+def play_step(last, x, r: float):
+    """One sample: the new P, given the last one (None at rest)."""
+    return x if last is None else np.minimum(x + r, np.maximum(x - r, last))
+
+
+def stop(x: np.ndarray, r: float) -> np.ndarray:
+    """The stop operator over a whole record, along the last axis."""
+    return x - play(x, r)
