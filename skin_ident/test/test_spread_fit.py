@@ -44,15 +44,22 @@ def test_one_scan_that_rounds_to_table_4_10_gives_a_whole_row_of_table_4_8(depth
         fit = fit_gaussian(distance, f, centre=CENTRE)
         return np.array([{"a": fit.a, "c": fit.c * 1e3, "r2": fit.r2}[e] for e in entries])
 
-    slope = np.array([results(force + h) - results(force - h) for h in np.diag(half)]).T / 2  # per half digit of each force
-    # minimise the largest move w, in half digits, subject to |results + slope u - target| <= 0.8 room
-    n = force.size
-    bound = np.r_[target - results(force) + 0.8 * room, results(force) - target + 0.8 * room]
-    rows = np.block([[slope, np.zeros((len(entries), 1))], [-slope, np.zeros((len(entries), 1))]])
-    size = np.block([[np.eye(n), -np.ones((n, 1))], [-np.eye(n), -np.ones((n, 1))]])
-    found = linprog(np.r_[np.zeros(n), 1.0], np.r_[rows, size], np.r_[bound, np.zeros(2 * n)], bounds=[(-1, 1)] * n + [(0, 1)])
+    move = np.zeros(force.size)  # in half digits
+    for _ in range(3):  # the smallest move for which the results, linear about the last one, lie inside the printed digits
+        move = _smallest_move(results, force, half, move, target, 0.9 * room)
+    assert np.all(np.abs(results(force + half * move) - target) <= room)
+
+
+def _smallest_move(results, force, half, move, target, room):
+    """Minimise w subject to |u| <= w <= 1 and |results + slope (u - move) - target| <= room."""
+    at, n = force + half * move, force.size
+    slope = np.array([results(at + h) - results(at - h) for h in np.diag(half)]).T / 2
+    off = target - results(at) + slope @ move
+    none, one = np.zeros((target.size, 1)), np.ones((n, 1))
+    rows = np.block([[slope, none], [-slope, none], [np.eye(n), -one], [-np.eye(n), -one]])
+    found = linprog(np.r_[np.zeros(n), 1.0], rows, np.r_[off + room, room - off, np.zeros(2 * n)], bounds=[(-1, 1)] * n + [(0, 1)])
     assert found.success
-    assert np.all(np.abs(results(force + half * found.x[:n]) - target) <= room)
+    return found.x[:n]
 
 
 def test_table_4_9_does_not_come_from_table_4_11():
