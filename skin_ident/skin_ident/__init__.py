@@ -1,0 +1,1 @@
+"""Recordings, fits, criticism and report, without ROS."""

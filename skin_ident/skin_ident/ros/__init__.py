@@ -1,0 +1,1 @@
+"""Live identification, the identify action, and the demo."""

@@ -1,0 +1,1 @@
+"""Trajectories sampled in position, velocity and acceleration, without ROS."""

@@ -1,0 +1,1 @@
+"""The profile action server and its command-line client."""

@@ -1,0 +1,1 @@
+"""The rig: one small interface, simulated, replayed, or reached over ROS."""

@@ -1,0 +1,1 @@
+"""The lifecycle driver node and the recorder."""
