@@ -1,0 +1,87 @@
+"""What a rig is: an axis that presses a plunger into skin, a load cell on it, and taxels below. A new rig is one file.
+
+The driver calls, once per sample and always from one thread,
+
+    reading = rig.read()                 what the sensors say now
+    rig.command(position, velocity)      where the axis must be at the next sample, and how fast
+
+Positions are those of the stage, m, growing towards the skin; the driver subtracts the zero. A reading never lies: what is not known
+is NaN, and the driver stops or marks it.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from skin_models.errors import SkinError
+
+
+class RigError(SkinError):
+    """The rig cannot be opened, read or commanded."""
+
+
+def _nothing() -> np.ndarray:
+    return np.empty(0)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One synchronous sample. A rig gives volts or newtons, whichever its hardware knows; the other stays NaN or empty.
+
+    Compression is positive. The two truths are known to a simulation only.
+    """
+
+    position: float  # m, of the stage
+    load_cell_voltage: float = float("nan")  # V
+    force: float = float("nan")  # N
+    taxel_voltage: np.ndarray = field(default_factory=_nothing)  # V, (T,) or empty
+    taxel_force: np.ndarray = field(default_factory=_nothing)  # N, (T,) or empty
+    force_truth: float | None = None  # N
+    taxels_truth: np.ndarray | None = None  # N, (T,)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the taxels are, in the frame of the skin: names, positions (T, 3) m, outward normals (T, 3), sensing areas (T,) m^2."""
+
+    names: tuple[str, ...]
+    positions: np.ndarray
+    normals: np.ndarray
+    area: np.ndarray
+
+    @staticmethod
+    def row(count: int, pitch: float = 0.012, diameter: float = 9.53e-3) -> "Layout":
+        """Taxels in a row along x, the first at the origin. The diameter is that of a FlexiForce A201 (thesis, section 3.3.1)."""
+        positions = np.zeros((count, 3))
+        positions[:, 0] = pitch * np.arange(count)
+        normals = np.tile([0.0, 0.0, 1.0], (count, 1))
+        return Layout(tuple(f"taxel_{i}" for i in range(count)), positions, normals, np.full(count, np.pi / 4 * diameter**2))
+
+
+class Rig(ABC):
+    """The interface. `layout` and `travel` are valid once the rig is open."""
+
+    layout: Layout
+    travel: tuple[float, float]  # m, stage positions that the axis can reach
+    # True where time belongs to the rig (simulation, replay): every sample is exactly one period after the last, however late the
+    # driver's thread wakes. False for hardware: the driver reads its clock at every sample.
+    owns_time: bool = False
+
+    @abstractmethod
+    def open(self, sample_rate: float) -> None:
+        """Get ready to be read at `sample_rate` (Hz). Raises `RigError`."""
+
+    @abstractmethod
+    def read(self) -> Reading:
+        """The sample of this instant. Must not block. Raises `RigError` when the rig is lost."""
+
+    @abstractmethod
+    def command(self, position: float, velocity: float) -> None:
+        """Be at `position` (m) with `velocity` (m/s) one period from now. Raises `RigError` when the rig is lost."""
+
+    def halt(self) -> None:  # noqa: B027  (a rig without a brake has nothing to do)
+        """Stop the axis by its own means, for when its position is not known. A rig that has a brake or an enable line uses it."""
+
+    def close(self) -> None:  # noqa: B027
+        """Release what `open` took. The axis stands still afterwards."""

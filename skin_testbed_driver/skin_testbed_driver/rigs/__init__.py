@@ -1,0 +1,1 @@
+"""The rigs that need no ROS: simulated, and a recording replayed."""

@@ -1,0 +1,121 @@
+"""The thesis's testbed in simulation: stage, load cell and taxels around a specimen of `skin_models`, with any hidden effects.
+
+Stage (Newport UTMCC1HL, thesis section 3.1): 150 mm of travel, 20 mm/s, encoder of 1 um. It goes from set point to set point by a cubic
+and comes to rest 1 to 5 um beside where it should, which the encoder shows; its screw is true to 5 um over the travel, which the encoder
+does not show. Load cell and taxels are volts behind a 12-bit converter of +-10 V (NI 9201); the taxels' conditioner ends at 0 and 5 V.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_models.model import Model
+from skin_models.signals import Sample
+from skin_testbed_driver.calibration import Calibration
+from skin_testbed_driver.rig import Layout, Reading, Rig
+
+TRAVEL = (0.0, 0.15)  # m
+ENCODER_STEP = 1e-6  # m
+CONVERTER_STEP = 20.0 / 4096  # V
+CONVERTER_RANGE = (-2048, 2047)  # counts
+TAXEL_RANGE = (0.0, 5.0)  # V, of the conditioner
+_SCREW_PERIOD = 0.04  # m, of the screw's error
+_SETTLING = 0.2  # s, with which the servo error dies away or sets in
+_STILL = 1e-9  # m/s
+
+
+@dataclass(frozen=True)
+class Imperfections:
+    """What makes the hardware real. V are standard deviations of white noise; the others are sizes in m. All zero is an ideal rig."""
+
+    load_cell_noise: float = 3e-3  # V
+    taxel_noise: float = 3e-3  # V
+    rest_error: float = 5e-6  # m, greatest; the least is a fifth of it
+    screw_error: float = 2.5e-6  # m, amplitude over the travel
+    quantised: bool = True
+
+
+class SimulatedRig(Rig):
+    """A `Model` on the thesis's hardware. Every `read` is one sample period after the last, in simulated time."""
+
+    owns_time = True
+    travel = TRAVEL
+
+    def __init__(
+        self,
+        model: Model,
+        calibration: Calibration,
+        layout: Layout | None = None,
+        surface: float = 0.075,
+        start: float = 0.073,
+        seed: int = 0,
+        imperfections: Imperfections | None = None,
+    ) -> None:
+        """`surface` and `start` are stage positions (m) of the skin and of the plunger; `calibration` is the true one."""
+        self.layout = layout or Layout.row(len(model.shares))
+        self._model, self._slopes, self._load_cell_slope = model, calibration.taxels, calibration.load_cell
+        self._surface, self._seed, self._real = surface, seed, imperfections or Imperfections()
+        self._start = start
+
+    def open(self, sample_rate: float) -> None:
+        self._dt = 1.0 / sample_rate
+        self._rng = np.random.default_rng(self._seed)
+        self._screw_phase = self._rng.uniform(0.0, 2.0 * math.pi)
+        self._state = self._model.initial(self._seed)
+        self._x, self._v, self._a = self._start, 0.0, 0.0  # wanted by the servo
+        self._error, self._rest_error = 0.0, 0.0  # of the servo
+        self._next = (self._x, self._v)
+        self._error_speed = 0.0
+        self._time = 0.0
+
+    def command(self, position: float, velocity: float) -> None:
+        self._next = (min(max(position, self.travel[0]), self.travel[1]), velocity)
+
+    def halt(self) -> None:
+        self._next = (self._x, 0.0)
+
+    def read(self) -> Reading:
+        self._move()
+        tip, speed = self._tip()
+        self._state, response = self._model.step(self._state, Sample(self._time, tip, speed, self._a), self._dt)
+        self._time += self._dt
+        volts = np.clip(response.taxels / self._slopes, *TAXEL_RANGE)
+        return Reading(
+            position=self._encoder(self._x + self._error),
+            load_cell_voltage=float(self._convert(float(response.force) / self._load_cell_slope, self._real.load_cell_noise)),
+            taxel_voltage=self._convert(volts, self._real.taxel_noise),
+            force_truth=float(response.force_truth),
+            taxels_truth=np.asarray(response.taxels_truth),
+        )
+
+    def _move(self) -> None:
+        """One period along the cubic to the set point, and the servo's error with it."""
+        (x0, v0), (x1, v1), h = (self._x, self._v), self._next, self._dt
+        self._a = 6.0 * (x0 - x1) / h**2 + (2.0 * v0 + 4.0 * v1) / h
+        came_to_rest = abs(v1) < _STILL and x0 == x1 and self._rest_error == 0.0 and self._time > 0.0
+        if x0 != x1:
+            self._rest_error = 0.0
+        elif came_to_rest:
+            size = self._rng.uniform(0.2, 1.0) * self._real.rest_error
+            self._rest_error = size if self._rng.random() < 0.5 else -size
+        fade = math.exp(-h / _SETTLING)
+        self._error = self._rest_error + fade * (self._error - self._rest_error)
+        self._error_speed = (self._rest_error - self._error) / _SETTLING
+        self._x, self._v = x1, v1
+
+    def _tip(self) -> tuple[float, float]:
+        """Depth (m) and speed (m/s) of the plunger's face: the servo's position with the screw's error."""
+        phase = 2.0 * math.pi * self._x / _SCREW_PERIOD + self._screw_phase
+        position = self._x + self._error + self._real.screw_error * math.sin(phase)
+        slope = 1.0 + self._real.screw_error * 2.0 * math.pi / _SCREW_PERIOD * math.cos(phase)
+        return position - self._surface, (self._v + self._error_speed) * slope
+
+    def _encoder(self, position: float) -> float:
+        return round(position / ENCODER_STEP) * ENCODER_STEP if self._real.quantised else position
+
+    def _convert(self, volts, noise: float):
+        volts = volts + noise * self._rng.standard_normal(np.shape(volts))
+        if not self._real.quantised:
+            return volts
+        return CONVERTER_STEP * np.clip(np.rint(volts / CONVERTER_STEP), *CONVERTER_RANGE)

@@ -1,0 +1,195 @@
+"""The driver without ROS: a rig, what it senses, how it moves, and what stops it. One `tick` per sample.
+
+`tick` belongs to the sampling thread; everything else may be called from any thread. Times are s of the driver's clock.
+"""
+
+import math
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_testbed_driver.calibration import Calibration
+from skin_testbed_driver.motion import Activity, Motion
+from skin_testbed_driver.trajectory import Trajectory
+from skin_testbed_driver.rig import Reading, Rig, RigError
+from skin_testbed_driver.safety import CommandError, Guard, Limits, Stop
+from skin_testbed_driver.sensing import Sample, Sensing
+from skin_testbed_driver.taring import Offsets, Taring
+from skin_testbed_driver.zeroing import Outcome, Zeroing, ZeroSettings
+
+
+@dataclass(frozen=True)
+class Status:
+    """What the driver tells others about itself; see DriverState."""
+
+    activity: Activity
+    reason: str
+    zeroed: bool
+    tared: bool
+
+
+class Testbed:
+    """See the module's docstring. `start_depth` is the depth (m) that the plunger is taken to be at before the surface was found."""
+
+    __test__ = False  # pytest: this is no test
+
+    def __init__(
+        self,
+        rig: Rig,
+        calibration: Calibration,
+        limits: Limits,
+        sample_rate: float = 100.0,
+        start_depth: float = -0.002,
+        speed_samples: int = 2,
+    ) -> None:
+        """Open the rig. Raises `RigError`."""
+        self.rig, self.limits, self.period = rig, limits, 1.0 / sample_rate
+        self._lock = threading.Lock()
+        rig.open(sample_rate)
+        self._guard = Guard(limits, rig.travel)
+        zero = rig.read().position - start_depth
+        self._sensing = Sensing(calibration, 0.0 if math.isnan(zero) else zero, self.period, speed_samples)
+        self._motion = Motion(limits, start_depth)
+        self._job, self._done = None, None
+        self._zeroed = self._tared = False
+        self._next = 0.0  # time of the next sample: the axis has been told where to be by then
+        self._last: Sample | None = None
+
+    def tick(self, t: float) -> Sample:
+        """Take the sample of time `t`, check it, and command the axis for the next one."""
+        with self._lock:
+            self._next = t + self.period
+            sample = self._sensing.sample(self._read(t))
+            target, _ = self._motion.advance(t)
+            stop = self._guard.check(sample.position, sample.depth, target, sample.load)
+            if stop is not None:
+                self._stop(stop)
+            self._work(sample, t)
+            self._command()
+            self._last = sample
+        return sample
+
+    def status(self) -> Status:
+        """The present state."""
+        with self._lock:
+            stopped = self._motion.stopped
+            activity = self._motion.activity(self._next)
+            if self._job is not None and activity is Activity.READY:
+                activity = Activity.MOVING
+            return Status(activity, stopped.reason if stopped else "", self._zeroed, self._tared)
+
+    def follow(self, command: Trajectory | None, make: Callable[[float], Trajectory] | None = None) -> None:
+        """Follow a command, or the one that `make(now)` gives. One that cannot be followed stops the driver; raises `CommandError`."""
+        with self._lock:
+            if self._motion.stopped is not None:
+                raise CommandError(f"the driver is stopped ({self._motion.stopped.reason}): call the service reset first")
+            try:
+                if self._job is not None:
+                    raise CommandError("zeroing or taring is under way")
+                self._motion.follow(command if make is None else make(self._next), self._next)
+            except CommandError as error:
+                self._stop(Stop(f"command refused: {error}"))
+                raise
+
+    def stop(self, reason: str) -> None:
+        """Brake to rest and stay stopped because of `reason`."""
+        with self._lock:
+            self._stop(Stop(reason))
+
+    def reset(self) -> None:
+        """End a stop. Raises `CommandError` while the plunger moves or its depth is not known."""
+        with self._lock:
+            if self._last is None or self._motion.stopped is None:
+                return
+            self._motion.reset(self._last.depth, self._next)
+
+    def zero(self, settings: ZeroSettings, done: Callable[[Outcome], None]) -> None:
+        """Find the surface; `done(outcome)` comes from the sampling thread. Raises `CommandError` unless the driver is ready."""
+        self._begin(Zeroing(settings), self._zero_found, done)
+
+    def tare(self, duration: float, done: Callable[[Outcome], None]) -> None:
+        """Measure the offsets for `duration` (s), as `zero`. Raises `CommandError` where the plunger touches the skin."""
+        if self._zeroed and self._last is not None and self._last.depth > 0.0:
+            raise CommandError(f"the plunger is {1e3 * self._last.depth:.3f} mm in the skin: retract it before taring")
+        self._begin(Taring(max(round(duration / self.period), 1)), self._tare_found, done)
+
+    def reset_tare(self) -> None:
+        """Subtract nothing."""
+        with self._lock:
+            self._set_offsets(Offsets(0.0, np.zeros_like(self._sensing.taxel_offset)), tared=False)
+
+    def at_rest(self) -> bool:
+        """Whether the axis has nothing more to do."""
+        with self._lock:
+            return self._motion.at_rest(self._next)
+
+    def offsets(self) -> Offsets:
+        """What is subtracted now."""
+        with self._lock:
+            return Offsets(self._sensing.force_offset, self._sensing.taxel_offset)
+
+    def close(self) -> None:
+        """Release the rig."""
+        with self._lock:
+            self._end_job(Outcome("the driver was closed"))
+            self.rig.close()
+
+    def _read(self, t: float) -> Reading:
+        try:
+            return self.rig.read()
+        except RigError as error:
+            self._stop(Stop(str(error), lost=True))
+            return Reading(math.nan, taxel_voltage=np.full(len(self.rig.layout.names), np.nan))
+
+    def _command(self) -> None:
+        try:
+            if self._motion.stopped is not None and self._motion.stopped.lost:
+                self.rig.halt()
+            else:
+                depth, speed = self._motion.at(self._next)
+                self.rig.command(depth + self._sensing.zero, speed)
+        except RigError as error:
+            self._stop(Stop(str(error), lost=True))
+
+    def _stop(self, stop: Stop) -> None:
+        self._motion.stop(stop, self._next)
+        self._end_job(Outcome(f"stopped: {stop.reason}"))
+
+    def _begin(self, job, found: Callable, done: Callable[[Outcome], None]) -> None:
+        with self._lock:
+            if self._job is not None:
+                raise CommandError("zeroing or taring is under way")
+            if self._motion.stopped is not None:
+                raise CommandError(f"the driver is stopped ({self._motion.stopped.reason}): call the service reset first")
+            if self._motion.activity(self._next) is not Activity.READY:
+                raise CommandError("the plunger is moving: wait until it rests")
+            self._job, self._found, self._done = job, found, done
+
+    def _work(self, sample: Sample, t: float) -> None:
+        if self._job is None:
+            return
+        outcome = self._job.step(self._motion, sample, self._next)
+        if outcome is not None:
+            if outcome.value is not None:
+                self._found(outcome.value)
+            self._end_job(outcome)
+
+    def _end_job(self, outcome: Outcome) -> None:
+        done, self._job, self._done = self._done, None, None
+        if done is not None:
+            done(outcome)
+
+    def _zero_found(self, depth: float) -> None:
+        self._sensing.move_zero(depth)
+        self._motion.shift(-depth)
+        self._motion.go_to(self.limits.retracted_depth, self.limits.max_speed, self._next)
+        self._zeroed = True
+
+    def _tare_found(self, offsets: Offsets) -> None:
+        self._set_offsets(offsets, tared=True)
+
+    def _set_offsets(self, offsets: Offsets, tared: bool) -> None:
+        self._sensing.force_offset, self._sensing.taxel_offset = offsets.force, offsets.taxels
+        self._tared = tared

@@ -1,0 +1,99 @@
+"""Finding the surface: press slowly until the rolling mean of the load cell's voltage has risen by a threshold (thesis, section 3.2.2).
+
+The mean is over the last 100 samples and the threshold is 0.01 V, both as in the thesis. To be quick and exact at once the surface is
+approached twice: fast with a tenth of the samples, then, after backing off, slowly with all of them. Free air just before the slow
+approach gives the value from which the rise counts, so an offset of the load cell does not matter.
+"""
+
+from collections import deque
+from collections.abc import Generator
+from dataclasses import dataclass
+
+from skin_testbed_driver.motion import Motion
+from skin_testbed_driver.sensing import Sample
+
+_Stages = Generator[None, tuple[Motion, float, float, float], object]
+
+
+class RollingMean:
+    """Mean of the last `size` values, None until there are as many."""
+
+    def __init__(self, size: int) -> None:
+        """Start empty."""
+        self._values: deque[float] = deque(maxlen=size)
+        self._sum = 0.0
+
+    def add(self, value: float) -> float | None:
+        """Take one more value, and give the mean."""
+        full = len(self._values) == self._values.maxlen
+        self._sum += value - (self._values[0] if full else 0.0)
+        self._values.append(value)
+        return self._sum / len(self._values) if len(self._values) == self._values.maxlen else None
+
+
+@dataclass(frozen=True)
+class ZeroSettings:
+    """Threshold (V), length of the rolling mean (samples), speeds of both approaches (m/s), how far to back off and to search (m)."""
+
+    threshold: float = 0.01
+    samples: int = 100
+    fast: float = 5e-4
+    slow: float = 2e-5
+    back_off: float = 1.5e-4
+    travel: float = 0.01
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a job ended: with a sentence, and what it found (None: it failed)."""
+
+    message: str
+    value: object = None
+
+
+class Zeroing:
+    """One search for the surface; `step` once per sample until it gives an outcome, whose value is the surface's depth in m."""
+
+    def __init__(self, settings: ZeroSettings) -> None:
+        """Begin with listening in the air."""
+        self._settings = settings
+        self._stages = self._run()
+        next(self._stages)
+
+    def step(self, motion: Motion, sample: Sample, t: float) -> Outcome | None:
+        """One sample at time `t` (s). Moves `motion`."""
+        try:
+            self._stages.send((motion, sample.depth, sample.force_voltage, t))
+        except StopIteration as end:
+            return end.value
+        return None
+
+    def _run(self) -> _Stages:
+        s = self._settings
+        found = yield from self._approach(s.fast, max(s.samples // 10, 1), 2.0 * s.threshold)
+        if found is not None:
+            yield from self._back_off(found)
+            found = yield from self._approach(s.slow, s.samples, s.threshold)
+        if found is None:
+            return Outcome(f"no contact within {1e3 * s.travel:g} mm: is there anything below the plunger?")
+        return Outcome(f"surface found: the mean of {s.samples} samples rose by {s.threshold:g} V", found)
+
+    def _approach(self, speed: float, samples: int, threshold: float) -> _Stages:
+        """Listen, then press until contact; gives the depth of contact, or None at the end of the search."""
+        mean, air = RollingMean(samples), None
+        while air is None:
+            motion, depth, voltage, t = yield
+            air = mean.add(voltage)
+        motion.go_to(depth + self._settings.travel, speed, t)
+        while not motion.at_rest(t):
+            motion, depth, voltage, t = yield
+            if mean.add(voltage) - air >= threshold:
+                motion.rest(t)
+                return depth
+        return None
+
+    def _back_off(self, found: float) -> _Stages:
+        motion, _, _, t = yield
+        motion.go_to(found - self._settings.back_off, self._settings.fast, t)
+        while not motion.at_rest(t):
+            motion, _, _, t = yield
