@@ -1,0 +1,82 @@
+"""Manners that all command lines share: one clear sentence and status 2 for bad input, nothing half written, progress to stderr."""
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from skin_ident.recordings.errors import RecordingError
+from skin_models.errors import SkinError
+
+UNUSABLE = 2
+INTERRUPTED = 130
+
+
+def run(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> int:
+    """Call `main`; a `SkinError` becomes one line on stderr and status 2, Ctrl-C status 130."""
+    try:
+        return main(arguments)
+    except SkinError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return UNUSABLE
+    except KeyboardInterrupt:
+        print("interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output went away, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def add_recordings(parser: argparse.ArgumentParser) -> None:
+    """The arguments that say what to read."""
+    parser.add_argument("recordings", nargs="+", metavar="RECORDING", help="rosbag2 directory, .mcap, table, or a folder of them")
+    parser.add_argument(
+        "--topics", nargs="+", default=[], metavar="ROLE=TOPIC", help="topics of bags: force=/ft encoder=/joint_states:joint taxels=/skin"
+    )
+
+
+def topics_of(pairs: Sequence[str]) -> dict[str, str]:
+    """`["force=/ft"]` as a mapping. Raises `RecordingError`."""
+    broken = [pair for pair in pairs if not all(pair.partition("="))]
+    if broken:
+        raise RecordingError(f"--topics takes pairs such as force=/ft, not {broken[0]!r}")
+    return dict(pair.split("=", 1) for pair in pairs)
+
+
+def output_folder(path: str) -> Path:
+    """The folder to write into, made if it is missing. Raises `RecordingError` where that is not possible."""
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(13, os.strerror(13))
+    except OSError as error:
+        raise RecordingError(f"cannot write into {path}: {error.strerror}") from error
+    return folder
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write a JSON file whole or not at all; NaN and infinity become null."""
+    partial = path.with_name(path.name + ".partial")
+    partial.write_text(json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def _plain(thing: Any) -> Any:
+    if isinstance(thing, Mapping):
+        return {str(key): _plain(value) for key, value in thing.items()}
+    if hasattr(thing, "tolist"):
+        return _plain(thing.tolist())
+    if isinstance(thing, (list, tuple)):
+        return [_plain(value) for value in thing]
+    if isinstance(thing, float) and not abs(thing) < float("inf"):
+        return None
+    return thing
+
+
+def say(text: str) -> None:
+    """One line of progress."""
+    print(text, file=sys.stderr, flush=True)

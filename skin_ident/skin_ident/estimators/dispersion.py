@@ -1,0 +1,204 @@
+"""The dispersion model by linear least squares (thesis eqs 9 to 24 and 27 to 31).
+
+    taxel i   F_i  = s_i (b1 v + k1 x)
+    force     F_LC = m (a - g) + (b1 + b2) v + (k1 + k2) x
+
+with depth x, speed v and acceleration a; terms are zero in the air, and where the skin would pull. The mass is estimated (Table 4-4),
+or held at a known value (Table 4-5). Taxels beside the plunger share the strongest one's b1 and k1 (rank one, weighted by their noise).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.estimate import Estimate, Residual
+from skin_ident.estimators.regression import Block, Regression, regress
+from skin_ident.estimators.sessions import Session, prepare
+from skin_ident.estimators.verdicts import judge, mass_at_bound
+from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
+from skin_models.parameter import Parameter, parameters_of
+from skin_models.signals import Motion
+
+MASS_PER_THICKNESS = 0.108  # kg/m: silicone above one taxel's sensing area, thesis section 4.3.1
+FREE = "free"
+ROUNDS = 10  # at most, until the samples where the skin would pull no longer change
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What the recordings allow: is there a load cell, how many taxels, is the mass estimated or `mass` (kg)."""
+
+    force: bool
+    taxels: int
+    free: bool
+    mass: float
+
+
+def fit_dispersion(
+    recordings: Sequence[Recording], mass: float | str = 0.0, motions: Sequence[Motion] | None = None, method: str = "linear least squares"
+) -> Estimate:
+    """Fit one dispersion model to all sessions. `mass` is FREE or a value in kg; `motions` replaces the measured motion.
+
+    Raises `FitError` where the recordings lack what the fit needs.
+    """
+    sessions, warnings = prepare(recordings, motions)
+    shape = _shape(sessions, mass)
+    regression = _settled(sessions, shape)
+    theta, to_theta = _parameters(regression, shape)
+    if shape.free and theta[0] < 0.0:
+        return _at_bound(recordings, motions, method)
+    covariance = to_theta @ regression.covariance @ to_theta.T
+    return _estimate(method, sessions, shape, regression, theta, covariance, warnings)
+
+
+def known_mass(recordings: Sequence[Recording], thickness_mm: float | None = None) -> float:
+    """The mass to hold fixed, kg: as declared, or that of the silicone over one taxel at the declared thickness, or none."""
+    declared = recordings[0].declared
+    if declared.moving_mass_kg is not None:
+        return declared.moving_mass_kg
+    return MASS_PER_THICKNESS * 1e-3 * (thickness_mm or declared.skin_thickness_mm or 0.0)
+
+
+def _at_bound(recordings, motions, method: str) -> Estimate:
+    """The mass came out negative: the best that physics allows is none."""
+    estimate = fit_dispersion(recordings, 0.0, motions, method)
+    return replace(estimate, verdicts={**estimate.verdicts, "m": mass_at_bound()})
+
+
+def _shape(sessions: list[Session], mass: float | str) -> Shape:
+    force, taxels = sessions[0].force is not None, len(sessions[0].taxels)
+    if not force and not taxels:
+        raise FitError(f"{sessions[0].name} holds no force in newtons: neither a load cell nor a calibrated taxel")
+    if isinstance(mass, str) and mass != FREE:
+        raise FitError(f"mass is {mass!r}; it must be a number in kg, or {FREE}")
+    free = mass == FREE
+    if free and not force:
+        raise FitError("the mass acts on the load cell alone (eq 27), and there is no load cell in these recordings")
+    return Shape(force, taxels, free, 0.0 if free else float(mass))
+
+
+def _settled(sessions: list[Session], shape: Shape) -> Regression:
+    """Regress, find where the skin would have pulled, and repeat until that no longer changes."""
+    pulling = None
+    for _ in range(ROUNDS):
+        regression = regress(_blocks(sessions, shape, pulling))
+        whole = regression.coefficients[0][-2:]  # of the load cell, or of the first taxel
+        ratio = float(whole[0] / whole[1]) if whole[1] > 0.0 else None
+        if pulling == ratio or not any(_parts(s.motion, ratio) for s in sessions):
+            break
+        pulling = ratio
+    return regression
+
+
+def _parts(s: Motion, ratio: float | None) -> bool:
+    return ratio is not None and bool(np.any((s.x > 0.0) & (ratio * s.v + s.x <= 0.0)))
+
+
+def _blocks(sessions: list[Session], shape: Shape, pulling: float | None) -> list[list[Block]]:
+    """Force first, then the taxels. Columns: (a - g,) v, x for the force; v, x for a taxel."""
+    columns = [s.columns(pulling) for s in sessions]
+    force = [[_force_block(s, c, shape) for s, c in zip(sessions, columns, strict=True)]] if shape.force else []
+    return force + [[Block(s.taxels[i], c[:, :2]) for s, c in zip(sessions, columns, strict=True)] for i in range(shape.taxels)]
+
+
+def _force_block(s: Session, columns: np.ndarray, shape: Shape) -> Block:
+    inertial = columns[:, 2] + columns[:, 3]
+    if shape.free:
+        return Block(s.force, np.column_stack([inertial, columns[:, :2]]))
+    return Block(s.force - shape.mass * inertial, columns[:, :2])
+
+
+def _parameters(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
+    """m, b1, k1, b2, k2, shares and their Jacobian with respect to all coefficients, by central differences."""
+    beta = np.concatenate(regression.coefficients)
+    metric = _metric(regression, shape)
+    step = 1e-6 * np.maximum(np.abs(beta), 1e-9)
+    moves = np.diag(step)
+    jacobian = [(_theta(beta + d, metric, shape) - _theta(beta - d, metric, shape)) / (2 * h) for d, h in zip(moves, step, strict=True)]
+    return _theta(beta, metric, shape), np.array(jacobian).T
+
+
+def _metric(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
+    """Weights (T,) of the taxels and the metric (2, 2) of (b, k), from the covariance of the strongest taxel."""
+    if not shape.taxels:
+        return np.empty(0), np.eye(2)
+    noise = np.array(regression.noise[-shape.taxels :])
+    floor = max(1e-3 * noise.max(), 1e-12)
+    end = regression.covariance.shape[0]
+    strongest = int(np.argmax([c[1] for c in regression.coefficients[-shape.taxels :]]))
+    at = slice(end - 2 * (shape.taxels - strongest), end - 2 * (shape.taxels - strongest) + 2)
+    precision = np.linalg.pinv(regression.covariance[at, at])
+    return 1.0 / np.maximum(noise, floor), np.linalg.cholesky(precision / np.trace(precision) + 1e-15 * np.eye(2))
+
+
+def _theta(beta: np.ndarray, metric: tuple[np.ndarray, np.ndarray], shape: Shape) -> np.ndarray:
+    lead = int(shape.free)
+    m = beta[0] if shape.free else shape.mass
+    whole = beta[lead : lead + 2] if shape.force else None
+    if not shape.taxels:
+        return np.array([m, whole[0], whole[1], 0.0, 0.0])
+    rows = beta[-2 * shape.taxels :].reshape(shape.taxels, 2)
+    sensed, shares = _rank_one(rows, *metric)
+    rest = whole - sensed if shape.force else np.zeros(2)
+    return np.concatenate([[m, *sensed, *rest], shares])
+
+
+def _rank_one(rows: np.ndarray, weights: np.ndarray, metric: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(b1, k1) of the strongest taxel and the shares (T,) of all, from the (b, k) of each, rows (T, 2)."""
+    if len(rows) == 1:
+        return rows[0], np.ones(1)
+    u, size, v = np.linalg.svd(weights[:, None] * (rows @ metric), full_matrices=False)
+    shares, sensed = u[:, 0] / weights, size[0] * np.linalg.solve(metric.T, v[0])
+    strongest = shares[np.argmax(np.abs(shares))]
+    return sensed * strongest, shares / strongest
+
+
+def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.ndarray, covariance: np.ndarray, warnings) -> Estimate:
+    m, b1, k1, b2, k2, *shares = (float(value) for value in theta)
+    if k1 < 0.0:
+        raise FitError(f"the stiffness comes out negative ({k1:.4g} N/m): force and depth do not belong together, or a sign is wrong")
+    notes = [f"taxel_{i}: its share came out at {s:.3g} and was set to 0" for i, s in enumerate(shares) if s < 0.0]
+    source = ", ".join(s.name for s in sessions)
+    model = Model(Dispersion(m=m, b1=b1, k1=k1, b2=b2, k2=k2), tuple(max(0.0, s) for s in shares), source=source)
+    named = (*parameters_of(model.dispersion), *(Parameter(f"share_{i}", "1", s) for i, s in enumerate(model.shares)))
+    residuals = _residuals(sessions, shape, regression)
+    verdicts, contributions = judge(sessions, shape, regression, named, covariance)
+    return Estimate(
+        method=method,
+        model=model,
+        parameters=named,
+        covariance=covariance,
+        verdicts=verdicts,
+        residuals=residuals,
+        contributions=contributions,
+        condition=regression.condition,
+        dof=regression.dof,
+        sessions=tuple(s.name for s in sessions),
+        warnings=(*warnings, *notes),
+    )
+
+
+def channel_names(shape: Shape) -> list[str]:
+    """Names of the channels in the order of the regression."""
+    return ["force"] * shape.force + [f"taxel_{i}" for i in range(shape.taxels)]
+
+
+def _residuals(sessions: list[Session], shape: Shape, regression: Regression) -> dict[str, Residual]:
+    measured = ([[s.force for s in sessions]] if shape.force else []) + [[s.taxels[i] for s in sessions] for i in range(shape.taxels)]
+    rows = zip(channel_names(shape), measured, regression.residuals, regression.ar, regression.noise, strict=True)
+    return {name: _residual(np.concatenate(y), np.concatenate(e), ar, noise) for name, y, e, ar, noise in rows}
+
+
+def _residual(y: np.ndarray, e: np.ndarray, ar: np.ndarray, noise: float) -> Residual:
+    mse, spread, largest = float(np.mean(e**2)), float(np.var(y)), float(np.max(y))
+    return Residual(
+        rmse=mse**0.5,
+        r2=1.0 - mse / spread if spread > 0 else 0.0,
+        relative_mse=mse / largest if largest > 0 else float("nan"),
+        ar=tuple(float(a) for a in ar),
+        noise=noise,
+    )

@@ -1,0 +1,85 @@
+"""What every estimator returns: values, an honest covariance, and a verdict per parameter."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.stats import t as student
+
+from skin_models.model import Model
+from skin_models.parameter import Parameter
+
+IDENTIFIABLE = "identifiable"
+WEAK = "weak"
+NOT_IDENTIFIABLE = "not identifiable"
+AT_BOUND = "at its bound"
+FIXED = "fixed"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a parameter may be believed: one of the words above, and the sentence that says why."""
+
+    word: str
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Residual:
+    """What a fit leaves of one channel.
+
+    rmse (N) over the fitted samples, low-passed as fitted; r2; relative_mse = mean squared error / largest measured value, the thesis's
+    measure (section 4.3.2; N, though the thesis writes %); ar: coefficients of the noise model e[n] = sum ar[i] e[n-1-i] + w[n];
+    noise: std of w.
+    """
+
+    rmse: float
+    r2: float
+    relative_mse: float
+    ar: tuple[float, ...]
+    noise: float
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A fit. `parameters` and the rows of `covariance` (P, P) are in the same order; a fixed parameter has zero variance.
+
+    `contributions[p][channel]` is the rms in newtons of the term that p multiplies. `condition` is that of the normal matrix with its
+    columns scaled to unit length. `dof` counts the effective degrees of freedom behind the covariance.
+    """
+
+    method: str
+    model: Model
+    parameters: tuple[Parameter, ...]
+    covariance: np.ndarray
+    verdicts: Mapping[str, Verdict]
+    residuals: Mapping[str, Residual]
+    contributions: Mapping[str, Mapping[str, float]]
+    condition: float
+    dof: float
+    sessions: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+    notes: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values by name, SI."""
+        return {p.name: p.value for p in self.parameters}
+
+    @property
+    def std(self) -> dict[str, float]:
+        """Standard errors by name, SI."""
+        sizes = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return {p.name: float(s) for p, s in zip(self.parameters, sizes, strict=True)}
+
+    @property
+    def correlations(self) -> np.ndarray:
+        """Correlation matrix (P, P) of the parameters; 0 beside the diagonal for fixed ones."""
+        size = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        scale = np.where(size > 0, size, 1.0)
+        return self.covariance / np.outer(scale, scale) + np.diag((size == 0).astype(float))
+
+    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """The interval that holds the truth in `level` of all repetitions, from Student's t with `dof`."""
+        half = student.ppf(0.5 + level / 2, self.dof) * self.std[name]
+        return self.values[name] - half, self.values[name] + half

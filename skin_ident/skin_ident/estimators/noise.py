@@ -1,0 +1,70 @@
+"""Coloured noise: an autoregressive model of the residual, and what it does to the covariance of least squares.
+
+With e = A(q)^-1 w, w white of variance s2, ordinary least squares has the covariance
+
+    P (H' Omega H) P,     P = (H'H)^-1,     H' Omega H = s2 || A(q^-1)^-1 H ||^2
+
+so that one backward recursion per column replaces the (N, N) matrix Omega.
+Source: E. J. Hannan, Multiple Time Series, Wiley 1970, ch. VII; order by BIC, G. Schwarz, Ann. Statist. 6 (1978).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.signal import lfilter
+
+
+def fit_ar(residuals: Sequence[np.ndarray], lost: int = 0) -> tuple[np.ndarray, float]:
+    """Coefficients a of e[n] = sum a[i] e[n-1-i] + w[n] and the std of w, pooled over sessions.
+
+    `residuals` are arrays (N_s,), their mean kept; `lost` is the number of parameters already taken out of them. Yule and Walker's
+    equations, which always give a stable model; the order minimises BIC.
+    """
+    n = sum(e.size for e in residuals)
+    top = int(min(30, max(1, n // 20), min(e.size for e in residuals) - 1))
+    gamma = np.array([sum(np.dot(e[k:], e[: e.size - k]) for e in residuals) for k in range(top + 1)]) / max(n - lost, 1)
+    if gamma[0] <= 0.0:
+        return np.empty(0), 0.0
+    return _best_order(gamma, n)
+
+
+def _best_order(gamma: np.ndarray, n: int) -> tuple[np.ndarray, float]:
+    """Levinson's recursion, keeping the order with the lowest BIC."""
+    a, variance = np.empty(0), gamma[0]
+    best = (n * np.log(variance), a, variance)
+    for p in range(1, gamma.size):
+        reflection = (gamma[p] - np.dot(a, gamma[p - 1 : 0 : -1] if p > 1 else [])) / variance
+        a = np.concatenate([a - reflection * a[::-1], [reflection]])
+        variance *= max(1.0 - reflection**2, 1e-12)
+        score = n * np.log(variance) + p * np.log(n)
+        if score < best[0]:
+            best = (score, a, variance)
+    return best[1], float(np.sqrt(best[2]))
+
+
+def coloured(columns: np.ndarray, ar: np.ndarray) -> np.ndarray:
+    """A(q^-1)^-1 H for one session's columns (N, P), last sample first: the recursion runs on before the session until it has died."""
+    if not ar.size:
+        return columns[::-1]
+    tail = np.zeros((_memory(ar), columns.shape[1]))
+    return lfilter([1.0], np.concatenate([[1.0], -ar]), np.concatenate([tail, columns])[::-1], axis=0)
+
+
+def _memory(ar: np.ndarray) -> int:
+    """Samples after which the noise has forgotten."""
+    slowest = np.max(np.abs(np.roots(np.concatenate([[1.0], -ar]))), initial=0.0)
+    return int(min(20000, np.ceil(np.log(1e-3) / np.log(min(max(slowest, 1e-3), 0.99999)))))
+
+
+def effective_samples(ar: np.ndarray, n: int) -> float:
+    """How many independent samples n correlated ones are worth for their variance (Bartlett)."""
+    if not ar.size:
+        return float(n)
+    gamma = autocovariance(ar, min(n, _memory(ar)))
+    return float(n / max(1.0, 1.0 + 2.0 * np.sum(np.square(gamma[1:] / gamma[0]))))
+
+
+def autocovariance(ar: np.ndarray, lags: int) -> np.ndarray:
+    """Autocovariance (lags + 1,) of the AR process with unit innovations."""
+    pulse = lfilter([1.0], np.concatenate([[1.0], -ar]), np.eye(1, 2 * lags + _memory(ar) + 1)[0])
+    return np.array([np.dot(pulse[k:], pulse[: pulse.size - k]) for k in range(lags + 1)])

@@ -1,0 +1,81 @@
+"""Recordings made ready for linear estimation: motion, contact, and measured channels as rows of one filtered, decimated system."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.prefilter import Prefilter, prefilter_for
+from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.timing import counted
+from skin_models.signals import GRAVITY, Motion, motion
+
+
+@dataclass(frozen=True)
+class Session:
+    """One recording. `force` (n,) or None and `taxels` (T, n) are low-passed and decimated; `motion` is at full rate, depth smoothed."""
+
+    name: str
+    motion: Motion
+    force: np.ndarray | None
+    taxels: np.ndarray
+    prefilter: Prefilter
+
+    def columns(self, pulling: float | None = None) -> np.ndarray:
+        """Filtered columns (n, 4): speed, depth, acceleration, -gravity, each zero in the air.
+
+        `pulling` is the ratio b / k of the whole skin: where speed and depth say b v + k x <= 0, skin and plunger have parted.
+        """
+        s = self.motion
+        contact = s.x > 0.0
+        carried = contact if pulling is None else contact & (pulling * s.v + s.x > 0.0)
+        rows = np.array([s.v * carried, s.x * carried, s.a * contact, -GRAVITY * contact])
+        return self.prefilter.rows(rows).T
+
+
+def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = None) -> tuple[list[Session], tuple[str, ...]]:
+    """Sessions through one common low-pass, and warnings. `motions` replaces the measured motion. Raises `FitError`."""
+    if not recordings:
+        raise FitError("there is no recording to fit")
+    lacking = [r.name for r in recordings if r.depth is None]
+    if lacking:
+        raise FitError(f"{', '.join(lacking)}: no depth was recorded, and this fit needs it")
+    _same_channels(recordings)
+    prefilters = _prefilters(recordings)
+    warnings = tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings)
+    sessions = [_session(r, prefilters[_rate(r)]) for r in recordings]
+    if motions is not None:
+        sessions = [replace(s, motion=m) for s, m in zip(sessions, motions, strict=True)]
+    return sessions, warnings
+
+
+def _session(r: Recording, prefilter: Prefilter) -> Session:
+    calibrated = np.array([y for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"])
+    taxels = prefilter.rows(calibrated) if calibrated.size else np.empty((0, 0))
+    s = motion(r.t, prefilter.smooth(r.depth))
+    if not np.any(s.x > 0.0):
+        raise FitError(f"{r.name}: the plunger never touches the skin (depth > 0 nowhere); set the encoder's zero at the surface")
+    return Session(r.name, s, None if r.force is None else prefilter.rows(r.force), taxels, prefilter)
+
+
+def _same_channels(recordings: Sequence[Recording]) -> None:
+    first = recordings[0]
+    for r in recordings[1:]:
+        if (r.force is None, len(r.taxels)) != (first.force is None, len(first.taxels)):
+            raise FitError(
+                f"{first.name} has {counted(len(first.taxels), 'taxel')}{' and force' if first.force is not None else ''}, {r.name} has "
+                f"{counted(len(r.taxels), 'taxel')}{' and force' if r.force is not None else ''}: fit them apart"
+            )
+
+
+def _rate(r: Recording) -> float:
+    return float(f"{r.dt:.3g}")
+
+
+def _prefilters(recordings: Sequence[Recording]) -> dict[float, Prefilter]:
+    """One low-pass per sampling rate, all with the highest cut-off that any of the sessions needs and all allow."""
+    rates = {rate: [r for r in recordings if _rate(r) == rate] for rate in map(_rate, recordings)}
+    each = {rate: prefilter_for([(r.depth, r.dt) for r in rs]) for rate, rs in rates.items()}
+    edge = min(max(p.edge for p in each.values()), min(0.2 / p.dt for p in each.values()))
+    return {rate: Prefilter(p.dt, edge) for rate, p in each.items()}

@@ -1,0 +1,70 @@
+"""An estimate for people (a table) and for machines (a dictionary)."""
+
+import math
+import textwrap
+from typing import Any
+
+from skin_ident.estimators.estimate import Estimate
+from skin_models.parameter import Parameter
+
+WIDTH = 110
+
+
+def as_table(estimate: Estimate) -> str:
+    """Value, unit, ± (95 %), verdict; then what is left per channel, and every warning."""
+    head = f"{estimate.method}: {len(estimate.sessions)} session{'s' * (len(estimate.sessions) > 1)} ({', '.join(estimate.sessions)})"
+    rows = [_row(estimate, p) for p in estimate.parameters]
+    left = [f"  {name:<10} rms {r.rmse:.4g} N   R² {r.r2:.5f}" for name, r in estimate.residuals.items()]
+    why = [f"  {p.name:<9} {estimate.verdicts[p.name].word}: {estimate.verdicts[p.name].sentence}" for p in estimate.parameters]
+    notes = [f"note: {w}" for w in estimate.warnings]
+    title = f"  {'':<9} {'value':>12} {'± 95 %':>11}  {'unit':<7} verdict"
+    folded = [_folded(line) for line in why + notes]
+    return "\n".join([head, title, *rows, "what the fit leaves:", *left, "why:", *folded])
+
+
+def _row(estimate: Estimate, p: Parameter) -> str:
+    low, high = estimate.interval(p.name)
+    half = (high - low) / 2
+    error = "" if half == 0.0 else f"{half:.2g}"
+    return f"  {p.name:<9} {_rounded(p.value, half):>12} {error:>11}  {p.unit:<7} {estimate.verdicts[p.name].word}"
+
+
+def _rounded(value: float, half: float) -> str:
+    """As many digits as the uncertainty allows, one to spare."""
+    if half <= 0.0 or not math.isfinite(half) or value == 0.0:
+        return f"{value:.4g}"
+    digits = max(2, min(9, math.floor(math.log10(abs(value))) - math.floor(math.log10(half)) + 2)) if abs(value) > half else 2
+    return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
+
+
+def _folded(line: str) -> str:
+    return "\n".join(textwrap.wrap(line, WIDTH, initial_indent=line[: len(line) - len(line.lstrip())], subsequent_indent=" " * 12))
+
+
+def as_dict(estimate: Estimate) -> dict[str, Any]:
+    """The content of fit.json."""
+    return {
+        "schema": 1,
+        "method": estimate.method,
+        "recordings": list(estimate.sessions),
+        "parameters": {p.name: _entry(estimate, p) for p in estimate.parameters},
+        "correlations": {"names": [p.name for p in estimate.parameters], "matrix": estimate.correlations},
+        "condition": estimate.condition,
+        "degrees_of_freedom": estimate.dof,
+        "residuals": {name: vars(r) | {"unit": "N"} for name, r in estimate.residuals.items()},
+        "notes": dict(estimate.notes),
+        "warnings": list(estimate.warnings),
+    }
+
+
+def _entry(estimate: Estimate, p: Parameter) -> dict[str, Any]:
+    verdict = estimate.verdicts[p.name]
+    return {
+        "value": p.value,
+        "unit": p.unit,
+        "std": estimate.std[p.name],
+        "ci95": list(estimate.interval(p.name)),
+        "verdict": verdict.word,
+        "because": verdict.sentence,
+        "contribution_rms_n": dict(estimate.contributions[p.name]),
+    }

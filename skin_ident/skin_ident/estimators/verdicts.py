@@ -1,0 +1,95 @@
+"""Whether a parameter may be believed, said in newtons: what its term carries, against its own error and against the noise."""
+
+import numpy as np
+
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.estimate import AT_BOUND, FIXED, IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK, Verdict
+from skin_ident.estimators.regression import Block, regress
+from skin_models.parameter import Parameter
+from skin_models.signals import GRAVITY
+
+SURE, VAGUE = 0.1, 0.5  # standard error over value: below SURE it is identifiable, above VAGUE it is not
+INERTIAL = 0.1  # least part of the mass's column that must be acceleration
+
+
+def judge(sessions, shape, regression, parameters: tuple[Parameter, ...], covariance: np.ndarray):
+    """Verdicts by parameter, and the rms (N) of each parameter's term by channel."""
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    rms = _column_rms(sessions)
+    contributions = {p.name: _carried(p, parameters, shape, rms) for p in parameters}
+    verdicts = {p.name: _verdict(p, s, contributions[p.name], shape) for p, s in zip(parameters, std, strict=True)}
+    if shape.free:
+        verdicts["m"] = _of_mass(sessions, shape, parameters[0], std[0])
+    return verdicts, contributions
+
+
+def mass_at_bound() -> Verdict:
+    """The verdict on a mass that came out negative."""
+    return Verdict(AT_BOUND, "it came out negative and was set to 0: what it would have carried is a constant force, not inertia")
+
+
+def _column_rms(sessions) -> dict[str, float]:
+    columns = np.concatenate([s.columns() for s in sessions])
+    return dict(zip(("v", "x", "a", "g"), np.sqrt(np.mean(columns**2, axis=0)), strict=True))
+
+
+def _carried(p: Parameter, parameters: tuple[Parameter, ...], shape, rms: dict[str, float]) -> dict[str, float]:
+    """Rms of the parameter's term in every channel it acts on, N."""
+    values = {q.name: q.value for q in parameters}
+    if p.name == "m":
+        return {"force": abs(p.value) * float(np.hypot(rms["a"], rms["g"]))} if shape.force else {}
+    if p.name.startswith("share_"):
+        sensed = np.hypot(values["b1"] * rms["v"], values["k1"] * rms["x"])
+        return {f"taxel_{p.name[6:]}": float(p.value * sensed)}
+    size = abs(p.value) * rms["v" if p.name[0] == "b" else "x"]
+    force = {"force": float(size)} if shape.force else {}
+    if p.name in ("b2", "k2"):
+        return force
+    return force | {f"taxel_{i}": float(values[f"share_{i}"] * size) for i in range(shape.taxels)}
+
+
+def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verdict:
+    if p.name == "m":
+        return Verdict(FIXED, "held at a known value")
+    if p.name in ("b2", "k2") and not (shape.force and shape.taxels):
+        why = "the load cell is missing" if shape.taxels else "there is no taxel: b1 and k1 stand for the whole skin"
+        return Verdict(NOT_IDENTIFIABLE, f"{why}, so what is dispersed cannot be told from what is sensed; set to 0")
+    if std == 0.0:
+        return Verdict(FIXED, "1 by definition: shares are relative to the strongest taxel")
+    relative = std / abs(p.value) if p.value else np.inf
+    newtons = max(carried.values(), default=0.0)
+    size = f"its term carries {newtons:.3g} N rms, known to {newtons * min(relative, 99.0):.2g} N"
+    if relative <= SURE:
+        return Verdict(IDENTIFIABLE, size)
+    if relative <= VAGUE:
+        return Verdict(WEAK, f"{size}: only {1 / relative:.1f} times its standard error")
+    return Verdict(NOT_IDENTIFIABLE, f"{size}: not told from zero by these data")
+
+
+def _of_mass(sessions, shape, m: Parameter, std: float) -> Verdict:
+    """Split the mass's column into acceleration and gravity, and ask the data what each of them says."""
+    rms = _column_rms(sessions)
+    constant, inertial = m.value * rms["g"], m.value * rms["a"]
+    alone, alone_std = _by_acceleration(sessions)
+    if rms["a"] >= INERTIAL * rms["g"]:
+        good = IDENTIFIABLE if std <= SURE * m.value else WEAK if std <= VAGUE * m.value else NOT_IDENTIFIABLE
+        return Verdict(good, f"acceleration carries {inertial:.3g} N rms beside {constant:.3g} N of gravity")
+    return Verdict(
+        NOT_IDENTIFIABLE,
+        f"its column is constant gravity: -m g carries {constant:.3g} N, acceleration only {inertial:.2g} N rms, so this number stands "
+        f"for a constant force of {-m.value * GRAVITY:.3g} N (wrong zero of depth or force, preload, or curvature of the spring), not "
+        f"for inertia; acceleration by itself says m = {alone:.2g} ± {alone_std:.2g} kg",
+    )
+
+
+def _by_acceleration(sessions) -> tuple[float, float]:
+    """The mass, kg, and its standard error where the constant part has a free coefficient of its own."""
+    blocks = []
+    for s in sessions:
+        v, x, a, g = s.columns().T
+        blocks.append(Block(s.force, np.column_stack([a, g, v, x])))
+    try:
+        fit = regress([blocks])
+    except FitError:
+        return np.nan, np.inf
+    return float(fit.coefficients[0][0]), float(np.sqrt(fit.covariance[0, 0]))
