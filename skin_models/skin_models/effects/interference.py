@@ -23,8 +23,8 @@ class Interference(Elapsed):
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Ott 2009"
 
-    sine: float = quantity("N", 0.0, lower=-1e3, upper=1e3, typical=0.2, doc="amplitude S")
-    cosine: float = quantity("N", 0.0, lower=-1e3, upper=1e3, typical=0.0, doc="amplitude C")
+    sine: float = quantity("N", 0.0, lower=-1e3, upper=1e3, typical=0.15, doc="amplitude S")
+    cosine: float = quantity("N", 0.0, lower=-1e3, upper=1e3, typical=0.15, doc="amplitude C")
     frequency: float = quantity(
         "Hz",
         50.0,

@@ -2,7 +2,7 @@
 
 Maxwell arm parallel to both springs, the simplest Prony series (thesis eqs 6 and 8),
 
-    f' = k v - f / tau        f(0) = 0        added to the sensed and to the dispersed force, each with its own k.
+    f' = k v - f / tau        f(0) = 0, in contact        added to the sensed and to the dispersed force, each with its own k.
 
 The step is exact for a depth that is linear between samples (first-order hold):
 
@@ -18,6 +18,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from skin_models.effect import Dynamic, Place
+from skin_models.operators.contact import branches, depth_in_contact
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
@@ -42,19 +43,15 @@ class StressRelaxation(Dynamic):
 
     def step(self, state, y, s: Sample, dt: float):
         stretch, last = state
-        x = max(s.x, 0.0)
+        x = depth_in_contact(s.x)
         last = x if last is None else last
         e = np.exp(-dt / self.tau)
         stretch = e * stretch + (1.0 - e) * self.tau / dt * (x - last)
-        return (stretch, x), y + self._stiffness * stretch
+        return (stretch, x), y + branches(self.k_sensed, self.k_dispersed, stretch, s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         e = np.exp(-s.dt / self.tau)
         gain = (1.0 - e) * self.tau / s.dt
-        x = np.maximum(s.x, 0.0)
+        x = depth_in_contact(s.x)
         stretch = lfilter([gain, -gain], [1.0, -e], x - x[0])
-        return y + self._stiffness[:, None] * stretch
-
-    @property
-    def _stiffness(self) -> np.ndarray:
-        return np.array([self.k_sensed, self.k_dispersed])
+        return y + branches(self.k_sensed, self.k_dispersed, stretch, s.x)

@@ -1,0 +1,216 @@
+"""What every effect of the catalogue promises, checked on all of them: a new effect is tested by being there."""
+
+import copy
+import inspect
+import math
+
+import numpy as np
+import pytest
+from skin_models.catalogue import effect_class, effects
+from skin_models.dispersion import Dispersion
+from skin_models.effect import Place
+from skin_models.errors import ModelError
+from skin_models.model import Model
+from skin_models.model_file import load_model, save_model
+from skin_models.parameter import AMPLITUDE, SHAPE, parameters_of, scan_of
+from skin_models.signals import Motion, motion
+
+CAUSES = """nonlinear_stiffness stress_relaxation rate_dependence hysteresis cyclic_softening adhesion dead_zone friction position_offset
+    mount_compliance backlash off_centre inertia gain_error force_offset drift saturation quantization lag time_shift crosstalk
+    interference outliers dead_taxel noise spread_width spread_shape spread_depth anisotropy"""
+RANDOM = {"noise", "outliers"}  # besides the random walk: they have no limit as the step shrinks, see test_random_effects.py
+IN_JUMPS = {  # parameters that move the output in jumps: no derivative to speak of
+    ("SensorQuantization", "step_force"), ("DepthQuantization", "step_depth"), ("GatedTaxel", "threshold"), ("GainStep", "after"),
+    ("Outliers", "rate"),
+}  # fmt: skip
+
+CASES = [(c, w) for c in effects() for word in c.places for w in ((word, "taxel_1") if word == "taxel" else (word,))]
+
+
+def where_it_holds(chosen):
+    """The test runs for every effect and place that `chosen` takes."""
+    cases = [pytest.param(c, w, id=f"{c.__name__}-{w}") for c, w in CASES if chosen(c, w)]
+    return pytest.mark.parametrize(("cls", "where"), cases)
+
+
+every_effect = where_it_holds(lambda c, w: True)
+
+
+def path(dt: float = 2e-3, end: float = 14.0) -> Motion:
+    """Presses of growing depth with minor loops, a hold and free air, known in closed form."""
+    t = np.arange(round(end / dt) + 1) * dt
+    w = 2.0 * np.pi * np.array([0.31, 1.13])
+    size = np.array([0.9e-3, 0.25e-3])
+    waves, rates = np.sin(np.outer(w, t)), np.cos(np.outer(w, t))
+    x = 0.6e-3 + size @ waves + 0.02e-3 * t
+    return Motion(t, x, (size * w) @ rates + 0.02e-3, -(size * w**2) @ waves, dt)
+
+
+def signal(place: Place, s: Motion) -> np.ndarray:
+    """A smooth signal such as passes that place."""
+    spring = 8e3 * np.maximum(s.x, 0.0)
+    if place is Place.DEPTH:
+        return s.x.copy()
+    if place in (Place.SKIN, Place.SURFACE):
+        return np.array([spring, 0.4 * spring])
+    if place is Place.LOAD_CELL:
+        return 1.4 * spring
+    shares = np.array([0.3, 1.0, 0.2])[:, None]
+    return shares * (spring if place is Place.TAXEL else np.ones(len(s)))
+
+
+def typical(cls: type, where: str) -> tuple:
+    s = path()
+    e = cls.typical(where)
+    return e, signal(e.place, s), s
+
+
+def run(e, y, s, seed=7):
+    return e.batch(y, s, None if seed is None else np.random.default_rng(seed))
+
+
+def steps(e, y, s, seed=7):
+    state, out = e.initial(np.random.default_rng(seed)), []
+    for i in range(len(s)):
+        state, o = e.step(state, y[..., i], s[i], s.dt)
+        out.append(o)
+    return np.stack(out, axis=-1)
+
+
+@every_effect
+def test_it_is_finite_and_leaves_its_input_alone(cls, where):
+    e, y, s = typical(cls, where)
+    before = y.copy()
+    out = run(e, y, s)
+    assert out.shape == y.shape and np.all(np.isfinite(out))
+    assert np.array_equal(y, before)
+    assert not np.array_equal(out, y), "an ordinary size does nothing on this path"
+
+
+@every_effect
+def test_stepping_equals_batch_to_rounding(cls, where):
+    e, y, s = typical(cls, where)
+    assert np.max(np.abs(steps(e, y, s) - run(e, y, s))) <= 1e-12 * max(1.0, np.max(np.abs(y)))
+
+
+@every_effect
+def test_a_step_can_be_tried_and_taken_back(cls, where):
+    e, y, s = typical(cls, where)
+    state = e.initial(np.random.default_rng(7))
+    for i in range(80):
+        kept, fed = copy.deepcopy(state), np.array(y[..., i])
+        after, first = e.step(state, fed, s[i], s.dt)
+        assert repr(state) == repr(kept) and np.array_equal(fed, y[..., i])
+        assert np.array_equal(e.step(state, fed, s[i], s.dt)[1], first)
+        state = after
+
+
+@every_effect
+def test_size_zero_is_the_identity(cls, where):
+    e, y, s = typical(cls, where)
+    absent = e.absent()
+    assert np.array_equal(run(absent, y, s), y)
+    assert np.array_equal(steps(absent, y, s), y)
+    assert np.array_equal(run(e, y, s, seed=None), y) or cls.cause not in RANDOM
+
+
+@where_it_holds(lambda c, w: c.cause not in RANDOM and c.form != "random_walk")
+def test_it_converges_as_the_step_shrinks(cls, where):
+    e, errors = cls.typical(where), []
+    finest, every = path(0.5e-3), 8
+    limit = run(e, signal(e.place, finest), finest)[..., ::every]
+    for dt in (4e-3, 2e-3, 1e-3):
+        s = path(dt)
+        error = run(e, signal(e.place, s), s)[..., :: round(4e-3 / dt)] - limit
+        errors.append(np.sqrt(np.mean(error**2)))
+    size = np.sqrt(np.mean(limit**2))
+    assert errors[0] <= 0.01 * size, "a step of 4 ms is far off"
+    assert errors[2] <= 1e-9 * size or errors[2] <= 0.45 * errors[0], errors
+
+
+@every_effect
+def test_its_jacobian_is_finite_and_smooth(cls, where):
+    e, y, s = typical(cls, where)
+    for p in parameters_of(e):
+        if (cls.__name__, p.name) in IN_JUMPS:
+            continue
+        coarse, fine = (_slope(e, p, y, s, share) for share in (2e-4, 5e-5))
+        assert np.all(np.isfinite(fine))
+        assert _norm(fine - coarse) <= 0.1 * _norm(fine) + 1e-9 * _norm(y) / abs(p.value or 1.0), p.name
+
+
+def _slope(e, p, y, s, share):
+    h = share * abs(p.value or 1.0)
+    low, high = max(p.value - h, p.lower), min(p.value + h, p.upper)
+    return (run(e.with_values(**{p.name: high}), y, s) - run(e.with_values(**{p.name: low}), y, s)) / (high - low)
+
+
+def _norm(a):
+    return float(np.sqrt(np.mean(np.square(a))))
+
+
+@every_effect
+def test_parameters_are_declared_and_their_bounds_enforced(cls, where):
+    e = cls.typical(where)
+    for p in parameters_of(e):
+        assert p.unit and p.doc and p.lower <= p.value <= p.upper and not math.isnan(p.typical)
+        assert all(p.lower <= point <= p.upper for point in scan_of(cls, p.name))
+        for bound, outside in ((p.lower, math.nextafter(p.lower, -math.inf)), (p.upper, math.nextafter(p.upper, math.inf))):
+            if math.isfinite(bound):
+                e.with_values(**{p.name: bound})
+                with pytest.raises(ModelError, match=p.name):
+                    e.with_values(**{p.name: outside})
+        for nonsense in (math.nan, "1", None, True):
+            with pytest.raises(ModelError, match=p.name):
+                e.with_values(**{p.name: nonsense})
+    with pytest.raises(ModelError, match="cannot sit in"):
+        cls.typical("moon")
+
+
+@every_effect
+def test_its_proposals_can_be_built(cls, where):
+    shapes = list(cls.shapes(path()))
+    names = {p.name for p in parameters_of(cls) if p.role == SHAPE}
+    assert shapes and all(set(shape) == names for shape in shapes)
+    for shape in shapes:
+        assert cls.typical(where, **shape).values.items() >= shape.items()
+
+
+@every_effect
+def test_it_survives_a_model_file(cls, where, tmp_path):
+    e = cls.typical(where)
+    model = Model(Dispersion(b1=900.0, k1=9600.0, b2=600.0, k2=2700.0), shares=(0.3, 1.0, 0.2), effects=(e, e.absent()))
+    save_model(model, tmp_path / "model.yaml")
+    assert load_model(tmp_path / "model.yaml") == model
+
+
+@every_effect
+def test_its_name_place_and_source_are_stated(cls, where):
+    assert cls.cause in CAUSES.split() and cls.source and inspect.getdoc(cls) and "=" in inspect.getmodule(cls).__doc__
+    assert [c for c in effects() if (c.cause, c.form) == (cls.cause, cls.form) and set(c.places) & set(cls.places)] == [cls]
+    assert effect_class(cls.cause, where, cls.form) is cls
+    assert any(p.role == AMPLITUDE for p in parameters_of(cls))
+
+
+@where_it_holds(lambda c, w: w == "taxel_1")
+def test_on_one_taxel_it_leaves_the_others_alone(cls, where):
+    e, y, s = typical(cls, where)
+    for out in (run(e, y, s), steps(e, y, s)):
+        assert np.array_equal(out[[0, 2]], y[[0, 2]]) and not np.array_equal(out[1], y[1])
+
+
+@where_it_holds(lambda c, w: c.places.get(w) is Place.SKIN)
+def test_in_the_skin_it_is_silent_in_the_air(cls, where):
+    e, y, s = typical(cls, where)
+    air = s.x <= 0.0
+    assert air.any() and not np.any(run(e, y, s)[:, air])
+
+
+@every_effect
+def test_absurd_motion_stays_finite(cls, where):
+    e = cls.typical(where)
+    t = np.arange(400) * 1e-3
+    for x in (np.zeros(400), np.full(400, 0.03), np.where(t < 0.2, 0.0, 0.03), -0.03 * t):
+        s = motion(t + 1.7e9, x)
+        out = run(e, signal(e.place, s), s)
+        assert np.all(np.isfinite(out))
