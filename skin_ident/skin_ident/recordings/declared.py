@@ -2,15 +2,19 @@
 
     sample_rate_hz: 100
     force_step_n: 0.0678          # one step of the load cell's converter
-    taxel_step_n: 0.107
+    taxel_step_n: 0.107           # one number for all, or a list
     encoder_step_um: 0.1
     plunger_diameter_mm: 9.53
     taxel_positions_mm: [[0, 0], [14, 0]]
     skin_thickness_mm: 4
     moving_mass_kg: 0.000432
+    force_noise_n: 0.03           # standard deviation that the load cell is said to have
+    taxel_noise_n: 0.03
     calibration:                  # for columns or topics in volts: force = slope * (voltage - zero)
       ai0: {channel: force, slope_n_per_v: -4.1448, zero_v: -0.072}
       taxel_0: {slope_n_per_v: 9.4}
+
+Keys that are not known here are passed over with a warning: the file may serve other programs too.
 """
 
 from collections.abc import Mapping
@@ -23,6 +27,7 @@ import yaml
 from skin_ident.recordings.errors import RecordingError
 
 FILE_NAME = "rig.yaml"
+PER_TAXEL = ("taxel_step_n", "taxel_noise_n")  # one number for all taxels, or one for each
 
 
 @dataclass(frozen=True)
@@ -43,13 +48,21 @@ class Declared:
 
     sample_rate_hz: float | None = None
     force_step_n: float | None = None
-    taxel_step_n: float | None = None
+    taxel_step_n: tuple[float, ...] = ()
     encoder_step_um: float | None = None
     plunger_diameter_mm: float | None = None
     skin_thickness_mm: float | None = None
     moving_mass_kg: float | None = None
+    force_noise_n: float | None = None
+    taxel_noise_n: tuple[float, ...] = ()
     taxel_positions_mm: tuple[tuple[float, float], ...] = ()
     calibration: Mapping[str, Calibration] = field(default_factory=dict, hash=False)
+    warnings: tuple[str, ...] = ()
+
+    def of_taxel(self, key: str, i: int) -> float | None:
+        """The value of a per-taxel entry for taxel `i`; None where nothing is declared."""
+        values = getattr(self, key)
+        return values[0] if len(values) == 1 else values[i] if i < len(values) else None
 
     def filled_with(self, other: "Declared") -> "Declared":
         """The same, with what is unknown here taken from `other`."""
@@ -82,10 +95,13 @@ def declared_from(text: str) -> Declared:
     except yaml.YAMLError as error:
         raise RecordingError(f"this is not YAML: {' '.join(str(error).split())}") from error
     content = _mapping({} if content is None else content, "a rig description")
-    _only(content, [f.name for f in fields(Declared)], "a rig description")
-    numbers = {key: _positive(key, value) for key, value in content.items() if key not in ("taxel_positions_mm", "calibration")}
+    known = [f.name for f in fields(Declared) if f.name != "warnings"]
+    numbers = [key for key in known if key not in (*PER_TAXEL, "taxel_positions_mm", "calibration")]
+    unknown = sorted(str(key) for key in content if key not in known)
     return Declared(
-        **numbers,
+        **{key: _positive(key, content[key]) for key in numbers if key in content},
+        **{key: _per_taxel(key, content[key]) for key in PER_TAXEL if key in content},
+        warnings=(f"passed over in {FILE_NAME}: {', '.join(unknown)}",) if unknown else (),
         taxel_positions_mm=_positions(content.get("taxel_positions_mm", [])),
         calibration={str(k): _calibration(str(k), v) for k, v in _mapping(content.get("calibration", {}), "calibration").items()},
     )
@@ -114,6 +130,11 @@ def _position(entry: Any) -> tuple[float, float]:
     if len(pair) not in (2, 3):
         raise RecordingError(f"taxel_positions_mm: {entry!r} is neither a number nor [x, y]")
     return _number("taxel_positions_mm", pair[0]), _number("taxel_positions_mm", pair[1])
+
+
+def _per_taxel(key: str, value: Any) -> tuple[float, ...]:
+    entries = value if isinstance(value, list) else [value]
+    return tuple(number for number in (_positive(key, entry) for entry in entries) if number is not None)
 
 
 def _positive(key: str, value: Any) -> float | None:

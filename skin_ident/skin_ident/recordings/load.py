@@ -7,7 +7,8 @@ from typing import Any
 from skin_ident.recordings.bag import is_bag, read_bag
 from skin_ident.recordings.declared import FILE_NAME, declared_beside
 from skin_ident.recordings.errors import RecordingError
-from skin_ident.recordings.table import is_spread_scan, read_table, read_text
+from skin_ident.recordings.spread_table import is_spread_scan, read_spread_scan
+from skin_ident.recordings.table import read_table, read_text
 
 TABLES = (".csv", ".tsv", ".txt", ".tab", ".dat")
 
@@ -64,8 +65,4 @@ def load_one(path: Path, topics: Mapping[str, str] | None = None) -> Any:
     if path.name == FILE_NAME or path.suffix.lower() not in TABLES:
         raise RecordingError(f"{path} is no recording: a rosbag2 directory, an .mcap file or a table is expected")
     text = read_text(path)
-    if is_spread_scan(text):
-        from skin_ident.recordings.spread_scan import read_spread_scan
-
-        return read_spread_scan(path)
-    return read_table(path, declared)
+    return read_spread_scan(path) if is_spread_scan(text) else read_table(path, declared)

@@ -1,7 +1,6 @@
 """Tables: one row per sample, tab, comma or semicolon between the columns, units in the header (see `units`)."""
 
 import io
-import re
 from pathlib import Path
 
 import numpy as np
@@ -78,13 +77,6 @@ def read_table(path: Path, declared: Declared) -> Recording:
     t = columns[times[0]].factor * values[times[0]] if times else np.arange(values.shape[1]) / declared.sample_rate_hz
     channels = [Channel(c.kind, c.name, c.unit, c.factor * y) for c, y in zip(columns, values, strict=True) if c.kind != "time"]
     return assemble(path.name, t, channels, declared, warnings)
-
-
-def is_spread_scan(text: str) -> bool:
-    """Whether a table holds rows of depth and columns of distance, as `depth_mm, f_0mm_n, f_1mm_n`."""
-    titles, _ = header_of(text)
-    distances = [title for title in titles[1:] if re.search(r"\d\s*_?(mm|um|µm|cm|m)\b|\d(mm|um|cm)_", title.lower())]
-    return len(titles) > 2 and titles[0].lower().startswith(("depth", "x")) and len(distances) == len(titles) - 1
 
 
 def _is_number(cell: str) -> bool:
