@@ -1,0 +1,151 @@
+"""Spread kernels: the shape of the force that passes the skin, over the distance r from where it is pressed.
+
+    Gaussian              exp(-(r / c)^2)                    thesis section 4.3.4
+    GeneralisedGaussian   exp(-(r / c)^p)                    flat top for p > 2, pointed for p < 2
+    HeavyTail             (1 + (r / c)^2)^-q                 q = 1.5 is an elastic layer's bell (Boussinesq: q = 2.5 at depth c)
+    DepthWidth            any of them, c grows with the depth
+    Anisotropic           any of them, c differs by direction
+
+`shape` has peak 1; `area` is its integral over the plane, so that shape / area is a density that conserves force. Where a width was
+fitted to the readings of a real taxel under a real plunger (c = 5.25 mm of the thesis) the kernel contains both their areas; to see
+the skin through another taxel, take a narrower kernel and `spread.finite`.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import gamma
+
+from skin_models.parameter import SHAPE, check_parameters, quantity
+
+
+@dataclass(frozen=True)
+class Kernel(ABC):
+    """A radial shape."""
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
+
+    @abstractmethod
+    def shape(self, r: np.ndarray) -> np.ndarray:
+        """Peak-1 shape at distance r (m)."""
+
+    @property
+    @abstractmethod
+    def area(self) -> float:
+        """Integral of the shape over the plane, m^2."""
+
+    @abstractmethod
+    def reach(self, tolerance: float) -> float:
+        """The distance (m) beyond which the shape stays below `tolerance`."""
+
+    def at_depth(self, depth: float) -> "Kernel":
+        """The kernel of a contact that is `depth` (m) deep; the same one unless the width depends on it."""
+        return self
+
+
+@dataclass(frozen=True)
+class Gaussian(Kernel):
+    """exp(-(r / width)^2)."""
+
+    width: float = quantity("m", lower=1e-6, upper=1.0, role=SHAPE, doc="c of the Gaussian")
+
+    def shape(self, r):
+        return np.exp(-((np.asarray(r) / self.width) ** 2))
+
+    @property
+    def area(self):
+        return math.pi * self.width**2
+
+    def reach(self, tolerance):
+        return self.width * math.sqrt(-math.log(tolerance))
+
+
+@dataclass(frozen=True)
+class GeneralisedGaussian(Kernel):
+    """exp(-(r / width)^power)."""
+
+    width: float = quantity("m", lower=1e-6, upper=1.0, role=SHAPE, doc="c")
+    power: float = quantity("1", 2.0, lower=0.5, upper=20.0, role=SHAPE, doc="2 is the Gaussian, more is a flat top")
+
+    def shape(self, r):
+        return np.exp(-((np.asarray(r) / self.width) ** self.power))
+
+    @property
+    def area(self):
+        return math.pi * self.width**2 * float(gamma(1.0 + 2.0 / self.power))
+
+    def reach(self, tolerance):
+        return self.width * (-math.log(tolerance)) ** (1.0 / self.power)
+
+
+@dataclass(frozen=True)
+class HeavyTail(Kernel):
+    """(1 + (r / width)^2)^-power, power > 1 so that the force is finite."""
+
+    width: float = quantity("m", lower=1e-6, upper=1.0, role=SHAPE, doc="where the shape has fallen to 2^-power")
+    power: float = quantity("1", 1.5, lower=1.05, upper=20.0, role=SHAPE, doc="half the exponent of the tail")
+
+    def shape(self, r):
+        return (1.0 + (np.asarray(r) / self.width) ** 2) ** -self.power
+
+    @property
+    def area(self):
+        return math.pi * self.width**2 / (self.power - 1.0)
+
+    def reach(self, tolerance):
+        return self.width * math.sqrt(tolerance ** (-1.0 / self.power) - 1.0)
+
+
+@dataclass(frozen=True)
+class DepthWidth(Kernel):
+    """A kernel that is `1 + growth * depth` as wide at depth as at the surface; never narrower than a tenth."""
+
+    kernel: Kernel
+    growth: float = quantity("1/m", 0.0, lower=-1e4, upper=1e4, doc="relative growth of the width per metre of depth")
+
+    def shape(self, r):
+        return self.kernel.shape(r)
+
+    @property
+    def area(self):
+        return self.kernel.area
+
+    def reach(self, tolerance):
+        return self.kernel.reach(tolerance)
+
+    def at_depth(self, depth):
+        factor = max(1.0 + self.growth * max(depth, 0.0), 0.1) if math.isfinite(depth) else 1.0
+        return replace(self.kernel, width=self.kernel.width * factor)
+
+
+@dataclass(frozen=True)
+class Anisotropic(Kernel):
+    """A kernel stretched by sqrt(ratio) along `angle` and by 1 / sqrt(ratio) across it; the area stays.
+
+    The angle counts from the skin's x axis, counter-clockwise about the normal.
+    """
+
+    kernel: Kernel
+    ratio: float = quantity("1", 1.0, lower=0.1, upper=10.0, role=SHAPE, doc="width along the angle over width across it")
+    angle: float = quantity("rad", 0.0, lower=-math.pi, upper=math.pi, role=SHAPE, doc="direction of the first width")
+
+    def shape(self, r):
+        return self.kernel.shape(r)
+
+    @property
+    def area(self):
+        return self.kernel.area
+
+    def reach(self, tolerance):
+        return self.kernel.reach(tolerance) * math.sqrt(max(self.ratio, 1.0 / self.ratio))
+
+    def at_depth(self, depth):
+        return replace(self, kernel=self.kernel.at_depth(depth))
+
+    def distance(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """The distance that counts, for tangential offsets u (along x) and v, m."""
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        return np.hypot((c * u + s * v) / math.sqrt(self.ratio), (c * v - s * u) * math.sqrt(self.ratio))
