@@ -1,0 +1,182 @@
+"""Each effect against what its equation says where that can be worked out by hand, and the skin's effects as physics: no free energy."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from skin_models.catalogue import effects
+from skin_models.effect import Place
+from skin_models.effects.adhesion import Adhesion
+from skin_models.effects.backlash import Backlash
+from skin_models.effects.crosstalk import Crosstalk
+from skin_models.effects.cyclic_softening import CyclicSoftening
+from skin_models.effects.dead_zone import GatedTaxel, HardDeadZone, SkinDeadZone, TaxelDeadZone
+from skin_models.effects.drift import LogDrift, LogGainDrift
+from skin_models.effects.gain_error import GainStep
+from skin_models.effects.hysteresis import BoucWenHysteresis, SkinHysteresis
+from skin_models.effects.lag import Lag
+from skin_models.effects.mount_compliance import MountCompliance
+from skin_models.effects.quantization import SensorQuantization
+from skin_models.effects.stress_relaxation import StressRelaxation
+from skin_models.effects.time_shift import TimeShift
+from skin_models.operators.elapsed import Elapsed
+from skin_models.signals import motion
+
+MM = 1e-3
+
+
+def at_times(x, dt=1e-3):
+    return motion(np.arange(len(x)) * dt, np.asarray(x, float))
+
+
+def skin_force(effect, x, dt=1e-3):
+    """What the effect adds to both branches together, N."""
+    s = at_times(x, dt)
+    return effect.batch(np.zeros((2, len(s))), s).sum(axis=0)
+
+
+def triangle(depths, samples=400):
+    corners = np.asarray(depths, float)
+    return np.interp(np.linspace(0, corners.size - 1, samples * (corners.size - 1) + 1), np.arange(corners.size), corners)
+
+
+def test_a_ramp_relaxes_as_the_closed_form():
+    v, tau, k, dt = 2 * MM, 0.7, 3000.0, 0.01
+    t = np.arange(300) * dt
+    force = skin_force(StressRelaxation(where="skin", k_sensed=k, tau=tau), v * t, dt)
+    assert force == pytest.approx(k * v * tau * -np.expm1(-t / tau), rel=1e-12)
+
+
+def test_the_area_of_a_hysteresis_loop_is_that_of_the_stop():
+    """Between x and x + a the stop of stiffness k and threshold r < a / 2 loses 2 k r (a - 2 r) per cycle."""
+    k, r, a = 3000.0, 0.2 * MM, 1.5 * MM
+    x = 0.5 * MM + triangle([0.0, a, 0.0, a, 0.0, a])
+    force = skin_force(SkinHysteresis(where="skin", k_sensed=k, k_dispersed=0.0, threshold=r), x)
+    cycle = slice(800, 1601)
+    assert np.trapezoid(force[cycle], x[cycle]) == pytest.approx(2 * k * r * (a - 2 * r), rel=2e-3)
+
+
+@pytest.mark.parametrize("cls", [SkinHysteresis, BoucWenHysteresis, CyclicSoftening, Adhesion, Backlash])
+def test_rate_independent_effects_do_not_see_the_speed(cls):
+    e = cls.typical(next(iter(cls.places)))
+    x = triangle([0.0, 1.4 * MM, 0.3 * MM, 1.2 * MM, -0.5 * MM])
+    fast, slow = at_times(x, 1e-3), at_times(x, 1.0)
+    y = x if e.place is Place.DEPTH else np.array([8e3, 2e3])[:, None] * np.maximum(x, 0.0)
+    assert e.batch(y, fast) == pytest.approx(e.batch(y, slow), rel=1e-12, abs=1e-12)
+
+
+def test_bouc_wen_tends_to_its_threshold():
+    r, k = 0.2 * MM, 4000.0
+    force = skin_force(BoucWenHysteresis(where="skin", k_sensed=k, threshold=r), triangle([0.0, 3 * MM]))
+    assert force[-1] == pytest.approx(k * r, rel=1e-6) and np.all(np.diff(force) >= 0.0)
+
+
+def test_softening_spares_the_virgin_curve_and_weakens_the_second_cycle():
+    x = triangle([0.0, MM, 0.0, MM, 2 * MM])
+    y = np.array([8e3 * x, 2e3 * x])
+    out = CyclicSoftening(where="skin", softening=0.3, length=0.3 * MM).batch(y, at_times(x))
+    assert out[:, :401] == pytest.approx(y[:, :401])
+    second = slice(850, 1100)
+    assert np.all(out[:, second] < 0.75 * y[:, second])
+    assert out[:, 1200:] == pytest.approx(y[:, 1200:])
+
+
+def test_adhesion_pulls_only_on_the_way_out_and_costs_the_work_it_says():
+    pull, reach = 1.2, 0.2 * MM
+    x = triangle([-MM, MM, -MM], 4000)
+    force = skin_force(Adhesion(where="skin", pull_sensed=pull, pull_dispersed=0.0, reach=reach), x)
+    assert not force[:4001].any() and force.min() == pytest.approx(-pull, rel=1e-6)
+    assert np.trapezoid(force, x) == pytest.approx(16.0 / 15.0 * pull * reach, rel=1e-3)
+    shallow = skin_force(Adhesion(where="skin", pull_sensed=pull, reach=reach), triangle([-MM, 0.5 * reach, -MM]))
+    assert not shallow.any()
+
+
+def test_backlash_swallows_the_first_part_of_a_reversal():
+    gap = 0.2 * MM
+    tip = Backlash(where="rig", gap=gap).batch(triangle([0.0, 2 * MM, MM]), None)
+    assert tip[400] == pytest.approx(2 * MM - gap / 2)
+    assert tip[400:480] == pytest.approx(tip[400]) and tip[-1] == pytest.approx(MM + gap / 2)
+
+
+def test_dead_zones_above_and_below_their_threshold():
+    y = np.array([[0.1, 0.5, 5.0, -5.0]])
+    assert TaxelDeadZone(where="taxel", threshold=0.5).apply(y, None)[0, 2:] == pytest.approx([4.5, -4.5], abs=1e-6)
+    assert HardDeadZone(where="taxel", threshold=0.5).apply(y, None)[0] == pytest.approx([0.0, 0.0, 4.5, -4.5])
+    assert GatedTaxel(where="taxel", threshold=0.5).apply(y, None)[0] == pytest.approx([0.0, 0.0, 5.0, -5.0])
+    both = np.array([[0.1, 5.0], [1.0, 2.0]])
+    out = SkinDeadZone(where="skin", threshold=0.5).apply(both, None)
+    assert out.sum(axis=0) == pytest.approx(both.sum(axis=0)) and out[0, 1] == pytest.approx(4.5, abs=1e-6)
+
+
+def test_drift_counts_from_the_first_sample_whatever_the_clock_says():
+    x, y = np.zeros(1001), np.full(1001, 2.0)
+    for cls in (c for c in effects() if issubclass(c, Elapsed)):
+        now, then = at_times(x, 0.1), motion(1.7e9 + np.arange(1001) * 0.1, x)
+        e = cls.typical("load_cell")
+        assert e.batch(y, now) == pytest.approx(e.batch(y, then), abs=1e-4)
+    s = at_times(x, 0.1)
+    zero = LogDrift(where="load_cell", per_decade=0.2, tau=0.1).batch(y, s) - y
+    assert (zero[99], zero[999]) == pytest.approx((0.4, 0.6), abs=1e-3)
+    assert LogGainDrift(where="load_cell", per_decade=0.1, tau=0.1).batch(y, s)[99] == pytest.approx(2.0 * 1.2, abs=1e-3)
+    step = GainStep(where="load_cell", gain=0.5, after=50.0).batch(y, s)
+    assert np.array_equal(np.unique(step), [2.0, 3.0]) and step[499] == 2.0 and step[501] == 3.0
+
+
+def test_a_lag_follows_a_ramp_at_its_time_constant():
+    t, tau = np.arange(0.0, 2.0, 0.01), 0.1
+    out = Lag(where="load_cell", tau=tau).batch(3.0 * t, at_times(np.zeros(t.size), 0.01))
+    assert out == pytest.approx(3.0 * (t - tau * -np.expm1(-t / tau)), abs=1e-12)
+
+
+def test_a_delay_and_a_skew_shift_a_line_exactly():
+    t = np.arange(0.0, 20.0, 0.01)
+    s, line = at_times(np.zeros(t.size), 0.01), np.array([5.0 * t, -t])
+    late = TimeShift(where="clock_taxels", delay=0.0334, skew=1000.0).batch(line, s)
+    assert late[:, 10:] == pytest.approx(np.array([[5.0], [-1.0]]) * (t - 0.0334 - 1e-3 * t)[10:])
+    early = TimeShift(where="clock_taxels", delay=-0.0334, skew=0.0).batch(line, s)
+    assert early[0, :-10] == pytest.approx(5.0 * (t + 0.0334)[:-10])
+
+
+def test_a_running_simulation_passes_an_early_channel_on():
+    e, s = TimeShift(where="clock", delay=-0.03, skew=0.0), at_times(np.zeros(5))
+    state = e.initial()
+    for i in range(5):
+        state, y = e.step(state, float(i), s[i], s.dt)
+        assert y == i
+
+
+def test_crosstalk_takes_the_mean_of_the_neighbours():
+    y = np.array([1.0, 10.0, 100.0])
+    assert Crosstalk(where="taxel", share=0.1).apply(y, None) == pytest.approx([2.0, 15.05, 101.0])
+    assert Crosstalk(where="taxel", share=0.1).apply(np.array([7.0]), None) == pytest.approx([7.0])
+
+
+def test_mount_and_skin_are_springs_in_series():
+    stiffness, compliance, x = 8000.0, 2e-5, np.array([-MM, MM])
+    tip = MountCompliance(where="rig", compliance=compliance, stiffness=stiffness).apply(x, None)
+    assert tip == pytest.approx([-MM, MM / (1.0 + compliance * stiffness)])
+    assert x[1] - tip[1] == pytest.approx(compliance * stiffness * tip[1])
+
+
+def test_quantized_readings_are_multiples_of_the_step():
+    y = np.linspace(-3.0, 3.0, 777)
+    out = SensorQuantization(where="load_cell", step_force=0.07).apply(y, None)
+    assert np.abs(out - y).max() <= 0.035 + 1e-12 and np.abs(out / 0.07 - np.round(out / 0.07)).max() < 1e-9
+
+
+DISSIPATIVE = {"stress_relaxation", "hysteresis", "rate_dependence", "adhesion", "cyclic_softening", "nonlinear_stiffness"}
+SKINS = [c for c in effects() if c.cause in DISSIPATIVE and "skin" in c.places]
+
+
+@pytest.mark.parametrize("cls", SKINS, ids=lambda c: c.__name__)
+@settings(deadline=None, max_examples=40)
+@given(depths=st.lists(st.floats(-0.5 * MM, 2.0 * MM), min_size=2, max_size=8))
+def test_no_closed_path_from_the_virgin_skin_returns_energy(cls, depths):
+    """A spring skin with the effect, from the air and back to it: the plunger's work is not negative."""
+    x = triangle([-0.5 * MM, *depths, -0.5 * MM], 300)
+    s = at_times(x)
+    spring = np.multiply.outer([8e3, 2e3], np.maximum(x, 0.0))
+    force = cls.typical("skin").batch(spring, s).sum(axis=0)
+    entry = np.abs(force).max() * np.abs(np.diff(x)).max()  # the trapezium across the surface
+    effort = np.sum(np.abs(force[1:] * np.diff(x)))
+    assert np.trapezoid(force, x) >= -2e-3 * effort - 2.0 * entry

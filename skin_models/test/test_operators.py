@@ -1,0 +1,93 @@
+"""Shared numerical operators against the loop they replace, and the properties hysteresis theory gives them."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from skin_models.operators.draws import BLOCK, Stream, gaussian, uniform, whole
+from skin_models.operators.play import play, play_step, stop
+from skin_models.operators.relay import relay, relay_step
+from skin_models.operators.scan import running_affine, running_clamp
+
+numbers = st.floats(-5.0, 5.0)
+records = arrays(float, st.integers(1, 70), elements=numbers)
+slack = st.floats(0.0, 6.0)
+
+
+@given(records, slack)
+def test_play_equals_the_loop(x, r):
+    state, out = None, []
+    for value in x:
+        state = play_step(state, value, r)
+        out.append(state)
+    assert np.array_equal(play(x, r), out)
+
+
+@given(arrays(float, (3, 40), elements=numbers), slack)
+def test_play_of_several_rows_is_that_of_each(x, r):
+    assert np.array_equal(play(x, r), [play(row, r) for row in x])
+
+
+@given(arrays(float, 50, elements=numbers), arrays(float, 50, elements=st.floats(0.0, 3.0)), numbers)
+def test_running_clamp_equals_the_loop(low, width, start):
+    w, out = start, []
+    for bottom, top in zip(low, low + width, strict=True):
+        w = min(top, max(bottom, w))
+        out.append(w)
+    assert np.array_equal(running_clamp(low, low + width, start), out)
+
+
+@given(arrays(float, 60, elements=st.floats(-1.0, 1.0)), arrays(float, 60, elements=numbers), numbers)
+def test_running_affine_equals_the_loop(gain, offset, start):
+    w, out = start, []
+    for a, b in zip(gain, offset, strict=True):
+        w = a * w + b
+        out.append(w)
+    assert running_affine(gain, offset, start) == pytest.approx(out, rel=1e-12, abs=1e-11)
+
+
+@given(records, st.floats(0.01, 6.0))
+def test_play_does_not_depend_on_rate(x, r):
+    """Samples put in between on the way change nothing: the operator sees the path, not the time."""
+    n = np.arange(x.size)
+    finer = np.interp(np.arange(4 * x.size - 3) / 4, n, x)
+    assert play(finer, r)[::4] == pytest.approx(play(x, r), abs=1e-12)
+
+
+@given(records, st.floats(0.01, 6.0))
+def test_stop_is_bounded_and_dissipates(x, r):
+    e, dx = stop(x, r), np.diff(x)
+    assert np.all(np.abs(e) <= r + 1e-12)
+    stored = 0.5 * e**2
+    assert np.all(0.5 * (e[1:] + e[:-1]) * dx - np.diff(stored) >= -1e-12)
+
+
+@given(st.floats(0.1, 2.0), st.floats(0.1, 3.0), st.floats(0.1, 3.0))
+def test_play_forgets_a_closed_minor_loop(r, up, back):
+    """Return-point memory: after a smaller excursion back to the same turning point the state is what it was."""
+    back = min(back, up)
+    x = np.array([0.0, up, up - back, up])
+    assert play(x, r)[3] == pytest.approx(play(x, r)[1])
+
+
+@given(records, st.floats(-3.0, 0.0), st.floats(0.0, 3.0))
+def test_relay_equals_the_loop(x, low, high):
+    state, out = 0.0, []
+    for value in x:
+        state = relay_step(state, value, low, high)
+        out.append(state)
+    assert np.array_equal(relay(x, low, high), out)
+
+
+@pytest.mark.parametrize("draw", [gaussian, uniform])
+@pytest.mark.parametrize("rows", [(), (2,)])
+def test_numbers_drawn_one_by_one_are_those_drawn_together(draw, rows):
+    n = BLOCK + 50  # past the end of a block
+    together, stream = whole(99, (*rows, n), draw), Stream(99)
+    for i in range(n):
+        before, (stream, number) = stream, stream.next(rows, draw)
+        if i % 500 == 0:
+            assert np.array_equal(before.next(rows, draw)[1], number)  # a draw can be taken back
+        assert np.array_equal(number, together[..., i])
+    assert not np.array_equal(whole(98, (*rows, n), draw), together)
