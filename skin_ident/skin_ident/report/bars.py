@@ -1,0 +1,87 @@
+"""Bars and tables of numbers: errors by channel, the ranking of causes, parameters before and after."""
+
+from skin_ident.criticism.outcome import Round
+from skin_ident.report.markup import Safe, el, table
+from skin_ident.report.numbers import UNKNOWN, amount, percent, plain
+from skin_ident.report.story import fall
+from skin_ident.report.view import Amount, ChannelError, View
+from skin_ident.report.words import capital, cause_at, channel
+
+MOST_RANKED = 8
+
+
+def error_table(errors: tuple[ChannelError, ...]) -> Safe:
+    """Error of every channel before and after, with bars on a scale of their own and the noise floor as a tick."""
+    head = ["channel", "before", "after", "change", "noise alone", "", "on training data"]
+    return table(head, [_error_row(e) for e in errors], numeric=(1, 2, 3, 4, 6), class_="errors")
+
+
+def _error_row(e: ChannelError) -> list:
+    before, after = e.pair
+    like = [before, after, e.floor]
+    change = percent(-fall(e)) if before and after is not None else UNKNOWN
+    training = (
+        f"{amount(e.train[0], e.unit, like=e.train)} → {amount(e.train[1], e.unit, like=e.train)}" if None not in e.train else UNKNOWN
+    )
+    top = max((v for v in like if v), default=0.0)
+    bars = [_bar(v, top, kind) for v, kind in ((before, "before"), (after, "after"))]
+    floor = el("u", style=f"left:{100 * e.floor / top:.1f}%", title="noise alone") if top and e.floor else None
+    cells = [amount(v, e.unit, like=like) for v in (before, after)]
+    return [channel(e.channel), *cells, change, amount(e.floor, e.unit, like=like), el("div", bars, floor, class_="duel"), training]
+
+
+def _bar(value: float | None, top: float, kind: str) -> Safe | None:
+    return el("s", class_=kind, style=f"width:{100 * value / top:.1f}%") if value and top else None
+
+
+def ranking(round_: Round, number: int) -> Safe:
+    """One round of the search: what each cause explains, the longest bar first."""
+    ranked = [r for r in sorted(round_.ranked, key=lambda r: -r[2]) if r[2] > 0][:MOST_RANKED]
+    named = (round_.named or "").split(" ")[0].split(".")[0]
+    title = f"Round {number}: {cause_at(named, '')} named" if named else f"Round {number}: nothing more could be named"
+    if not ranked:
+        return el("div", el("h4", title), el("p", "No cause explains anything of what was left.", class_="note"), class_="rank")
+    top = ranked[0][2]
+    first = True
+    rows = []
+    for cause, where, gain in ranked:
+        chosen = first and cause == named
+        first = first and not chosen
+        bar = el("div", el("s", class_="after" if chosen else "rival", style=f"width:{100 * gain / top:.1f}%"), class_="track")
+        rows.append(
+            el(
+                "li",
+                el("span", capital(cause_at(cause, where)), class_="who"),
+                bar,
+                el("span", plain(gain), class_="num"),
+                class_="chosen" if chosen else None,
+            )
+        )
+    return el("div", el("h4", title), el("ol", rows), class_="rank")
+
+
+def parameter_table(v: View) -> Safe:
+    """The model's parameters before and after; a change beyond three standard errors and 5 % is marked as where the error was hiding."""
+    before, after = {a.name: a for a in v.before}, {a.name: a for a in v.after}
+    rows = [_parameter_row(before.get(name), after.get(name)) for name in dict.fromkeys([*before, *after])]
+    return table(["parameter", "name", "before", "after", "change", ""], rows, numeric=(2, 3, 4), class_="params")
+
+
+def _parameter_row(before: Amount | None, after: Amount | None) -> list:
+    known = before or after
+    like = [a.value for a in (before, after) if a]
+    cells = [amount(a.value, a.unit, a.std, like=like) if a else UNKNOWN for a in (before, after)]
+    if not before:
+        return [capital(known.words), el("code", known.name), *cells, "new", el("b", "added", class_="tag new")]
+    change, moved = _moved(before, after)
+    tag = el("b", "was hiding the missing effect", class_="tag hid") if moved else None
+    return [capital(known.words), el("code", known.name), *cells, change, tag]
+
+
+def _moved(before: Amount, after: Amount | None) -> tuple[str, bool]:
+    if after is None or before.value is None or after.value is None or before.value == 0.0:
+        return UNKNOWN, False
+    step = after.value - before.value
+    spread = ((before.std or 0.0) ** 2 + (after.std or 0.0) ** 2) ** 0.5
+    share = step / abs(before.value)
+    return ("+" if share > 0 else "") + percent(share), abs(share) > 0.05 and abs(step) > 3.0 * spread

@@ -1,0 +1,79 @@
+"""Which session, which channel and which ten seconds a reader should look at first."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.outcome import Trace
+from skin_ident.report.view import View
+
+WINDOW_S = 10.0
+
+
+@dataclass(frozen=True)
+class Focus:
+    """One session, the row of its most telling channel, and the samples [start, stop) of its most telling seconds."""
+
+    trace: Trace
+    row: int
+    start: int
+    stop: int
+
+    @property
+    def channel(self) -> str:
+        return self.trace.channels[self.row]
+
+    @property
+    def is_whole(self) -> bool:
+        return self.stop - self.start == self.trace.t.size
+
+
+def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
+    """The held-out session that gained most (any session where none was held out); None without traces."""
+    usable = [t for t in traces if t.t.size > 1 and t.channels]
+    if not usable:
+        return None
+    trace = max([t for t in usable if t.held_out] or usable, key=_removed)
+    row = _row(trace, view)
+    return Focus(trace, row, *window(trace, row))
+
+
+def rms(y: np.ndarray) -> float:
+    """Root mean square of the finite samples; 0 where there are none."""
+    y = y[np.isfinite(y)]
+    return float(np.sqrt(np.mean(y**2))) if y.size else 0.0
+
+
+def by_fall(trace: Trace) -> list[int]:
+    """Rows of the channels, the one whose error fell most (relative to what it was) first."""
+    falls = [_fall(trace, row) for row in range(len(trace.channels))]
+    return sorted(range(len(trace.channels)), key=lambda row: -round(falls[row], 3))
+
+
+def window(trace: Trace, row: int, seconds: float = WINDOW_S) -> tuple[int, int]:
+    """Samples [start, stop) of the `seconds` in which the extension removes most of the error, or where most happens if it removes none."""
+    n = trace.t.size
+    width = int(round(seconds / max((trace.t[-1] - trace.t[0]) / (n - 1), 1e-12))) + 1
+    if width >= 0.9 * n:
+        return 0, n
+    y = trace.measured[row]
+    before, after = (y - trace.baseline[row]) ** 2, (y - trace.extended[row]) ** 2
+    worth = before - after if _fall(trace, row) > 0.02 else (y - np.nanmean(y)) ** 2
+    total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(worth))])
+    start = int(np.argmax(total[width:] - total[:-width]))
+    return start, start + width
+
+
+def _fall(trace: Trace, row: int) -> float:
+    before, after = rms(trace.measured[row] - trace.baseline[row]), rms(trace.measured[row] - trace.extended[row])
+    return 1.0 - after / before if before > 0.0 else 0.0
+
+
+def _removed(trace: Trace) -> float:
+    return max((_fall(trace, row) for row in range(len(trace.channels))), default=0.0)
+
+
+def _row(trace: Trace, view: View) -> int:
+    """The channel that the first finding names as gaining most, where it does; else the one whose error fell most."""
+    named = [f.gain.channel for f in view.findings if f.gain.channel in trace.channels and f.gain.before]
+    return trace.channels.index(named[0]) if named else by_fall(trace)[0]

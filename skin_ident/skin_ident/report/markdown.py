@@ -1,0 +1,83 @@
+"""The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
+
+from skin_ident.criticism.outcome import Outcome
+from skin_ident.report.numbers import UNKNOWN, amount, percent
+from skin_ident.report.story import fall, story
+from skin_ident.report.view import Amount, View, mapping, text, view
+from skin_ident.report.words import capital, cause_at, channel, sentence
+
+
+def markdown(outcome: Outcome, pictures: tuple[str, ...] = ()) -> str:
+    """The whole text; `pictures` are file names beside it."""
+    v = view(outcome.findings)
+    told = story(outcome, v)
+    parts = [
+        [f"# {told.headline.title}", "", told.headline.line],
+        [f"![{name.partition('.')[0].replace('_', ' ')}]({name})" for name in pictures[:1]],
+        ["## What is wrong", "", *(f"- {s}" for s in told.wrong)],
+        ["## Why we think so", "", *(f"- {s}" for s in told.why)] if told.why else [],
+        [
+            "## How much better is the model",
+            "",
+            f"**{told.better.number}** {told.better.caption}.",
+            "",
+            *(f"- {s}" for s in told.better.sentences),
+        ],
+        ["## How sure are we", "", f"**{told.sure}.**", "", *(f"- {s}" for s in told.sure_because)],
+        ["## Rebuild a sensor?", "", f"**{told.rebuild}**, because {told.rebuild_because}."],
+        ["## What to do next", "", *(f"{i}. {s}" for i, s in enumerate(told.next, 1))] if told.next else [],
+        _errors(v),
+        _parameters(v),
+        _excluded(v),
+        _untestable(v),
+        [f"![{name.partition('.')[0].replace('_', ' ')}]({name})" for name in pictures[1:]],
+        _recordings(v),
+    ]
+    return "\n\n".join("\n".join(p) for p in parts if p) + "\n"
+
+
+def _rows(title: str, head: list[str], rows: list[list[str]]) -> list[str]:
+    if not rows:
+        return []
+    lines = [" | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in row) for row in rows]
+    return [f"## {title}", "", f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}", *(f"| {line} |" for line in lines)]
+
+
+def _errors(v: View) -> list[str]:
+    rows = [
+        [
+            channel(e.channel),
+            *(amount(x, e.unit, like=[*e.pair, e.floor]) for x in e.pair),
+            percent(-fall(e)),
+            amount(e.floor, e.unit, like=[*e.pair, e.floor]),
+        ]
+        for e in v.errors
+    ]
+    return _rows("Error of every channel", ["channel", "before", "after", "change", "noise alone"], rows)
+
+
+def _parameters(v: View) -> list[str]:
+    before, after = {a.name: a for a in v.before}, {a.name: a for a in v.after}
+
+    def cell(a: Amount | None) -> str:
+        return amount(a.value, a.unit, a.std) if a else UNKNOWN
+
+    names = dict.fromkeys([*before, *after])
+    rows = [[capital((before.get(n) or after[n]).words), f"`{n}`", cell(before.get(n)), cell(after.get(n))] for n in names]
+    return _rows("Parameters before and after", ["parameter", "name", "before", "after"], rows)
+
+
+def _excluded(v: View) -> list[str]:
+    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), amount(e.get("below"), text(e.get("unit")))] for e in v.excluded]
+    return _rows("Ruled out", ["cause", "smaller than"], rows)
+
+
+def _untestable(v: View) -> list[str]:
+    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), text(e.get("because")), text(e.get("needs"))] for e in v.untestable]
+    return _rows("Could not be tested", ["cause", "because", "would need"], rows)
+
+
+def _recordings(v: View) -> list[str]:
+    names = [f"- {text(mapping(r).get('name')) or text(r)}" for r in v.recordings]
+    warned = [f"- Warning: {sentence(w)}" for w in v.warnings]
+    return ["## Recordings", "", *names, *warned] if names or warned else []

@@ -1,0 +1,100 @@
+"""How numbers are printed: three significant digits, a unit a person uses, and never a NaN."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+UNKNOWN = "–"
+_SPACE, _THIN = "\u00a0", "\u202f"
+_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+# SI unit: (smallest magnitude, factor, unit as printed), the largest first; a value below all of them takes the last.
+_SCALES = {
+    "N": ((0.1, 1.0, "N"), (1e-4, 1e3, "mN"), (0.0, 1e6, "µN")),
+    "m": ((5e-5, 1e3, "mm"), (0.0, 1e6, "µm")),
+    "m/s": ((5e-5, 1e3, "mm/s"), (0.0, 1e6, "µm/s")),
+    "s": ((0.1, 1.0, "s"), (0.0, 1e3, "ms")),
+    "V": ((0.1, 1.0, "V"), (0.0, 1e3, "mV")),
+    "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
+    "N/s": ((0.1, 1.0, "N/s"), (0.0, 1e3, "mN/s")),
+    "m/N": ((0.0, 1e6, "µm/N"),),
+}
+
+
+def finite(value: Any) -> float | None:
+    """`value` as a float, or None where it is no finite number."""
+    if isinstance(value, (bool, str)) or value is None:
+        return None
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        return None
+    return number if math.isfinite(number) else None
+
+
+def plain(value: Any, digits: int = 3) -> str:
+    """A bare number with `digits` significant digits; an en dash where there is none."""
+    number = finite(value)
+    if number is None:
+        return UNKNOWN
+    if number == 0.0:
+        return "0"
+    exponent = math.floor(math.log10(abs(float(f"{number:.{digits - 1}e}"))))
+    if not -4 < exponent < 6:
+        return f"{number / 10.0**exponent:.{digits - 1}f}".replace("-", "−") + f"{_SPACE}×{_SPACE}10{str(exponent).translate(_RAISED)}"
+    whole = round(number, digits - 1 - exponent)
+    text = f"{whole:,.{max(digits - 1 - exponent, 0)}f}"
+    return text.replace(",", _THIN if abs(whole) >= 1e4 else "").replace("-", "−")
+
+
+def printed_unit(unit: str) -> str:
+    """A unit as it is printed: `N*s/m` becomes N·s/m, `N/m^3` N/m³, and a pure number has none."""
+    if unit == "1":
+        return ""
+    head, mark, power = unit.partition("^")
+    raised = power.translate(_RAISED) if mark and power.lstrip("-").isdigit() else mark + power
+    return (head + raised).replace("*", "·")
+
+
+def scale(values: Any, unit: str) -> tuple[float, str]:
+    """(factor, unit as printed) that suits the largest of `values`, given in the SI unit `unit`."""
+    known = [abs(v) for v in map(finite, np.atleast_1d(np.asarray(values, dtype=object)).ravel()) if v is not None]
+    largest = max(known, default=0.0)
+    steps = _SCALES.get(unit)
+    if steps is None:
+        return 1.0, printed_unit(unit)
+    if largest == 0.0:
+        return steps[0][1:]
+    return next(((factor, name) for least, factor, name in steps if largest >= least), steps[-1][1:])
+
+
+def amount(value: Any, unit: str, std: Any = None, like: Any = None) -> str:
+    """`value` (SI, in `unit`) with its unit and, where known, its standard error. `like` are values whose scale it shares."""
+    number, spread = finite(value), finite(std)
+    if number is None:
+        return UNKNOWN
+    factor, name = scale(like if like is not None else number, unit)
+    text = plain(number * factor)
+    if spread:
+        text += f"{_SPACE}±{_SPACE}{plain(spread * factor, 2)}"
+    return f"{text}{_SPACE}{name}" if name else text
+
+
+def span(low: Any, high: Any, unit: str) -> str:
+    """An interval, `1.00 to 2.00 N`."""
+    factor, name = scale([low, high], unit)
+    low, high = finite(low), finite(high)
+    if low is None or high is None:
+        return UNKNOWN
+    return f"{plain(low * factor)} to {plain(high * factor)}{_SPACE}{name}".rstrip()
+
+
+def percent(share: Any) -> str:
+    """A share of 1 as a whole percentage, with a decimal below 10 %."""
+    number = finite(share)
+    if number is None:
+        return UNKNOWN
+    value = 100.0 * number
+    text = f"{value:.1f}" if 0.05 <= abs(value) < 9.95 else f"{value:.0f}"
+    return f"{text.replace('-', '−')}{_SPACE}%"

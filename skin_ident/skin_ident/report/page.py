@@ -1,0 +1,121 @@
+"""The page: first screen, sections, and the style and script it carries inside, so that it opens offline."""
+
+from importlib.resources import files
+
+from skin_ident.criticism.outcome import Outcome
+from skin_ident.report import sections
+from skin_ident.report.charts import KEY, overlay, scan_left
+from skin_ident.report.focus import Focus, focus
+from skin_ident.report.markup import Safe, el
+from skin_ident.report.numbers import plain
+from skin_ident.report.story import Story, story, unit_of
+from skin_ident.report.view import View, mapping, text, view
+
+SIGNS = {"good": "✓", "found": "!", "part": "~", "bad": "?"}
+
+
+def page(outcome: Outcome) -> str:
+    """The whole report as one HTML document."""
+    v = view(outcome.findings)
+    told, seen = story(outcome, v), focus(outcome.traces, v)
+    parts = [
+        sections.measured(outcome, v, seen),
+        sections.left(outcome, v, seen),
+        sections.evidence(outcome, v),
+        sections.parameters(v),
+        sections.excluded(v),
+        sections.untestable(v),
+        sections.recordings(v),
+        sections.reading(),
+    ]
+    main = el("main", _first_screen(told, outcome, v, seen), _contents([p for p in parts if p]), [p for p in parts if p])
+    head = el(
+        "head",
+        el("meta", charset="utf-8"),
+        el("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        el("title", f"Skin diagnosis – {told.headline.title}"),
+        el("style", Safe(_asset("style.css"))),
+    )
+    body = el(
+        "body", el("header", el("p", "What the simulated skin gets wrong", class_="kicker"), el("p", _names(v), class_="names")), main
+    )
+    script = el("script", Safe(_asset("script.js")))
+    return "<!doctype html>\n" + el("html", head, Safe(body[: -len("</body>")] + script + "</body>"), lang="en")
+
+
+def _asset(name: str) -> str:
+    return (files("skin_ident") / "data" / "report" / name).read_text(encoding="utf-8")
+
+
+def _names(v: View) -> str:
+    names = [text(mapping(r).get("name") or mapping(r).get("session") or mapping(r).get("path") or r) for r in v.recordings]
+    shown = ", ".join(names[:3])
+    return shown + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _first_screen(told: Story, outcome: Outcome, v: View, seen: Focus | None) -> list[Safe]:
+    h = told.headline
+    banner = el(
+        "div",
+        el("span", SIGNS[h.tone], class_="sign", aria_hidden="true"),
+        el("div", el("h1", h.title), el("p", h.line)),
+        class_=f"banner {h.tone}",
+    )
+    answers = [
+        el("div", _answer("What is wrong", told.wrong), class_="q wrong"),
+        el("div", _better(told), class_="q better"),
+        el("div", _answer("Why we think so", told.why), class_="q why") if told.why else None,
+        el("div", el("h2", "How sure are we"), el("p", told.sure, class_="big"), _sentences(told.sure_because), class_="q sure"),
+        el(
+            "div",
+            el("h2", "Rebuild a sensor?"),
+            el("p", told.rebuild, class_="big"),
+            el("p", f"Because {told.rebuild_because}."),
+            _next(told),
+            class_="q next",
+        ),
+    ]
+    return [banner, el("div", el("div", answers, class_="answers"), _picture(outcome, v, seen), class_="first")]
+
+
+def _answer(title: str, said: tuple[str, ...]) -> list[Safe]:
+    return [el("h2", title), _sentences(said)]
+
+
+def _sentences(said: tuple[str, ...]) -> Safe | None:
+    return el("ul", [el("li", s) for s in said]) if len(said) > 1 else el("p", said[0]) if said else None
+
+
+def _better(told: Story) -> list[Safe]:
+    b = told.better
+    return [
+        el("h2", "How much better is the model"),
+        el("p", el("b", b.number, class_="huge"), " ", b.caption, class_="figure"),
+        _sentences(b.sentences),
+    ]
+
+
+def _next(told: Story) -> list[Safe] | None:
+    return [el("h2", "What to do next"), el("ol", [el("li", s) for s in told.next])] if told.next else None
+
+
+def _picture(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
+    if seen is None:
+        return el("div", KEY, scan_left(outcome.scans[0]), class_="picture") if outcome.scans else None
+    t = seen.trace.t
+    part = "the whole session" if seen.is_whole else f"the most telling {plain(t[seen.stop - 1] - t[seen.start], 2)} s"
+    role = "not used for fitting" if seen.trace.held_out else "used for fitting"
+    caption = f"{part} of {seen.trace.session} ({role}); below, what is left"
+    chart = overlay(seen.trace, seen.row, unit_of(v, seen.channel), slice(seen.start, seen.stop), 900)
+    return el("div", KEY, chart, el("p", caption[:1].upper() + caption[1:], class_="note"), class_="picture")
+
+
+def _contents(parts: list[Safe]) -> Safe:
+    """Links to the sections that are there."""
+    names = {
+        "measured": "Measured against simulated", "left": "What is left", "evidence": "Evidence", "parameters": "Parameters",
+        "excluded": "Ruled out", "untestable": "Not tested", "recordings": "Recordings", "reading": "How to read this",
+    }  # fmt: skip
+    return el(
+        "nav", [el("a", name, href=f"#{key}") for key, name in names.items() if any(p.startswith(f'<section id="{key}"') for p in parts)]
+    )

@@ -1,0 +1,84 @@
+"""The shape of a residual: thinned out for drawing, and against depth, speed and frequency."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import welch
+
+from skin_ident.criticism.outcome import Trace
+
+BINS = 24
+FEWEST = 12  # samples that a bin needs to be shown
+
+
+@dataclass(frozen=True)
+class Binned:
+    """Median residual against another quantity: centres (B,), medians (B,), N; and the middle 80 % of the samples, low and high (B,)."""
+
+    centre: np.ndarray
+    median: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+def thinned(x: np.ndarray, y: np.ndarray, buckets: int) -> tuple[np.ndarray, np.ndarray]:
+    """At most 2 x `buckets` points of y(x): the least and the greatest of every bucket, in the order they came, so that spikes survive."""
+    keep = np.isfinite(x) & np.isfinite(y)
+    x, y = x[keep], y[keep]
+    if y.size <= 2 * buckets:
+        return x, y
+    edges = np.linspace(0, y.size, buckets + 1).astype(int)
+    picked = []
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        part = y[start:stop]
+        picked += sorted({start + int(np.argmin(part)), start + int(np.argmax(part))})
+    return x[picked], y[picked]
+
+
+def binned(quantity: np.ndarray, residual: np.ndarray, low: float, high: float, bins: int = BINS) -> Binned:
+    """Residual in even bins of `quantity` between `low` and `high`; bins with too few samples are left out."""
+    edges = np.linspace(low, high, bins + 1)
+    which = np.digitize(quantity, edges[1:-1])
+    rows = []
+    for i in range(bins):
+        inside = residual[(which == i) & np.isfinite(residual) & (quantity >= low) & (quantity <= high)]
+        if inside.size >= FEWEST:
+            rows.append((0.5 * (edges[i] + edges[i + 1]), *np.percentile(inside, [50.0, 10.0, 90.0])))
+    return Binned(*np.array(rows).reshape(-1, 4).T)
+
+
+def span_of(quantity: np.ndarray) -> tuple[float, float] | None:
+    """The range that holds all but 0.2 % of the samples at either end; None where nothing moves or nothing is known."""
+    known = quantity[np.isfinite(quantity)] if quantity is not None else np.zeros(0)
+    if known.size < 2 * FEWEST:
+        return None
+    low, high = np.percentile(known, [0.2, 99.8])
+    return (float(low), float(high)) if high - low > 1e-9 else None
+
+
+def spectrum(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitude density of y: frequency (Hz) and N per root hertz, by Welch's method with windows of at most 20 s; zero frequency left out.
+
+    Above 64 frequencies the density is averaged in even steps of log frequency.
+    """
+    dt = (t[-1] - t[0]) / (t.size - 1)
+    length = int(min(t.size, max(20.0 / dt, 64)))
+    f, p = welch(np.nan_to_num(y), fs=1.0 / dt, nperseg=length, detrend="constant")
+    return _smoothed(f[1:], p[1:])
+
+
+def _smoothed(f: np.ndarray, p: np.ndarray, steps: int = 90) -> tuple[np.ndarray, np.ndarray]:
+    keep = f > 0
+    f, p = f[keep], p[keep]
+    if f.size <= 64:
+        return f, np.sqrt(p)
+    which = np.digitize(np.log(f), np.linspace(np.log(f[0]), np.log(f[-1]), steps + 1)[1:-1])
+    count = np.bincount(which, minlength=steps)
+    used = count > 0
+    centre = np.exp(np.bincount(which, np.log(f), steps)[used] / count[used])
+    return centre, np.sqrt(np.bincount(which, p, steps)[used] / count[used])
+
+
+def residuals(trace: Trace, row: int) -> tuple[np.ndarray, np.ndarray]:
+    """Measured minus simulated, before and after."""
+    return trace.measured[row] - trace.baseline[row], trace.measured[row] - trace.extended[row]
