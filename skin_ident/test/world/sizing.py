@@ -1,0 +1,70 @@
+"""How large a hidden effect is: what the plain two-branch model cannot absorb of it, over the noise."""
+
+import numpy as np
+
+from .skin import press
+
+
+def visible(record, fine_x, dt, every, skin):
+    """What is left (N) of force (T,) and taxels (T, n) after a least-squares fit of the plain model driven by the encoder.
+
+    The model has its own stiffness and damping for each channel; `fine_x` (m, noise-free) is what the encoder says.
+    """
+    u, w, on, use = _base(fine_x, dt, every, skin)
+    force = _left(record.force[use], (on * u)[use], (on * w)[use])
+    return force, np.column_stack([_left(y[use], u[use], w[use]) for y in record.taxels.T])
+
+
+def _base(fine_x, dt, every, skin):
+    """Surface depth, speed, contact, and the samples that count: those next to a touchdown depend on its place between samples."""
+    v = np.gradient(fine_x, dt)
+    base = press(fine_x, v, np.gradient(v, dt), dt, skin)
+    touching = base.touching[::every]
+    down = np.flatnonzero(np.diff(touching.astype(int)) > 0)
+    use = np.ones(touching.size, bool)
+    for shift in (-1, 0, 1, 2):
+        use[np.clip(down + shift, 0, use.size - 1)] = False
+    return base.u[::every], base.w[::every], touching, use
+
+
+def visible_in_array(record, fine_x, dt, every, skin):
+    """The same for the taxels with one stiffness and damping for all, spread as declared."""
+    u, w, _, use = _base(fine_x, dt, every, skin)
+    n, share = len(skin.positions), np.repeat(skin.shares(), use.sum())
+    left = _left(record.taxels[use].T.ravel(), share * np.tile(u[use], n), share * np.tile(w[use], n))
+    return np.zeros(use.sum()), left.reshape(n, -1).T
+
+
+def _left(y, u, w):
+    columns = np.column_stack([u, w])
+    scale = np.sqrt(np.mean(columns**2, 0)) + 1e-15
+    return y - columns @ (np.linalg.lstsq(columns / scale, y, rcond=None)[0] / scale)
+
+
+def rms(y, axis=0):
+    return np.sqrt(np.mean(np.square(y), axis=axis))
+
+
+def find_amplitude(size_at, wanted, tries=9, tolerance=0.05):
+    """The amplitude with size_at(a) = wanted: secants in the logarithm, kept inside what is bracketed; the nearest if out of reach."""
+    tried = []
+    for _ in range(tries):
+        a = _next(tried, wanted) if tried else 1.0
+        miss = float(np.log(max(size_at(a), 1e-6) / wanted))
+        tried.append((a, miss))
+        if abs(miss) < tolerance:
+            break
+    return min(tried, key=lambda pair: abs(pair[1]))[0]
+
+
+def _next(tried, wanted):
+    below = max((np.log(a) for a, miss in tried if miss < 0), default=-np.inf)
+    above = min((np.log(a) for a, miss in tried if miss > 0), default=np.inf)
+    a, miss = np.log(tried[-1][0]), tried[-1][1]
+    slope = 1.0
+    if len(tried) > 1 and tried[-2][0] != tried[-1][0]:
+        slope = np.clip((miss - tried[-2][1]) / (a - np.log(tried[-2][0])), 0.4, 5.0)
+    guess = a + float(np.clip(-miss / slope, -1.5, 1.5))
+    if below < above and not below < guess < above:
+        guess = 0.5 * (below + above) if np.isfinite(below + above) else guess
+    return float(np.exp(guess))
