@@ -16,6 +16,7 @@ from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate, Residual
 from skin_ident.estimators.regression import Block, Regression, regress
 from skin_ident.estimators.sessions import Session, prepare
+from skin_ident.estimators.split import jacobian, metric_of, split, weights_of
 from skin_ident.estimators.verdicts import judge, mass_at_bound
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -25,7 +26,7 @@ from skin_models.signals import Motion
 
 MASS_PER_THICKNESS = 0.108  # kg/m: silicone above one taxel's sensing area, thesis section 4.3.1
 FREE = "free"
-ROUNDS = 10  # at most, until the samples where the skin would pull no longer change
+ROUNDS = 10  # at most, until the samples where skin and plunger touch no longer change
 
 
 @dataclass(frozen=True)
@@ -82,25 +83,21 @@ def _shape(sessions: list[Session], mass: float | str) -> Shape:
 
 
 def _settled(sessions: list[Session], shape: Shape) -> Regression:
-    """Regress, find where the skin would have pulled, and repeat until that no longer changes."""
-    pulling = None
+    """Regress, find where the skin parts from the plunger, and repeat until that no longer changes."""
+    recovery = None
     for _ in range(ROUNDS):
-        regression = regress(_blocks(sessions, shape, pulling))
-        whole = regression.coefficients[0][-2:]  # of the load cell, or of the first taxel
-        ratio = float(whole[0] / whole[1]) if whole[1] > 0.0 else None
-        if pulling == ratio or not any(_parts(s.motion, ratio) for s in sessions):
+        regression = regress(_blocks(sessions, shape, recovery))
+        b, k = regression.coefficients[0][-2:]  # of the load cell, or of the first taxel
+        new = float(b / k) if k > 0.0 else 0.0
+        if recovery is not None and abs(new - recovery) <= 1e-6 * abs(new):
             break
-        pulling = ratio
+        recovery = new
     return regression
 
 
-def _parts(s: Motion, ratio: float | None) -> bool:
-    return ratio is not None and bool(np.any((s.x > 0.0) & (ratio * s.v + s.x <= 0.0)))
-
-
-def _blocks(sessions: list[Session], shape: Shape, pulling: float | None) -> list[list[Block]]:
+def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> list[list[Block]]:
     """Force first, then the taxels. Columns: (a - g,) v, x for the force; v, x for a taxel."""
-    columns = [s.columns(pulling) for s in sessions]
+    columns = [s.columns(recovery) for s in sessions]
     force = [[_force_block(s, c, shape) for s, c in zip(sessions, columns, strict=True)]] if shape.force else []
     return force + [[Block(s.taxels[i], c[:, :2]) for s, c in zip(sessions, columns, strict=True)] for i in range(shape.taxels)]
 
@@ -113,48 +110,28 @@ def _force_block(s: Session, columns: np.ndarray, shape: Shape) -> Block:
 
 
 def _parameters(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
-    """m, b1, k1, b2, k2, shares and their Jacobian with respect to all coefficients, by central differences."""
+    """m, b1, k1, b2, k2, shares, and their Jacobian with respect to all coefficients."""
     beta = np.concatenate(regression.coefficients)
+    weights = weights_of(np.array(regression.noise[len(regression.noise) - shape.taxels :]))
     metric = _metric(regression, shape)
-    step = 1e-6 * np.maximum(np.abs(beta), 1e-9)
-    moves = np.diag(step)
-    jacobian = [(_theta(beta + d, metric, shape) - _theta(beta - d, metric, shape)) / (2 * h) for d, h in zip(moves, step, strict=True)]
-    return _theta(beta, metric, shape), np.array(jacobian).T
+
+    def theta(beta: np.ndarray) -> np.ndarray:
+        lead = int(shape.free)
+        force = beta[lead : lead + 2] if shape.force else None
+        taxels = beta[beta.size - 2 * shape.taxels :].reshape(shape.taxels, 2)
+        return np.concatenate([[beta[0] if shape.free else shape.mass], split(force, taxels, weights, metric)])
+
+    return theta(beta), jacobian(theta, beta)
 
 
-def _metric(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
-    """Weights (T,) of the taxels and the metric (2, 2) of (b, k), from the covariance of the strongest taxel."""
+def _metric(regression: Regression, shape: Shape) -> np.ndarray:
+    """How well (b, k) of the strongest taxel is known, as a metric."""
     if not shape.taxels:
-        return np.empty(0), np.eye(2)
-    noise = np.array(regression.noise[-shape.taxels :])
-    floor = max(1e-3 * noise.max(), 1e-12)
-    end = regression.covariance.shape[0]
-    strongest = int(np.argmax([c[1] for c in regression.coefficients[-shape.taxels :]]))
-    at = slice(end - 2 * (shape.taxels - strongest), end - 2 * (shape.taxels - strongest) + 2)
-    precision = np.linalg.pinv(regression.covariance[at, at])
-    return 1.0 / np.maximum(noise, floor), np.linalg.cholesky(precision / np.trace(precision) + 1e-15 * np.eye(2))
-
-
-def _theta(beta: np.ndarray, metric: tuple[np.ndarray, np.ndarray], shape: Shape) -> np.ndarray:
-    lead = int(shape.free)
-    m = beta[0] if shape.free else shape.mass
-    whole = beta[lead : lead + 2] if shape.force else None
-    if not shape.taxels:
-        return np.array([m, whole[0], whole[1], 0.0, 0.0])
-    rows = beta[-2 * shape.taxels :].reshape(shape.taxels, 2)
-    sensed, shares = _rank_one(rows, *metric)
-    rest = whole - sensed if shape.force else np.zeros(2)
-    return np.concatenate([[m, *sensed, *rest], shares])
-
-
-def _rank_one(rows: np.ndarray, weights: np.ndarray, metric: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(b1, k1) of the strongest taxel and the shares (T,) of all, from the (b, k) of each, rows (T, 2)."""
-    if len(rows) == 1:
-        return rows[0], np.ones(1)
-    u, size, v = np.linalg.svd(weights[:, None] * (rows @ metric), full_matrices=False)
-    shares, sensed = u[:, 0] / weights, size[0] * np.linalg.solve(metric.T, v[0])
-    strongest = shares[np.argmax(np.abs(shares))]
-    return sensed * strongest, shares / strongest
+        return np.eye(2)
+    before = len(regression.coefficients) - shape.taxels
+    strongest = before + int(np.argmax([c[1] for c in regression.coefficients[before:]]))
+    start = sum(c.size for c in regression.coefficients[:strongest])
+    return metric_of(regression.covariance[start : start + 2, start : start + 2])
 
 
 def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.ndarray, covariance: np.ndarray, warnings) -> Estimate:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.signal import firwin, oaconvolve, welch
 
 HEADROOM = 3.0  # cut-off over the highest frequency of the motion
+FLOOR = 6.0  # times the encoder's noise: what stands out by less is noise
 WIDER = 2.5  # the depth itself, from which speed and contact are taken, keeps this many times the band
 
 
@@ -32,17 +33,18 @@ class Prefilter:
         return _half(self.edge, self.dt)
 
     def rows(self, y: np.ndarray) -> np.ndarray:
-        """Low-pass the rows of y (..., N), drop the ends, decimate."""
+        """Low-pass the rows of y (..., N), drop the ends, decimate. Measured channels go through `smooth` first, as the depth does."""
         kernel = _kernel(self.edge, self.dt).reshape((1,) * (y.ndim - 1) + (-1,))
         return oaconvolve(y, kernel, mode="valid", axes=-1)[..., :: self.every]
 
-    def smooth(self, x: np.ndarray) -> np.ndarray:
-        """The depth (N,) low-passed well above the band, its ends mirrored, its length kept."""
+    def smooth(self, y: np.ndarray) -> np.ndarray:
+        """Rows (..., N) low-passed well above the band, their ends mirrored, their length kept."""
         edge = WIDER * self.edge
         if edge * self.dt >= 0.4:
-            return x
+            return y
         half = _half(edge, self.dt)
-        return oaconvolve(np.pad(x, half, mode="reflect", reflect_type="odd"), _kernel(edge, self.dt), mode="valid")
+        padded = np.pad(y, [(0, 0)] * (y.ndim - 1) + [(half, half)], mode="reflect", reflect_type="odd")
+        return oaconvolve(padded, _kernel(edge, self.dt).reshape((1,) * (y.ndim - 1) + (-1,)), mode="valid", axes=-1)
 
 
 def prefilter_for(depths: Sequence[tuple[np.ndarray, float]]) -> Prefilter:
@@ -56,10 +58,10 @@ def prefilter_for(depths: Sequence[tuple[np.ndarray, float]]) -> Prefilter:
 
 def _highest_frequency(x: np.ndarray, dt: float) -> float:
     """Hz below which lies 99.9 % of the speed's power, once the floor of the encoder's noise is taken off."""
-    f, power = welch(np.diff(x) / dt, 1.0 / dt, nperseg=min(x.size - 1, 1024), detrend="constant")
+    f, power = welch(np.diff(x) / dt, 1.0 / dt, nperseg=min(max(16, x.size // 8), 1024), detrend="constant")
     response = np.maximum(2.0 * np.sin(np.pi * f * dt) / dt, 1e-9) ** 2  # of the difference: white noise in x comes out with this shape
-    floor = np.median((power / response)[f > 0.3 / dt]) if x.size > 64 else 0.0
-    clean = np.maximum(power - 3.0 * floor * response, 0.0)
+    floor = np.median((power / response)[f > 0.3 / dt])
+    clean = np.where(power > FLOOR * floor * response, power, 0.0)
     if clean.sum() <= 0.0:
         return 0.2 / dt
     return float(f[np.searchsorted(np.cumsum(clean), 0.999 * clean.sum())])

@@ -9,28 +9,37 @@ from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.prefilter import Prefilter, prefilter_for
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.timing import counted
+from skin_models.dispersion import Dispersion
 from skin_models.signals import GRAVITY, Motion, motion
+
+FELT = 0.02  # of the largest force
 
 
 @dataclass(frozen=True)
 class Session:
-    """One recording. `force` (n,) or None and `taxels` (T, n) are low-passed and decimated; `motion` is at full rate, depth smoothed."""
+    """One recording. `force` (n,) or None and `taxels` (T, n) are low-passed and decimated; `motion` and `felt` are at full rate.
+
+    `felt` (N,) says where the load cell (or, without one, the strongest taxel) shows at least `FELT` of its largest force.
+    """
 
     name: str
     motion: Motion
     force: np.ndarray | None
     taxels: np.ndarray
+    felt: np.ndarray
     prefilter: Prefilter
 
-    def columns(self, pulling: float | None = None) -> np.ndarray:
-        """Filtered columns (n, 4): speed, depth, acceleration, -gravity, each zero in the air.
+    def columns(self, recovery: float | None = None) -> np.ndarray:
+        """Filtered columns (n, 4): speed, depth, acceleration, -gravity, each zero where plunger and skin do not touch.
 
-        `pulling` is the ratio b / k of the whole skin: where speed and depth say b v + k x <= 0, skin and plunger have parted.
+        `recovery` is the time constant b / k of the whole skin (s): left faster than it recovers, the skin parts from the plunger. While
+        it is not known, they are taken to touch where a force is felt.
         """
         s = self.motion
-        contact = s.x > 0.0
-        carried = contact if pulling is None else contact & (pulling * s.v + s.x > 0.0)
-        rows = np.array([s.v * carried, s.x * carried, s.a * contact, -GRAVITY * contact])
+        contact = self.felt & (s.x > 0.0) if recovery is None else s.x > 0.0
+        if recovery is not None and recovery > 0.0:
+            contact = Dispersion(b1=recovery, k1=1.0, b2=0.0, k2=0.0).contact(s)
+        rows = np.array([s.v, s.x, s.a, np.full_like(s.x, -GRAVITY)]) * contact
         return self.prefilter.rows(rows).T
 
 
@@ -52,11 +61,15 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
 
 def _session(r: Recording, prefilter: Prefilter) -> Session:
     calibrated = np.array([y for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"])
-    taxels = prefilter.rows(calibrated) if calibrated.size else np.empty((0, 0))
+    smooth = prefilter.smooth(calibrated) if calibrated.size else np.empty((0, 0))
     s = motion(r.t, prefilter.smooth(r.depth))
     if not np.any(s.x > 0.0):
         raise FitError(f"{r.name}: the plunger never touches the skin (depth > 0 nowhere); set the encoder's zero at the surface")
-    return Session(r.name, s, None if r.force is None else prefilter.rows(r.force), taxels, prefilter)
+    force = None if r.force is None else prefilter.smooth(r.force)
+    main = force if force is not None else smooth[np.argmax(np.ptp(smooth, axis=1))] if smooth.size else np.ones(len(r))
+    rows = prefilter.rows
+    taxels = rows(smooth) if smooth.size else smooth
+    return Session(r.name, s, None if force is None else rows(force), taxels, main > FELT * main.max(), prefilter)
 
 
 def _same_channels(recordings: Sequence[Recording]) -> None:

@@ -42,7 +42,7 @@ def assemble(name: str, t: np.ndarray, channels: list[Channel], declared: Declar
         taxel_names=tuple(c.name for c in taxels),
         taxel_units=tuple(c.unit for c in taxels),
         declared=declared,
-        warnings=(*warnings, *notes, *more, *track.warnings),
+        warnings=(*declared.warnings, *warnings, *notes, *more, *track.warnings),
     )
     return _plausible(recording)
 

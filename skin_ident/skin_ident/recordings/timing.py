@@ -60,6 +60,8 @@ def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
     """The track on an even grid. NaN samples are bridged where their run is short. Raises `RecordingError`."""
     track = longest_stretch(ordered(track, name), name)
     track = _bridged_nan(track, name)
+    if track.t.size < 2:
+        raise RecordingError(f"{name} holds {counted(track.t.size, 'usable sample')}: there is nothing to fit ({'; '.join(track.warnings)})")
     period = float(np.median(np.diff(track.t)))
     steps = np.rint((track.t - track.t[0]) / period)
     dt = (track.t[-1] - track.t[0]) / steps[-1]

@@ -1,0 +1,136 @@
+"""Samples as they arrive, put together by their stamps and fed to the recursive estimator; counts what is late, lost or not a number."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from skin_ident.estimators import recursive
+from skin_ident.estimators.recursive import Live, Memory, State
+
+LEARN = 20  # samples from which rate and taxels are learnt
+KEEP = 4000  # samples that wait for their partners, at most
+LOST = 10.5  # periods: a longer pause starts the filter anew
+
+
+@dataclass(frozen=True)
+class Health:
+    """Since the last look: rate (Hz), jitter of the stamps (s, std), samples used, without a partner, not finite, pauses; since ever: used."""
+
+    rate: float = 0.0
+    jitter: float = 0.0
+    used: int = 0
+    alone: int = 0
+    invalid: int = 0
+    pauses: int = 0
+    used_ever: int = 0
+
+
+@dataclass
+class LiveFit:
+    """`offer` every message, then `update` now and then. Not for several threads."""
+
+    window: float
+    cutoff: float
+    mass: float
+    memory: Memory | None = None
+    state: State | None = None
+    live: Live | None = None
+    newest: int = 0  # ns
+    health: Health = field(default_factory=Health)
+    _heard: dict[str, dict[int, np.ndarray]] = field(default_factory=lambda: {"encoder": {}, "force": {}, "taxels": {}})
+    _rows: list[np.ndarray] = field(default_factory=list)
+    _last: np.ndarray | None = None
+    _seen: int = 0
+    _dropped: int = 0
+
+    def offer(self, role: str, stamp_ns: int, values: np.ndarray) -> None:
+        """One message of encoder (1,) m, force (1,) N or taxels (T,) N."""
+        waiting = self._heard[role]
+        waiting[stamp_ns] = np.asarray(values, float)
+        if len(waiting) > KEEP:
+            waiting.pop(next(iter(waiting)))
+            self._dropped += role == "encoder"
+
+    def update(self) -> Live | None:
+        """Take in what is complete; the estimate now, or None where it is too early or nothing moves."""
+        rows = self._complete()
+        self.health = replace(self.health, rate=0.0, jitter=0.0, used=0, alone=self._dropped, invalid=0, pauses=0)
+        self._dropped = 0
+        if len(rows) >= 2:
+            self._absorb(rows)
+        if self.state is not None:
+            self.live = recursive.estimate(self.memory, self.state)
+        return self.live
+
+    def _complete(self) -> list[tuple[int, np.ndarray]]:
+        """Samples of one stamp from every topic that speaks, in the order of time, as (stamp, values)."""
+        speaking = [role for role, heard in self._heard.items() if heard]
+        if "encoder" not in speaking or len(speaking) < 2 or min(len(self._heard[r]) for r in speaking) < 2:
+            return []
+        if self.memory is not None:
+            speaking = ["encoder", *["force"] * self.memory.force, *["taxels"] * (self.memory.taxels > 0)]
+        common = sorted(set.intersection(*(set(self._heard[role]) for role in speaking)))
+        if self.memory is None and len(common) < LEARN:
+            return []
+        rows = [(stamp, np.concatenate([self._heard[role][stamp] for role in speaking])) for stamp in common]
+        self._forget(common[-1] if common else 0)
+        return self._learnt(rows, speaking) if rows else []
+
+    def _forget(self, newest: int) -> None:
+        for role, heard in self._heard.items():
+            late = [stamp for stamp in heard if stamp <= newest]
+            for stamp in late:
+                del heard[stamp]
+            if role == "encoder":
+                self._seen = len(late)
+
+    def _learnt(self, rows: list[tuple[int, np.ndarray]], speaking: list[str]) -> list[tuple[int, np.ndarray]]:
+        """On first sight: sampling period and number of taxels. Later: only the rows that have as many."""
+        if self.memory is None:
+            dt = float(np.median(np.diff([stamp for stamp, _ in rows]))) * 1e-9
+            force = "force" in speaking
+            taxels = rows[0][1].size - 1 - force
+            cutoff = min(self.cutoff, 0.2 / dt)
+            self.memory = Memory(dt, cutoff, self.window, self.mass, force, taxels)
+            self.state = recursive.initial(self.memory)
+        width = 1 + self.memory.force + self.memory.taxels
+        fitting = [(stamp, row) for stamp, row in rows if row.size == width and stamp > self.newest]
+        self.health = replace(self.health, alone=self.health.alone + self._seen - len(fitting))
+        return fitting
+
+    def _absorb(self, rows: list[tuple[int, np.ndarray]]) -> None:
+        stamps = np.array([stamp for stamp, _ in rows])
+        values = np.array([row for _, row in rows]).T
+        finite = np.isfinite(values).all(axis=0)
+        pauses = 0
+        for stamp, value in zip(stamps[finite], values.T[finite], strict=True):
+            pauses += self._after(int(stamp), value)
+        self._flush()
+        periods = np.diff(stamps) * 1e-9
+        self.health = replace(
+            self.health,
+            rate=float(periods.size / max(periods.sum(), 1e-9)),
+            jitter=float(np.std(periods)),
+            used=int(finite.sum()),
+            invalid=int((~finite).sum()),
+            pauses=pauses,
+            used_ever=self.health.used_ever + int(finite.sum()),
+        )
+
+    def _after(self, stamp: int, value: np.ndarray) -> bool:
+        """Queue one sample; short losses are interpolated, a pause starts the filter anew (True)."""
+        steps = (stamp - self.newest) * 1e-9 / self.memory.dt if self.newest else 1.0
+        paused = steps > LOST
+        if paused:
+            self._flush()
+            self.state = recursive.restarted(self.memory, self.state)
+        missing = 0 if paused or self._last is None else max(0, round(steps) - 1)
+        self._rows += [self._last + (value - self._last) * (i + 1) / (missing + 1) for i in range(missing)]
+        self._rows.append(value)
+        self._last, self.newest = value, stamp
+        return paused
+
+    def _flush(self) -> None:
+        if self._rows:
+            self.state = recursive.absorb(self.memory, self.state, np.array(self._rows).T)
+            self._rows = []

@@ -1,0 +1,168 @@
+"""The dispersion model while it is being measured: least squares with forgetting, block by block, and its uncertainty.
+
+    Z <- lambda Z + z z',   z = (v, x, force, taxels)  after one causal low-pass common to all of them
+
+Everything follows from Z: coefficients by the normal equations of eq 24, residual variance, correlation between channels. The same sum
+one sample apart gives the residual's correlation in time, by which the standard errors are widened (they would be too small otherwise).
+State is explicit: `state = absorb(state, block)`.
+Source: L. Ljung, System Identification, 2nd ed., Prentice Hall 1999, section 11.2.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.signal import butter, sosfilt
+
+from skin_ident.estimators.split import jacobian, metric_of, split, weights_of
+from skin_models.signals import GRAVITY
+
+PER_CUTOFF = 4.0  # rows kept per period of the cut-off frequency
+FEWEST = 30.0  # effective rows before anything is said
+
+
+@dataclass(frozen=True)
+class Memory:
+    """Settings: sampling period (s), cut-off (Hz), memory (s), mass held fixed (kg), channels: a load cell or none, and T taxels."""
+
+    dt: float
+    cutoff: float
+    window: float
+    mass: float
+    force: bool
+    taxels: int
+
+    @property
+    def every(self) -> int:
+        """One filtered row in so many is kept."""
+        return max(1, int(1.0 / (PER_CUTOFF * self.cutoff * self.dt)))
+
+    @property
+    def forgetting(self) -> float:
+        """Lambda per kept row."""
+        return float(np.exp(-self.every * self.dt / self.window))
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What is remembered: the last samples, the filter, how many samples went through it, the two sums, the last row, how many rows."""
+
+    tail: np.ndarray
+    filter: np.ndarray
+    count: int
+    now: np.ndarray
+    next: np.ndarray
+    last: np.ndarray | None
+    rows: float
+
+
+def initial(m: Memory) -> State:
+    """Nothing known yet."""
+    width = 2 + m.force + m.taxels
+    empty = np.zeros((width, width))
+    return State(np.empty((width - 1, 0)), np.zeros((1, width, 2)), 0, empty, empty, None, 0.0)
+
+
+def restarted(m: Memory, state: State) -> State:
+    """The same knowledge, with a filter that forgets what came before a pause."""
+    fresh = initial(m)
+    return replace(state, tail=fresh.tail, filter=fresh.filter, count=0, last=None)
+
+
+def absorb(m: Memory, state: State, block: np.ndarray) -> State:
+    """Take in samples (1 + C, n): depth, then force (if there is one) and taxels, evenly spaced by `dt` and finite."""
+    y = np.concatenate([state.tail, block], axis=1)
+    if y.shape[1] < 3:
+        return replace(state, tail=y)
+    rows, filtered = sosfilt(_low_pass(m), _columns(m, y, _parting(m, state)), zi=state.filter, axis=-1)
+    settling = max(0, int(2.0 / (m.cutoff * m.dt)) - state.count)
+    first = settling + (-(state.count + settling)) % m.every
+    after = replace(state, tail=y[:, -2:], filter=filtered, count=state.count + rows.shape[1])
+    return _summed(m, after, rows[:, first :: m.every])
+
+
+def _parting(m: Memory, state: State) -> float:
+    """b / k of the whole skin as far as it is known: where b v + k x <= 0, skin and plunger have parted."""
+    if state.rows < FEWEST:
+        return 0.0
+    b, k = np.linalg.lstsq(state.now[:2, :2], state.now[:2, 2], rcond=None)[0]
+    return float(b / k) if k > 0.0 else 0.0
+
+
+def _low_pass(m: Memory) -> np.ndarray:
+    return butter(2, min(m.cutoff * m.dt, 0.4), fs=1.0, output="sos")
+
+
+def _columns(m: Memory, y: np.ndarray, parting: float) -> np.ndarray:
+    """Speed and depth in contact, and the channels, at all samples but the first and the last."""
+    x, v = y[0, 1:-1], (y[0, 2:] - y[0, :-2]) / (2.0 * m.dt)
+    contact = x > 0.0
+    measured = y[1:, 1:-1].copy()
+    if m.force:
+        a = (y[0, 2:] - 2.0 * x + y[0, :-2]) / m.dt**2
+        measured[0] -= m.mass * (a - GRAVITY) * contact
+    touching = contact & (parting * v + x > 0.0)
+    return np.concatenate([[v * touching, x * touching], measured])
+
+
+def _summed(m: Memory, state: State, kept: np.ndarray) -> State:
+    if not kept.shape[1]:
+        return state
+    weight = m.forgetting ** np.arange(kept.shape[1] - 1, -1, -1.0)
+    before = kept[:, :1] if state.last is None else state.last[:, None]
+    shifted = np.concatenate([before, kept[:, :-1]], axis=1)
+    old = m.forgetting ** kept.shape[1]
+    return replace(
+        state,
+        now=old * state.now + (weight * kept) @ kept.T,
+        next=old * state.next + (weight * kept) @ shifted.T,
+        last=kept[:, -1],
+        rows=old * state.rows + weight.sum(),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Live:
+    """b1, k1, b2, k2, shares with their standard errors; rms of speed (m/s) and depth (m) in contact, and of the residuals (N)."""
+
+    values: np.ndarray
+    std: np.ndarray
+    rows: float
+    speed: float
+    depth: float
+    residual: np.ndarray
+
+
+def estimate(m: Memory, state: State) -> Live | None:
+    """What is known now, or None where it is too little: too few rows, or a plunger in the air or standing still."""
+    gram = state.now[:2, :2]
+    size = np.sqrt(np.diag(gram))
+    if state.rows < FEWEST or not np.all(size > 0.0) or np.linalg.cond(gram / np.outer(size, size)) > 1e10:
+        return None
+    inverse = np.linalg.inv(gram / np.outer(size, size)) / np.outer(size, size)
+    beta = inverse @ state.now[:2, 2:]  # (2, C)
+    ends = np.concatenate([-beta, np.eye(beta.shape[1])])
+    spread = ends.T @ state.now @ ends / max(state.rows - 2.0, 1.0)
+    widened = spread * _widening(ends, state)
+    covariance = np.kron(widened, inverse)
+    speed, depth = size / np.sqrt(state.rows)
+    return _split(m, beta, covariance, Live(np.empty(0), np.empty(0), state.rows, speed, depth, np.sqrt(np.diag(spread))))
+
+
+def _widening(ends: np.ndarray, state: State) -> np.ndarray:
+    """By how much (C, C) correlation in time widens the covariance: (1 + rho) / (1 - rho) for each channel."""
+    rho = np.diag(ends.T @ state.next @ ends) / np.maximum(np.diag(ends.T @ state.now @ ends), 1e-300)
+    rho = np.clip(rho, 0.0, 0.98)
+    root = np.sqrt((1.0 + rho) / (1.0 - rho))
+    return np.outer(root, root)
+
+
+def _split(m: Memory, beta: np.ndarray, covariance: np.ndarray, live: Live) -> Live:
+    flat = beta.T.ravel()
+    weights = weights_of(live.residual[m.force :])
+    metric = metric_of(covariance[-2:, -2:] + 1e-30 * np.eye(2)) if m.taxels else np.eye(2)
+
+    def theta(flat: np.ndarray) -> np.ndarray:
+        return split(flat[:2] if m.force else None, flat[2 * m.force :].reshape(m.taxels, 2), weights, metric)
+
+    j = jacobian(theta, flat)
+    return replace(live, values=theta(flat), std=np.sqrt(np.maximum(np.diag(j @ covariance @ j.T), 0.0)))

@@ -1,0 +1,83 @@
+"""The dispersion model comes back out of data made with it, with errors that hold; what the data do not know is said."""
+
+import numpy as np
+import pytest
+from making import SILICONE, recording
+
+from skin_ident.estimators.dispersion import FREE, fit_dispersion
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.estimate import FIXED, IDENTIFIABLE, NOT_IDENTIFIABLE
+from skin_ident.recordings.recording import Recording
+
+NAMES = ("b1", "k1", "b2", "k2")
+
+
+@pytest.mark.parametrize("thickness", [2, 4, 6])
+def test_recovers_the_thesis_parameters(thickness):
+    truth = SILICONE[thickness]
+    fit = fit_dispersion([recording(thickness, truth, amplitude=0.1e-3, offset=0.15e-3, n=6000, sigma=0.01)], truth[0])
+    for name, value in zip(NAMES, truth[1:], strict=True):
+        assert abs(fit.values[name] - value) < 4 * fit.std[name] + 1e-3 * abs(value)
+    assert fit.verdicts["k1"].word == IDENTIFIABLE and fit.verdicts["m"].word == FIXED
+
+
+def test_exact_data_give_exact_parameters():
+    fit = fit_dispersion([recording(sigma=0.0)], SILICONE[4][0])
+    assert [fit.values[n] for n in NAMES] == pytest.approx(SILICONE[4][1:], rel=1e-4)
+
+
+def test_shares_of_several_taxels():
+    fit = fit_dispersion([recording(shares=(0.5, 1.0, 0.2), sigma=0.01)], SILICONE[4][0])
+    assert fit.model.shares == pytest.approx((0.5, 1.0, 0.2), abs=0.005) and fit.model.shares[1] == 1.0
+    assert fit.values["k1"] == pytest.approx(9619, rel=2e-3)
+
+
+def test_many_sessions_shrink_the_error():
+    one = fit_dispersion([recording(0)], SILICONE[4][0])
+    four = fit_dispersion([recording(i, name=f"s{i}") for i in range(4)], SILICONE[4][0])
+    assert 1.5 < one.std["k1"] / four.std["k1"] < 2.7 and len(four.sessions) == 4
+
+
+def test_free_mass_of_a_sine_is_called_what_it_is():
+    """A preload of 2.6 N, as in Table 4-4, comes out as 0.27 kg of skin that weighs a gram."""
+    r = recording(n=6000)
+    pre = Recording("preloaded", r.t, r.depth, r.force - 2.6, r.taxels)
+    fit = fit_dispersion([pre], FREE)
+    assert fit.values["m"] == pytest.approx(0.2655, abs=0.01)
+    verdict = fit.verdicts["m"]
+    assert verdict.word == NOT_IDENTIFIABLE and "constant force of -2.6" in verdict.sentence and "gravity" in verdict.sentence
+
+
+def test_fast_motion_identifies_a_real_mass():
+    truth = (0.5, 3.0, 9619.0, 2.0, 2766.0)
+    r = recording(truth=truth, n=8000, dt=0.001, hz=20.0, sigma=0.02)
+    fit = fit_dispersion([r], FREE)
+    assert fit.verdicts["m"].word == IDENTIFIABLE and fit.values["m"] == pytest.approx(0.5, rel=0.03)
+
+
+def test_material_test_gives_the_whole_skin():
+    r = recording()
+    fit = fit_dispersion([Recording("m", r.t, r.depth, r.force)])
+    assert fit.values["k1"] == pytest.approx(9619 + 2766, rel=0.01) and fit.verdicts["k2"].word == NOT_IDENTIFIABLE and fit.model.shares == ()
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.9])
+def test_standard_errors_match_the_scatter(rho):
+    fits = [fit_dispersion([recording(seed, rho=rho, n=2000)], SILICONE[4][0]) for seed in range(40)]
+    for name in NAMES:
+        scatter, claimed = np.std([f.values[name] for f in fits], ddof=1), np.median([f.std[name] for f in fits])
+        assert 0.6 < claimed / scatter < 1.6, name
+
+
+def test_encoder_noise_does_no_harm():
+    fit = fit_dispersion([recording(encoder=5e-6)], SILICONE[4][0])
+    assert [fit.values[n] for n in NAMES] == pytest.approx(SILICONE[4][1:], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("r", "says"),
+    [(recording(offset=-1e-3), "never touches"), (Recording("f", recording().t, None, recording().force, recording().taxels), "no depth")],
+)
+def test_unusable_recordings_are_refused(r, says):
+    with pytest.raises(FitError, match=says):
+        fit_dispersion([r])

@@ -1,0 +1,130 @@
+"""What is written is what is read, whichever file it comes in; what is wrong is said in one sentence."""
+
+import numpy as np
+import pytest
+from making import recording, write_bag, write_mcap, write_table
+
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.load import load
+from skin_ident.recordings.recording import DISPLACEMENT, FORCE_TO_FORCE, MATERIAL_TEST, TAXELS_ONLY, Recording
+
+R = recording(n=300, shares=(1.0, 0.4))
+
+
+def same(a, b, tolerance=1e-8):
+    return all(np.allclose(getattr(a, k), getattr(b, k), rtol=tolerance, atol=1e-12) for k in ("depth", "force", "taxels"))
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3", "NONE", "LZ4", "ZSTD"])
+def test_bag_gives_back_what_was_written(tmp_path, storage):
+    bare = storage.isupper()
+    read = load(write_mcap(tmp_path / "a.mcap", R, storage) if bare else write_bag(tmp_path / "bag", R, storage))
+    assert len(read) == 1 and same(read[0], R, 1e-15) and read[0].kind == DISPLACEMENT
+    assert read[0].warnings == () and read[0].taxel_names == ("taxel_0", "taxel_1") and abs(read[0].dt - 0.01) < 1e-12
+
+
+def test_bare_mcap_and_folder_of_sessions(tmp_path):
+    write_bag(tmp_path / "a", R)
+    write_bag(tmp_path / "b", R, "sqlite3")
+    write_table(tmp_path / "c.csv", R)
+    write_table(tmp_path / "d.tsv", R, "\t")
+    (tmp_path / "README.txt").write_text("These were recorded,\non a Monday, by me.\n")
+    read = load(tmp_path)
+    assert [r.name for r in read] == ["a", "b", "c.csv", "d.tsv"] and all(same(r, R, 1e-6) for r in read)
+    assert same(load(tmp_path / "a" / "a.mcap")[0], R)
+
+
+@pytest.mark.parametrize(
+    ("header", "kind"),
+    [("t_s,x_mm,force_n", MATERIAL_TEST), ("t_s,force_N,taxel_0_N", FORCE_TO_FORCE), ("Time (ms),Position [um],F [mN],taxel 3 (V)", DISPLACEMENT),
+     ("t_s,ai0_V,ai1_V", TAXELS_ONLY)],
+)  # fmt: skip
+def test_headers_say_kind_and_unit(tmp_path, header, kind):
+    rows = ["".join(f"{1 + 0.01 * i * (k + 1)}," for k in range(header.count(",") + 1))[:-1] for i in range(50)]
+    (tmp_path / "a.csv").write_text("\n".join([header, *rows]))
+    r = load(tmp_path / "a.csv")[0]
+    assert r.kind == kind
+    if "um" in header:
+        assert r.dt == pytest.approx(1e-5) and r.depth[1] == pytest.approx(1.02e-6) and r.force[1] == pytest.approx(1.03e-3)
+        assert r.taxel_units == ("V",) and "no calibration" in " ".join(r.warnings)
+
+
+BAD_TABLES = {
+    "empty": ("", "empty"),
+    "no rows": ("t_s,x_mm,force_n\n", "no rows"),
+    "no header": ("0,0,1\n" * 30, "no header"),
+    "no unit": ("t_s,x,force_n\n" + "0,1,2\n" * 30, "no unit"),
+    "unit of another quantity": ("t_s,x_n,force_n\n" + "0,1,2\n" * 30, "'n'"),
+    "no time": ("x_mm,force_n\n" + "1,2\n" * 30, "time"),
+    "short rows": ("t_s,x_mm,force_n\n" + "0,1\n" * 30, "columns"),
+    "force in volts": ("t_s,x_mm,force_v\n" + "".join(f"{0.01 * i},1,{i}\n" for i in range(30)), "volts"),
+    "few": ("t_s,x_mm,force_n\n0,1,2\n0.01,1,2\n", "at least 20"),
+    "metres that are millimetres": ("t_s,x_m,force_n\n" + "".join(f"{0.01 * i},{0.1 * i},{i}\n" for i in range(30)), "mm"),
+    "all the same time": ("t_s,x_mm,force_n\n" + "0,1,2\n" * 30, "29 repeated time stamps"),
+    "clock steps back": ("t_s,x_mm,force_n\n" + "".join(f"{0.01 * (i % 40)},1,2\n" for i in range(80)), "steps back"),
+    "unknown column": ("t_s,x_mm,banana\n" + "0,1,2\n" * 30, "not known"),
+    "two forces": ("t_s,x_mm,force_n,load_n\n" + "".join(f"{0.01 * i},1,2,3\n" for i in range(30)), "more than one force"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_TABLES)
+def test_bad_table_is_refused_in_one_sentence(tmp_path, case):
+    text, says = BAD_TABLES[case]
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(RecordingError) as error:
+        load(tmp_path / "a.csv")
+    assert says in str(error.value) and "\n" not in str(error.value)
+
+
+def test_rig_yaml_calibrates_and_declares(tmp_path):
+    (tmp_path / "rig.yaml").write_text("skin_thickness_mm: 4\ncalibration:\n  ai0: {channel: force, slope_n_per_v: -4.0, zero_v: 0.5}\n")
+    (tmp_path / "a.csv").write_text("t_s,ai0_V,ai1_V\n" + "".join(f"{0.01 * i},{0.5 - 0.25 * (i % 7)},{i % 7}\n" for i in range(50)))
+    r = load(tmp_path)[0]
+    assert r.kind == FORCE_TO_FORCE and r.force[1] == pytest.approx(1.0) and r.declared.skin_thickness_mm == 4 and r.taxel_units == ("V",)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [("skin_thickness_mm: thick", "number"), ("skin_thickness_mm: -1", "positive"), ("[1", "YAML"),
+     ("calibration: {force: {slope: 3}}", "slope"), ("taxel_positions_mm: 3", "list")],
+)  # fmt: skip
+def test_bad_rig_yaml(tmp_path, text, says):
+    (tmp_path / "rig.yaml").write_text(text)
+    write_table(tmp_path / "a.csv", R)
+    with pytest.raises(RecordingError, match=says):
+        load(tmp_path)
+
+
+def test_topics_are_mapped_and_missing_ones_named(tmp_path):
+    bag = write_bag(tmp_path / "bag", R)
+    assert same(load(bag, {"force": "/force", "encoder": "/encoder:indentation"})[0], R)
+    with pytest.raises(RecordingError, match="/encoder, /force, /taxels"):
+        load(bag, {"force": "/ft"})
+    with pytest.raises(RecordingError, match="JointState"):
+        load(bag, {"force": "/encoder"})
+
+
+def test_repairs_are_counted(tmp_path):
+    lines = write_table(tmp_path / "a.csv", R).read_text().splitlines()
+    lines[50] = lines[51]
+    cells = lines[100].split(",")
+    lines[100] = ",".join([cells[0], "nan", *cells[2:]])
+    lines[150], lines[151] = lines[151], lines[150]
+    (tmp_path / "a.csv").write_text("\n".join(lines))
+    r = load(tmp_path / "a.csv")[0]
+    said = " ".join(r.warnings)
+    assert "1 repeated time stamp" in said and "1 missing number" in said and "1 sample out of order" in said
+    assert len(r) == len(R) and np.max(np.abs(r.depth - R.depth)) < 1e-6
+
+
+def test_long_gap_keeps_the_longest_stretch(tmp_path):
+    lines = write_table(tmp_path / "a.csv", R).read_text().splitlines()
+    (tmp_path / "a.csv").write_text("\n".join(lines[:101] + lines[160:]))
+    r = load(tmp_path / "a.csv")[0]
+    assert len(r) == len(lines) - 160 and "1 gap" in " ".join(r.warnings)
+
+
+def test_force_counted_negative_in_compression_is_turned_round(tmp_path):
+    r = Recording("a", R.t, R.depth, -R.force, R.taxels)
+    read = load(write_table(tmp_path / "a.csv", r))[0]
+    assert np.allclose(read.force, R.force, atol=1e-6) and "sign" in " ".join(read.warnings)
