@@ -1,0 +1,174 @@
+"""A patch of skin with taxels, from contacts to readings: what the skin node runs.
+
+A contact whose force is known drives the skin by that force, one whose depth is known by the depth:
+
+    force, no effect in the skin     spread over the taxels, then the transfer function of eq 32 on each of them (`Transmission`)
+    force, effects in the skin       the depth that gives the force (`Column`), then as for a depth
+    depth                            the model's chain gives applied and sensed force, the sensed force is spread
+
+then the sensors' effects on every taxel. A taxel right under a contact, of the area that the model was measured with, feels what the
+model says; the others feel the kernel's share of it. Statically, what the taxels of one contact feel never exceeds what presses.
+
+Memory lives in the column, which follows its contact as that moves and waits for it in the air when it leaves; the `MEMORY` columns
+last in the air are kept.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from skin_models.column import Column, at_depth, at_rest, skin_of, under_force
+from skin_models.effect import Place
+from skin_models.errors import ModelError
+from skin_models.layout import A201_AREA, Layout
+from skin_models.model import Model
+from skin_models.signals import Sample
+from skin_models.spread.contacts import Contacts
+from skin_models.spread.field import Shares, SpreadField
+from skin_models.spread.kernels import Gaussian, Kernel
+from skin_models.transmission import Transmission
+
+MEMORY = 16
+THESIS_WIDTH = 5.25e-3  # m, c of 4 mm silicone (section 4.3.4), for models that do not say
+
+
+@dataclass(frozen=True, eq=False)
+class Presses:
+    """Everything that touches at one instant: `key` tells contacts apart from one sample to the next."""
+
+    key: tuple[str, ...] = ()
+    position: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))  # m
+    force: np.ndarray = field(default_factory=lambda: np.empty(0))  # N; NaN: the depth counts
+    depth: np.ndarray = field(default_factory=lambda: np.empty(0))  # m; NaN: unknown
+    radius: np.ndarray = field(default_factory=lambda: np.empty(0))  # m
+
+    def faded(self, factor: float) -> "Presses":
+        """The same contacts with force and depth scaled."""
+        return replace(self, force=self.force * factor, depth=self.depth * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """One sample, N, compression positive."""
+
+    taxels: np.ndarray  # (T,), what the sensors say
+    truth: np.ndarray  # (T,), what reaches them
+    force: float  # applied by all contacts
+    dispersed: float  # applied less truth: reaches no taxel; can be negative while things move, as in the dispersion model itself
+    outside: int  # contacts that no taxel is near
+
+
+@dataclass(frozen=True, eq=False)
+class SkinState:
+    """What the skin remembers: filter states (S, T), columns of contacts by key, states of the sensors' effects, time (s)."""
+
+    filtered: np.ndarray
+    columns: Mapping[str, Column]
+    sensors: tuple[Any, ...]
+    t: float = 0.0
+
+
+class SimulatedSkin:
+    """One model over one layout at one sample period. Immutable: the state is passed through `step`."""
+
+    def __init__(self, model: Model, layout: Layout, dt: float, kernel: Kernel | None = None, tolerance: float = 1e-6) -> None:
+        """`kernel` defaults to the Gaussian of the model's notes. Raises `ModelError` for an effect on a taxel that is not there."""
+        for e in model.effects:
+            if e.taxel is not None and e.taxel >= len(layout):
+                raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {len(layout)} taxels, counted from taxel_0")
+        self.model, self.layout, self.dt = model, layout, dt
+        self.kernel = kernel or Gaussian(width=spread_width(model))
+        share = model.dispersion.sensed_share if model.dispersion.k1 > 0.0 else 0.0
+        self.field = SpreadField(layout, self.kernel, min(share, 1.0), A201_AREA, tolerance)
+        self._share = share
+        self._skin = skin_of(model)
+        self._spread, self._sensors = model.at(Place.SPREAD), model.at(Place.TAXEL)
+        self._filter = None if self._skin.effects else Transmission(model.dispersion, dt)
+        self._shares_of: tuple[Any, Shares] = (None, None)
+
+    def initial(self, seed: int | None = None) -> SkinState:
+        """At rest. `seed` drives the sensors' random effects; None leaves those out."""
+        states = dict(zip(map(id, self.model.effects), self.model.initial(seed).effects, strict=True))
+        sensors = tuple(states[id(e)] for e in self._sensors)
+        filtered = np.zeros((0, len(self.layout))) if self._filter is None else self._filter.initial(len(self.layout))
+        return SkinState(filtered, {}, sensors)
+
+    def step(self, state: SkinState, presses: Presses) -> tuple[SkinState, Reading]:
+        """One sample: `state, reading = step(state, presses)`."""
+        t, shares = state.t + self.dt, self._shares(presses)
+        by_filter = np.isfinite(presses.force) if self._filter is not None else np.zeros(len(presses.key), bool)
+        columns, applied, sensed = self._press(state, presses, by_filter, t)
+        truth = self._collect(shares, np.where(by_filter, 0.0, sensed))
+        filtered = state.filtered
+        if self._filter is not None:
+            above = self._sum(shares, np.where(by_filter, applied, 0.0))
+            filtered, through = self._filter.step(filtered, above)
+            truth = truth + (through / self._share if self._share else through)
+        sensors, taxels = self._sense(state.sensors, truth, presses, t)
+        outside = len(presses.key) - np.unique(shares.contact).size
+        reading = Reading(taxels, truth, float(applied.sum()), float(applied.sum() - truth.sum()), outside)
+        return SkinState(filtered, columns, sensors, t), reading
+
+    def _shares(self, presses: Presses) -> Shares:
+        """The shares of the contacts, kept as long as the same contacts stand still."""
+        known, shares = self._shares_of
+        same = known is not None and all(np.array_equal(getattr(known, n), getattr(presses, n)) for n in ("position", "radius"))
+        if not same or not np.array_equal(known.depth, presses.depth, equal_nan=True):
+            shares = self.field.shares(Contacts(presses.position, np.ones(len(presses.key)), presses.radius, presses.depth))
+            self._shares_of = (presses, self._affected(shares, presses) if self._spread else shares)
+        return self._shares_of[1]
+
+    def _affected(self, shares: Shares, presses: Presses) -> Shares:
+        """The shares after the effects of the spread, contact by contact. These effects have no memory."""
+        dense = np.zeros((len(presses.key), len(self.layout)))
+        dense[shares.contact, shares.taxel] = shares.value
+        for i, depth in enumerate(np.nan_to_num(presses.depth)):
+            for e in self._spread:
+                dense[i] = e.step(e.initial(), dense[i], Sample(0.0, float(depth), 0.0, 0.0), self.dt)[1]
+        contact, taxel = np.nonzero(dense)
+        return Shares(contact, taxel, dense[contact, taxel])
+
+    def _press(self, state: SkinState, presses: Presses, by_filter: np.ndarray, t: float) -> tuple[dict, np.ndarray, np.ndarray]:
+        """Columns after the sample, applied force and sensed force (C,) of every contact."""
+        columns = self._in_the_air(state, presses, t)
+        applied, sensed = np.where(by_filter, presses.force, 0.0), np.zeros(len(presses.key))
+        for i in np.flatnonzero(~by_filter):
+            column = state.columns.get(presses.key[i]) or at_rest(self._skin, self.dt)
+            drive, value = (under_force, presses.force[i]) if np.isfinite(presses.force[i]) else (at_depth, presses.depth[i])
+            columns[presses.key[i]], response = drive(self._skin, column, float(value), t, self.dt)
+            applied[i], sensed[i] = response.force_truth, response.taxels_truth[0]
+        return columns, applied, sensed
+
+    def _in_the_air(self, state: SkinState, presses: Presses, t: float) -> dict[str, Column]:
+        """The columns that no contact is on, after the sample."""
+        absent = [key for key in state.columns if key not in presses.key][-MEMORY:]
+        return {key: at_depth(self._skin, state.columns[key], 0.0, t, self.dt)[0] for key in absent}
+
+    def _sum(self, shares: Shares, force: np.ndarray) -> np.ndarray:
+        """Forces (C,) of the contacts summed over the taxels, (T,)."""
+        total = np.zeros(len(self.layout))
+        np.add.at(total, shares.taxel, shares.value * force[shares.contact])
+        return total
+
+    def _collect(self, shares: Shares, sensed: np.ndarray) -> np.ndarray:
+        """Spread the sensed forces of the columns, (T,)."""
+        return self._sum(shares, sensed / self._share) if self._share else np.zeros(len(self.layout))
+
+    def _sense(self, states: tuple[Any, ...], truth: np.ndarray, presses: Presses, t: float) -> tuple[tuple[Any, ...], np.ndarray]:
+        """The sensors' effects."""
+        depth = float(np.nanmax(presses.depth, initial=0.0)) if presses.depth.size else 0.0
+        sample, y, after = Sample(t, depth, 0.0, 0.0), truth, []
+        for e, before in zip(self._sensors, states, strict=True):
+            s, y = e.step(before, y, sample, self.dt)
+            after.append(s)
+        return tuple(after), y
+
+
+def spread_width(model: Model) -> float:
+    """c of the model's Gaussian (m): `notes: {spread_width: {value, unit: m}}`, or the thesis's. Raises `ModelError` for nonsense."""
+    entry = model.notes.get("spread_width", {"value": THESIS_WIDTH, "unit": "m"})
+    if not isinstance(entry, Mapping) or entry.get("unit") != "m" or not isinstance(entry.get("value"), float):
+        raise ModelError("notes.spread_width must be written as {value: …, unit: m}")
+    return entry["value"]
