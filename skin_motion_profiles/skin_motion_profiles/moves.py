@@ -1,0 +1,41 @@
+"""The moves that profiles are made of: straight lines with a trapezoidal speed, rests, and an emergency brake. SI units."""
+
+from math import copysign, sqrt
+
+from skin_motion_profiles.trajectory import Arc, Piece, State
+
+
+def hold(x: float, duration: float) -> tuple[Piece, ...]:
+    """Stay at depth `x` (m) for `duration` s; nothing at all where that is not positive."""
+    return (Arc(duration, x),) if duration > 0.0 else ()
+
+
+def line(a: float, b: float, speed: float, acceleration: float) -> tuple[Piece, ...]:
+    """From rest at depth `a` to rest at `b`: accelerate, cruise at `speed`, decelerate (a trapezoid of speed).
+
+    Where the way is shorter than speed^2 / acceleration the cruise is left out and the speed stays lower.
+    """
+    way, sign = abs(b - a), copysign(1.0, b - a)
+    if way == 0.0:
+        return ()
+    peak = min(speed, sqrt(way * acceleration))
+    ramp, up = peak / acceleration, 0.5 * peak * peak / acceleration
+    cruise = max((way - 2.0 * up) / peak, 0.0)
+    pieces = [Arc(ramp, a, 0.0, sign * acceleration)]
+    if cruise > 0.0:
+        pieces.append(Arc(cruise, a + sign * up, sign * peak))
+    # The last piece is written from its end backwards, so that it rests at `b` whatever was rounded before.
+    pieces.append(Arc(ramp, b - sign * up, sign * peak, -sign * acceleration))
+    return tuple(pieces)
+
+
+def brake(state: State, acceleration: float) -> tuple[Piece, ...]:
+    """From any depth and speed to rest, as quickly as `acceleration` allows."""
+    if state.v == 0.0:
+        return ()
+    return (Arc(abs(state.v) / acceleration, state.x, state.v, copysign(acceleration, -state.v)),)
+
+
+def brake_end(state: State, acceleration: float) -> float:
+    """The depth at which `brake` comes to rest, m."""
+    return state.x + state.v * abs(state.v) / (2.0 * acceleration)

@@ -1,0 +1,1 @@
+"""One file per profile; the catalogue finds them here."""

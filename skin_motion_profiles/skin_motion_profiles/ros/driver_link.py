@@ -1,0 +1,121 @@
+"""What the profile server knows of the driver: its latest samples, its state and limits, how fresh they are, and its command topic."""
+
+import math
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from builtin_interfaces.msg import Duration
+from geometry_msgs.msg import WrenchStamped
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from skin_motion_profiles.limits import Limits
+from skin_motion_profiles.trajectory import Trajectory
+from skin_testbed_msgs.msg import DriverState
+
+JOINT = "indentation"
+_LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_COMMANDS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+KNOT_PERIOD = 0.02  # s; a cubic between such knots misses a 10 Hz sine of 1 mm by 0.007 um
+
+
+@dataclass(frozen=True)
+class Heard:
+    """One value, the node time of its stamp (ns) and when it arrived (s, monotonic)."""
+
+    value: float
+    stamp: int
+    arrival: float
+
+
+class DriverLink:
+    """Latest values are single attributes, replaced whole: other threads may read them at any time. `news` is set by every message."""
+
+    def __init__(self, node: Node) -> None:
+        self.news = threading.Event()
+        self.depth: Heard | None = None
+        self.force: Heard | None = None
+        self.state: DriverState | None = None
+        self.forget_peaks()
+        self._clock = node.get_clock()
+        self._recent: deque[Heard] = deque(maxlen=200)
+        policies = QoSOverridingOptions.with_default_policies()
+        subscribe = node.create_subscription
+        subscribe(JointState, "encoder", self._on_encoder, qos_profile_sensor_data, qos_overriding_options=policies)
+        subscribe(WrenchStamped, "force", self._on_force, qos_profile_sensor_data, qos_overriding_options=policies)
+        subscribe(DriverState, "driver_state", self._on_state, _LATCHED)
+        self._commands = node.create_publisher(JointTrajectory, "command", _COMMANDS, qos_overriding_options=policies)
+
+    def now(self) -> int:
+        """Node time, ns."""
+        return self._clock.now().nanoseconds
+
+    @property
+    def limits(self) -> Limits:
+        """What the driver allows."""
+        s = self.state
+        return Limits(s.min_depth, s.max_depth, s.max_speed, s.max_acceleration)
+
+    @property
+    def rate(self) -> float:
+        """Seconds of node time per second, from the stamps of the last encoder samples; at least 1."""
+        recent = list(self._recent)
+        if len(recent) < 2 or recent[-1].arrival - recent[0].arrival < 0.1:
+            return 1.0
+        return max((recent[-1].stamp - recent[0].stamp) * 1e-9 / (recent[-1].arrival - recent[0].arrival), 1.0)
+
+    def silent(self, patience: float) -> list[str]:
+        """The topics on which no number came for `patience` seconds."""
+        late = time.monotonic() - patience
+        return [name for name, heard in (("encoder", self.depth), ("force", self.force)) if heard is None or heard.arrival < late]
+
+    def forget_peaks(self) -> None:
+        """Begin to look for the greatest compression (N), load of either sign (N) and depth (m) anew."""
+        self.peak_force = self.peak_depth = -math.inf
+        self.peak_load = 0.0
+
+    def send(self, base: int, trajectory: Trajectory, times: np.ndarray) -> None:
+        """Publish the states at `times` (s) of a trajectory that starts at node time `base` (ns)."""
+        s = trajectory.sample(times)
+        message = JointTrajectory(joint_names=[JOINT])
+        message.header.stamp = Time(nanoseconds=base).to_msg()
+        message.points = [_point(*knot) for knot in zip(times.tolist(), s.x.tolist(), s.v.tolist(), s.a.tolist(), strict=True)]
+        self._commands.publish(message)
+
+    def _on_encoder(self, message: JointState) -> None:
+        if JOINT not in message.name:
+            return
+        value = message.position[message.name.index(JOINT)]
+        if math.isfinite(value):  # NaN is how the driver says that it does not know
+            self.depth = Heard(value, _nanoseconds(message), time.monotonic())
+            self.peak_depth = max(self.peak_depth, value)
+            self._recent.append(self.depth)
+        self.news.set()
+
+    def _on_force(self, message: WrenchStamped) -> None:
+        value = -message.wrench.force.z
+        if math.isfinite(value):
+            self.force = Heard(value, _nanoseconds(message), time.monotonic())
+            self.peak_force, self.peak_load = max(self.peak_force, value), max(self.peak_load, abs(value))
+        self.news.set()
+
+    def _on_state(self, message: DriverState) -> None:
+        self.state = message
+        self.news.set()
+
+
+def _nanoseconds(message: JointState | WrenchStamped) -> int:
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+def _point(t: float, x: float, v: float, a: float) -> JointTrajectoryPoint:
+    ns = round(t * 1e9)
+    when = Duration(sec=ns // 10**9, nanosec=ns % 10**9)
+    return JointTrajectoryPoint(positions=[x], velocities=[v], accelerations=[a], time_from_start=when)
