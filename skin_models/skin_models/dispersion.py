@@ -4,8 +4,12 @@
     dispersed  F_d  = b2 v + k2 x
     applied    F_LC = m (a - g) + F_FF + F_d
 
-with depth x (m), positive into the skin, zero at its surface. The thesis writes it for x > 0; here a plunger in the air (x <= 0) feels
-nothing, and skin that is left faster than it recovers does not pull (`never_pulling`).
+with depth x (m), positive into the skin, zero at its surface. The thesis writes it for x > 0; a plunger in the air feels nothing. Skin
+that is left faster than it recovers parts from the plunger instead of pulling at it: its surface u then creeps back by itself,
+
+    u' = -u / tau,    tau = (b1 + b2) / (k1 + k2),
+
+and is met again where the plunger comes down to it (`contact`, `meet`).
 """
 
 from dataclasses import dataclass
@@ -14,6 +18,14 @@ import numpy as np
 
 from skin_models.parameter import check_parameters, quantity
 from skin_models.signals import GRAVITY, Motion, Sample
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Where the skin's surface is under the plunger (m), and whether the plunger touches it."""
+
+    depth: float
+    touched: bool
 
 
 @dataclass(frozen=True)
@@ -30,10 +42,10 @@ class Dispersion:
         check_parameters(self)
 
     def branches(self, s: Motion | Sample) -> np.ndarray:
-        """Sensed and dispersed force, shape (2,) or (2, N), N. Zero in the air."""
-        contact = np.asarray(s.x) > 0.0
+        """Sensed and dispersed force of skin that is touched, shape (2,) or (2, N), N. Zero for x <= 0."""
+        pressed = np.asarray(s.x) > 0.0
         sensed, dispersed = self.b1 * s.v + self.k1 * s.x, self.b2 * s.v + self.k2 * s.x
-        return np.array([sensed * contact, dispersed * contact])
+        return np.array([sensed * pressed, dispersed * pressed])
 
     def inertial(self, s: Motion | Sample) -> np.ndarray:
         """Force of the moving skin, m (a - g) in contact, N."""
@@ -44,7 +56,43 @@ class Dispersion:
         """Static share of the applied force that reaches the taxel, k1 / (k1 + k2)."""
         return self.k1 / (self.k1 + self.k2)
 
+    @property
+    def recovery(self) -> float:
+        """Time constant tau of skin that nothing touches, s; 0 where damping or stiffness are not positive."""
+        b, k = self.b1 + self.b2, self.k1 + self.k2
+        return b / k if b > 0.0 and k > 0.0 else 0.0
 
-def never_pulling(branches: np.ndarray) -> np.ndarray:
-    """The contact rule: where the skin's total force would pull on the plunger they have parted, and both branches carry nothing."""
-    return branches * (branches.sum(axis=0) > 0.0)
+    def meet(self, surface: Surface | None, s: Sample, dt: float) -> Surface:
+        """The surface one sample later. None: at rest at this first sample."""
+        before = surface or Surface(max(s.x, 0.0), True)
+        left = before.depth * np.exp(-dt / self.recovery) if self.recovery else 0.0
+        touched = bool(self._presses(s)) and (before.touched or s.x > left)
+        return Surface(s.x if touched else left, touched)
+
+    def contact(self, s: Motion) -> np.ndarray:
+        """Whether the plunger touches the skin, (N,) of bool: `meet` over a whole recording."""
+        presses = self._presses(s)
+        touched, leaves = presses.copy(), np.flatnonzero(~presses)
+        rate = s.dt / self.recovery if self.recovery else np.inf
+        i = 0
+        while (ahead := np.searchsorted(leaves, i)) < leaves.size:
+            i = int(leaves[ahead])
+            surface = max(s.x[i - 1] if i else s.x[0], 0.0)
+            apart = _until_met(s.x[i:], presses[i:], surface, rate)
+            touched[i : i + apart] = False
+            i += apart
+        return touched
+
+    def _presses(self, s: Motion | Sample):
+        return (s.x > 0.0) & (s.x + self.recovery * s.v > 0.0)
+
+
+def _until_met(x: np.ndarray, presses: np.ndarray, surface: float, rate: float, piece: int = 256) -> int:
+    """How many samples pass until a plunger at depths `x` meets a surface recovering from `surface` by `rate` per sample; at least 1."""
+    for start in range(0, x.size, piece):
+        ahead = slice(start, min(start + piece, x.size))
+        left = surface * np.exp(-rate * np.arange(start + 1, ahead.stop + 1)) if surface else 0.0
+        met = np.flatnonzero((x[ahead] > left) & presses[ahead])
+        if met.size:
+            return start + int(met[0])
+    return x.size

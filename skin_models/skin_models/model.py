@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from skin_models.dispersion import Dispersion, never_pulling
+from skin_models.dispersion import Dispersion, Surface
 from skin_models.effect import Effect, Place
 from skin_models.errors import ModelError
 from skin_models.signals import Motion, Sample
@@ -63,7 +63,7 @@ class Model:
     def simulate(self, s: Motion, seed: int | None = None) -> Response:
         """The response to a measured or planned depth. `seed` drives the effects that are random; None leaves those out."""
         rngs = {id(e): rng for e, rng in zip(self.effects, self._generators(seed), strict=True)}
-        return self._run(s, lambda e, y, context: e.batch(y, context, rngs[id(e)]), Motion.at_depth)
+        return self._run(s, lambda e, y, context: e.batch(y, context, rngs[id(e)]), Motion.at_depth, self.dispersion.contact)
 
     def initial(self, seed: int | None = None) -> "State":
         """The state at rest, for `step`."""
@@ -72,15 +72,18 @@ class Model:
     def step(self, state: "State", s: Sample, dt: float) -> tuple["State", Response]:
         """One sample: `state, response = step(state, sample, dt)`. `state` itself is left as it was, so a step can be tried."""
         after = _Stepper(self.effects, state, dt)
-        response = self._run(s, after.act, after.moved)
-        return State(tuple(after.states), after.shift), response
+        response = self._run(s, after.act, after.moved, lambda tip: after.touched(self.dispersion, tip))
+        return State(tuple(after.states), after.shift, after.surface), response
 
     def _generators(self, seed: int | None) -> list[np.random.Generator | None]:
         """One random generator per effect, so that the numbers of one do not depend on the others."""
         return [None if seed is None else np.random.default_rng([seed, i]) for i in range(len(self.effects))]
 
-    def _run(self, s: Any, act: Callable[[Effect, Any, Any], Any], moved: Callable[[Any, Any], Any]) -> Response:
-        """The chain itself, for one sample or a recording: `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`."""
+    def _run(self, s: Any, act: Callable, moved: Callable, touched: Callable) -> Response:
+        """The chain itself, for one sample or a recording.
+
+        `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`, `touched(s)` is the contact rule.
+        """
 
         def through(place: Place, y: Any, context: Any) -> Any:
             for e in self.at(place):
@@ -88,8 +91,10 @@ class Model:
             return y
 
         tip = moved(s, through(Place.DEPTH, s.x, s))
-        branches = through(Place.SURFACE, never_pulling(through(Place.SKIN, self.dispersion.branches(tip), tip)), tip)
-        applied = branches.sum(axis=0) + self.dispersion.inertial(tip)
+        contact = touched(tip)
+        skin = through(Place.SKIN, self.dispersion.branches(tip), tip) * contact
+        branches = through(Place.SURFACE, skin * (skin.sum(axis=0) > 0.0), tip)  # effects of the skin may press less, never pull
+        applied = branches.sum(axis=0) + self.dispersion.inertial(tip) * contact
         shares = np.multiply.outer(np.array(self.shares, float), np.ones_like(applied))
         sensed = through(Place.SPREAD, shares, tip) * branches[0]
         force, taxels = through(Place.LOAD_CELL, applied, tip), through(Place.TAXEL, sensed, tip)
@@ -102,6 +107,7 @@ class State:
 
     effects: tuple[Any, ...]
     shift: float | None = None  # m, by how much the DEPTH effects moved the last sample
+    surface: Surface | None = None
 
 
 class _Stepper:
@@ -110,7 +116,7 @@ class _Stepper:
     def __init__(self, effects: tuple[Effect, ...], before: State, dt: float) -> None:
         self.index = {id(e): i for i, e in enumerate(effects)}
         self.states = list(before.effects)
-        self.before, self.shift, self.dt = before, before.shift, dt
+        self.before, self.shift, self.surface, self.dt = before, before.shift, before.surface, dt
 
     def act(self, e: Effect, y: Any, s: Sample) -> Any:
         i = self.index[id(e)]
@@ -121,3 +127,7 @@ class _Stepper:
         self.shift = x - s.x
         last = self.shift if self.before.shift is None else self.before.shift
         return replace(s, x=x, v=s.v + (self.shift - last) / self.dt)
+
+    def touched(self, dispersion: Dispersion, tip: Sample) -> bool:
+        self.surface = dispersion.meet(self.before.surface, tip, self.dt)
+        return self.surface.touched

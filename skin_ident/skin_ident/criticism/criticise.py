@@ -1,0 +1,126 @@
+"""The loop: survey, try the best few, let held-out sessions decide, repeat, eliminate, and ask what is left."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.fitting import Fit, fit
+from skin_ident.criticism.gate import Gain, held_out_gain
+from skin_ident.criticism.growing import grow
+from skin_ident.criticism.proposals import Direction, directions
+from skin_ident.criticism.ranking import Ranked
+from skin_ident.criticism.session import Session, without_parting
+from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.survey import Survey, survey
+from skin_ident.criticism.whitening import Whitener
+from skin_models.model import Model
+
+MOST_FINDINGS = 5
+SHORTLIST = 4  # causes that are refitted before one is chosen
+REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
+MATERIAL = 0.01  # fall of the held-out mean square below which an effect is not worth naming
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A cause that explains the data almost as well: by how much less (squared whitened units)."""
+
+    cause: str
+    where: str
+    short_by: float
+
+
+@dataclass(frozen=True)
+class Named:
+    """One cause in the extended model, with its evidence."""
+
+    cause: str
+    where: str
+    gain: Gain
+    explained: float
+    alternatives: tuple[Rival, ...]
+
+
+@dataclass(frozen=True)
+class Criticism:
+    """Everything the criticism found, before it is written down."""
+
+    baseline: Fit
+    extended: Fit
+    named: tuple[Named, ...]
+    last: Survey
+    refused: tuple[Named, ...]
+
+
+def criticise(train: list[Session], held: list[Session], given: Model | None = None, progress: Progress = lambda stage: None) -> Criticism:
+    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better."""
+    which = directions(train[0])
+    progress("fitting the baseline")
+    start = given or dispersion_start(train)
+    train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
+    first = survey(start, train, which)
+    baseline = fit(first.model, train, first.noise)
+    present, named, refused = baseline, [], []
+    while True:
+        progress("surveying every cause")
+        last = survey(present.model, train, which)
+        present = replace(present, cost=fit(present.model, train, last.noise, 0).cost)
+        if len(named) == MOST_FINDINGS:
+            break
+        trials = _trials(present, last, train, which, progress)
+        accepted = _first_believed(present, trials, last.noise, train, held, refused)
+        if accepted is None:
+            break
+        present, finding = accepted
+        named.append(finding)
+        progress(f"named {finding.cause} in the {finding.where}")
+    present, named = _eliminated(present, named, train, held, last.noise)
+    return Criticism(baseline, present, tuple(named), last, tuple(refused))
+
+
+@dataclass(frozen=True)
+class _Trial:
+    ranked: Ranked
+    fit: Fit
+    score: float
+
+
+def _trials(present: Fit, last: Survey, train, which: tuple[Direction, ...], progress: Progress) -> list[_Trial]:
+    """The most promising causes, each grown and refitted, the best first."""
+    able = [r for r in last.ranked if r.score > 0.0][:SHORTLIST]
+    trials = []
+    for r in able:
+        progress(f"trying {r.cause} in the {r.where}")
+        grown = grow(present, r, train, which, last.noise)
+        charge = np.log(grown.count) * (len(grown.unknowns) - len(present.unknowns))
+        trials.append(_Trial(r, grown, present.cost - grown.cost - charge))
+    return sorted(trials, key=lambda t: -t.score)
+
+
+def _first_believed(present: Fit, trials: list[_Trial], noise: Whitener, train, held, refused: list[Named]):
+    """The best trial that held-out data support, as (fit, finding), or None. What they do not support is kept in `refused`."""
+    for trial in trials:
+        if trial.score <= 0.0:
+            continue
+        gain = held_out_gain(present.model, trial.fit.model, train, held, noise)
+        rivals = [t for t in trials if t is not trial and t.score > trial.score - max(10.0, REACH * trial.score)]
+        alternatives = tuple(Rival(t.ranked.cause, t.ranked.where, trial.score - t.score) for t in rivals)
+        finding = Named(trial.ranked.cause, trial.ranked.where, gain, trial.score, alternatives)
+        if gain.passed and gain.relative > MATERIAL:
+            return trial.fit, finding
+        refused.append(finding)
+    return None
+
+
+def _eliminated(present: Fit, named: list[Named], train, held, noise: Whitener) -> tuple[Fit, list[Named]]:
+    """Take out every cause, last found first, without which the rest predicts held-out data just as well."""
+    for finding in reversed(named[:-1]):
+        rest = tuple(e for e in present.model.effects if (e.cause, e.where) != (finding.cause, finding.where))
+        without = fit(replace(present.model, effects=rest), train, noise)
+        gain = held_out_gain(without.model, present.model, train, held, noise)
+        if not gain.passed or gain.relative <= MATERIAL:
+            present, named = without, [n for n in named if n is not finding]
+    return present, named

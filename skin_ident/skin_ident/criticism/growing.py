@@ -1,0 +1,56 @@
+"""Adding one cause to a model: as many instances of its effect as the data ask for, each refitted with everything else."""
+
+from skin_ident.criticism.fitting import Fit, fit
+from skin_ident.criticism.proposals import Direction
+from skin_ident.criticism.ranking import Ranked
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.survey import survey
+from skin_ident.criticism.whitening import Whitener
+from skin_models.effect import Effect
+from skin_models.errors import ModelError
+from skin_models.model import Model
+from skin_models.parameter import AMPLITUDE, parameters_of
+
+MOST = 3  # instances of one cause at one place
+WORTH = 0.02  # of what the first instance explained: less is not worth another one
+
+
+def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> Fit:
+    """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters."""
+    own = tuple(d for d in which if (d.cause, d.where) == (best.cause, best.where))
+    present, ranked, first = start, best, 0.0
+    for _ in range(MOST):
+        trial = _with_instance(present, ranked, sessions, noise)
+        gained = present.cost - trial.cost
+        first = first or gained
+        if gained < max(10.0, WORTH * first):
+            break
+        present = trial
+        ranked = survey(present.model, sessions, own, noise).ranked[0]
+        if ranked.best_gain < max(10.0, WORTH * first):
+            break
+    return present
+
+
+def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
+    effect = _ready(ranked.best, ranked.best_amount)
+    return fit(present.model.extended(effect), sessions, noise)
+
+
+def _ready(d: Direction, amount: float) -> Effect:
+    """The effect at the amount that the ranking found, its other amplitudes at a tenth of that, so that every unknown can move."""
+    values = {}
+    for p in parameters_of(d.effect):
+        if p.role != AMPLITUDE or p.typical != p.typical:
+            continue
+        share = 1.0 if p.name == d.parameter else (0.1 if p.lower >= 0.0 else 0.0)
+        values[p.name] = min(max(amount * share * abs(p.typical), p.lower), p.upper)
+    try:
+        return d.effect.with_values(**values)
+    except ModelError:
+        return d.switched_on(amount)
+
+
+def instances(model: Model, cause: str, where: str) -> tuple[Effect, ...]:
+    """The effects of a model that carry one cause at one place."""
+    return tuple(e for e in model.effects if (e.cause, e.where) == (cause, where))

@@ -1,0 +1,46 @@
+"""The noise model, from what is left when everything that any cause could explain is taken away.
+
+Whitening with the residual of a poor model would count the model's own error as noise, and a test built on it would be blind; whitening
+as if the noise were white would reject the truth half of the time. So the residual is first reduced by the directions that explain most
+of it, chosen one after the other (orthogonal matching pursuit), whatever their cause, and the noise is fitted to the rest.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.whitening import Whitener, fit_whitener, stack
+
+RICHEST = 24  # directions that the richest model may use
+PASSES = 2
+
+
+def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
+    """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
+    weights = [s.weight for s in sessions]
+    noise = fit_whitener(residuals, weights)
+    for _ in range(PASSES):
+        every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
+        A, r = stack(every, sessions, noise), stack(residuals, sessions, noise)
+        z = pursue(A, r, len(tangents[0]) + RICHEST, forced=len(tangents[0]))
+        left = [e - np.tensordot(z, a, 1) for e, a in zip(residuals, every, strict=True)]
+        noise = fit_whitener(left, weights)
+    return noise
+
+
+def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0) -> np.ndarray:
+    """Orthogonal matching pursuit: coefficients of at most `most` columns of A, the first `forced` always used, until nothing gains."""
+    gram, product = A.T @ A, A.T @ r
+    size = np.sqrt(np.diag(gram))
+    chosen = [i for i in range(forced) if size[i] > 0]
+    z, charge = np.zeros(A.shape[1]), np.log(max(len(r), 2))
+    while True:
+        if chosen:
+            z[:] = 0.0
+            z[chosen] = np.linalg.lstsq(gram[np.ix_(chosen, chosen)], product[chosen], rcond=1e-10)[0]
+        left = product - gram @ z
+        gains = np.where(size > 0, (left / np.where(size > 0, size, 1.0)) ** 2, 0.0)
+        gains[chosen] = 0.0
+        best = int(np.argmax(gains))
+        if len(chosen) >= most or gains[best] < charge:
+            return z
+        chosen.append(best)

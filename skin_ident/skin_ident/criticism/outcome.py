@@ -1,0 +1,53 @@
+"""What a diagnosis hands to the report: the content of findings.json, and the curves behind it."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One session as measured and as simulated, at full rate: arrays (N,) and, by channel, (C, N); N, m, m/s."""
+
+    session: str
+    held_out: bool
+    t: np.ndarray
+    depth: np.ndarray
+    speed: np.ndarray
+    channels: tuple[str, ...]
+    measured: np.ndarray
+    baseline: np.ndarray
+    extended: np.ndarray
+
+
+@dataclass(frozen=True)
+class ScanTrace:
+    """One spread scan: depth (D,) m, distance (R,) m, force (D, R) N, measured and simulated before and after."""
+
+    session: str
+    depth: np.ndarray
+    distance: np.ndarray
+    measured: np.ndarray
+    baseline: np.ndarray
+    extended: np.ndarray
+
+
+@dataclass(frozen=True)
+class Round:
+    """One round of the search: (cause, where, gain in squared whitened units) of everything ranked, best first; and what was named."""
+
+    ranked: tuple[tuple[str, str, float], ...]
+    named: str | None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """`findings` is exactly what findings.json holds (schema 1); `model` the extended model (None for a spread scan without one)."""
+
+    findings: dict[str, Any]
+    model: Any = None
+    std: dict[str, float] = field(default_factory=dict)
+    traces: tuple[Trace, ...] = ()
+    scans: tuple[ScanTrace, ...] = ()
+    rounds: tuple[Round, ...] = ()

@@ -1,0 +1,102 @@
+"""What each cause would change: every effect of the catalogue, simulated on top of the present model.
+
+An effect switched on by a little, at one setting of its shape, changes every channel a little; that change is a *direction*. A cause
+at a place owns all directions of its classes and shapes: a Prony series of many arms, a Prandtl–Ishlinskii sum of many thresholds.
+Ranking with the whole span of a cause, not with one textbook form of it, is what makes a finding robust to forms that no catalogue holds.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.session import Session
+from skin_models.catalogue import effects
+from skin_models.effect import Effect
+from skin_models.errors import ModelError
+from skin_models.model import Model
+from skin_models.parameter import AMPLITUDE, parameters_of
+
+PROBE = 0.1  # of an effect's typical size: how far a direction is probed
+
+
+@dataclass(frozen=True)
+class Direction:
+    """One way to bend the model: `effect` (absent) with its amplitude `parameter` turned up. `sign` is +1, -1, or 0 for either."""
+
+    effect: Effect
+    parameter: str
+    size: float
+    sign: int
+
+    @property
+    def cause(self) -> str:
+        return self.effect.cause
+
+    @property
+    def where(self) -> str:
+        return self.effect.where
+
+    def switched_on(self, amount: float) -> Effect:
+        """The effect with its amplitude at `amount` of its typical size."""
+        return self.effect.with_values(**{self.parameter: amount * self.size})
+
+
+def directions(session: Session) -> tuple[Direction, ...]:
+    """Every direction that the catalogue offers for the channels at hand."""
+    return tuple(d for cls in effects() for where in _wheres(cls, session) for d in _directions(cls, where, session))
+
+
+def _wheres(cls: type[Effect], session: Session) -> Iterator[str]:
+    for word in cls.places:
+        if word == "load_cell" and "force" not in session.channels:
+            continue
+        if word.endswith("taxel") or word.endswith("taxels"):
+            if session.n_taxels == 0:
+                continue
+            if session.n_taxels > 1 and word == "taxel":
+                yield from (f"taxel_{i}" for i in range(session.n_taxels))
+        yield word
+
+
+def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Direction]:
+    amplitudes = [p for p in parameters_of(cls) if p.role == AMPLITUDE and not np.isnan(p.typical) and p.typical != 0.0]
+    for shape in cls.shapes(session.motion):
+        absent = cls.typical(where, **shape).absent()
+        for p in amplitudes:
+            if p.name == "k_sensed" and session.n_taxels == 0:
+                continue
+            yield Direction(absent, p.name, abs(p.typical), _sign(p))
+
+
+def _sign(p) -> int:
+    return int(p.lower >= 0.0) - int(p.upper <= 0.0)
+
+
+def bank(model: Model, which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
+    """The change of every channel per unit of typical size, (directions, C, n) for each session, in the common band."""
+    return [_bank(model, which, s) for s in sessions]
+
+
+def _bank(model: Model, which: tuple[Direction, ...], session: Session) -> np.ndarray:
+    base = simulated(model, session)
+    out = np.empty((len(which), *session.measured.shape))
+    for i, d in enumerate(which):
+        amount = PROBE if d.sign >= 0 else -PROBE
+        change = simulated(model.extended(d.switched_on(amount)), session) - base
+        out[i] = session.band.thin(change) / amount if change.any() else 0.0
+    return out
+
+
+def usable(model: Model, which: tuple[Direction, ...], session: Session) -> tuple[Direction, ...]:
+    """The directions that this model can take (a taxel that exists, a place that the chain has)."""
+    return tuple(d for d in which if _fits(model, d, session))
+
+
+def _fits(model: Model, d: Direction, session: Session) -> bool:
+    try:
+        simulated(model.extended(d.switched_on(PROBE if d.sign >= 0 else -PROBE)), session)
+    except ModelError:
+        return False
+    return True

@@ -1,0 +1,26 @@
+"""Measured minus simulated, session by session, in the common band."""
+
+import numpy as np
+
+from skin_ident.criticism.session import Session
+from skin_models.model import Model
+
+
+def simulated(model: Model, session: Session) -> np.ndarray:
+    """Simulated channels (C, N) at full rate, rows as in `session.channels`."""
+    response = model.simulate(session.motion)
+    rows = [np.atleast_2d(response.force)] if "force" in session.channels else []
+    return np.vstack([*rows, response.taxels])
+
+
+def residual(model: Model, session: Session) -> np.ndarray:
+    """Measured minus simulated (C, n) in the common band, N."""
+    return session.measured - session.band.thin(simulated(model, session))
+
+
+def rmse(residuals: list[np.ndarray], sessions: list[Session]) -> dict[str, float]:
+    """Root mean squared error by channel over sessions, N; samples not believed are left out."""
+    channels = sessions[0].channels
+    square = sum((r**2 * s.weight).sum(axis=1) for r, s in zip(residuals, sessions, strict=True))
+    count = sum(s.weight.sum(axis=1) for s in sessions)
+    return {c: float(np.sqrt(q / max(n, 1.0))) for c, q, n in zip(channels, square, count, strict=True)}

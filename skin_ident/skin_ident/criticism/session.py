@@ -1,0 +1,70 @@
+"""A recording made ready for comparison: motion for the simulation, measured channels through the common band."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.band import Band
+from skin_models.dispersion import Dispersion
+from skin_models.signals import Motion, motion
+
+PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
+
+
+@dataclass(frozen=True)
+class Session:
+    """One recording as the criticism sees it.
+
+    `channels` names the rows of `measured` (C, n), newtons, low-passed and thinned out; `raw` (C, N) is as recorded.
+    `weight` (C, n) is 1 where a sample may be believed and 0 where telemetry has ruled it out.
+    """
+
+    name: str
+    motion: Motion
+    channels: tuple[str, ...]
+    raw: np.ndarray
+    band: Band
+    t: np.ndarray
+    measured: np.ndarray
+    weight: np.ndarray
+
+    @property
+    def n_taxels(self) -> int:
+        return sum(c.startswith("taxel") for c in self.channels)
+
+
+def prepare(recording, bad: np.ndarray | None = None) -> Session:
+    """A displacement-driven session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering)."""
+    band = Band(recording.dt)
+    s = motion(recording.t, band.smooth_depth(recording.depth))
+    channels, raw = stacked(recording)
+    bad = np.zeros(raw.shape, bool) if bad is None else bad
+    measured = band.thin(np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)]))
+    weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
+    return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight)
+
+
+def without_parting(session: Session, skin: Dispersion) -> Session:
+    """The session less the moments when the plunger may have left the skin behind it, or met it again on its way back.
+
+    Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin and says nothing about the rest of the model.
+    """
+    slow = replace(skin, b1=PARTING * max(skin.b1, 0.0), b2=PARTING * max(skin.b2, 0.0))
+    parted = (session.motion.x > 0.0) & ~slow.contact(session.motion)
+    kept = session.band.thin(parted.astype(float)) < 0.02
+    return replace(session, weight=session.weight * kept)
+
+
+def stacked(recording) -> tuple[tuple[str, ...], np.ndarray]:
+    """Names and rows (C, N) of the measured channels: force first, then taxels in the recording's order."""
+    force = [("force", recording.force)] if recording.force is not None else []
+    rows = force + [(f"taxel_{i}", y) for i, y in enumerate(recording.taxels)]
+    return tuple(name for name, _ in rows), np.array([y for _, y in rows], float)
+
+
+def _bridged(y: np.ndarray, bad: np.ndarray) -> np.ndarray:
+    """`y` with the bad samples replaced by straight lines between good neighbours."""
+    if not bad.any() or bad.all():
+        return y
+    good = np.flatnonzero(~bad)
+    return np.where(bad, np.interp(np.arange(y.size), good, y[good]), y)

@@ -1,0 +1,25 @@
+"""A first dispersion model by linear least squares (thesis eqs 24, 27, 28), as the start of every fit."""
+
+import numpy as np
+
+from skin_ident.criticism.session import Session
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
+
+
+def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
+    """Regress every channel on depth and speed in contact, over all sessions, in the common band."""
+    H = np.concatenate([s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0)) for s in sessions], axis=1).T
+    slopes = {}
+    for c, name in enumerate(sessions[0].channels):
+        y = np.concatenate([s.measured[c] for s in sessions])
+        w = np.concatenate([s.weight[c] for s in sessions])
+        slopes[name] = np.linalg.lstsq(H * w[:, None], y * w, rcond=None)[0]
+    taxels = np.array([slopes[c] for c in sessions[0].channels if c != "force"]).reshape(-1, 2)
+    b, k = slopes.get("force", 2.0 * taxels.max(axis=0, initial=0.0))
+    if not taxels.size:
+        return Model(Dispersion(m=mass, b1=0.0, k1=0.0, b2=b, k2=k), shares=())
+    reference = int(np.argmax(taxels[:, 1]))
+    b1, k1 = taxels[reference, 0], max(taxels[reference, 1], 1e-6)
+    shares = np.maximum(taxels[:, 1] / k1, 0.0)
+    return Model(Dispersion(m=mass, b1=b1, k1=k1, b2=b - b1, k2=k - k1), shares=tuple(shares))

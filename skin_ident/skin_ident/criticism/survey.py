@@ -1,0 +1,42 @@
+"""One look at everything the catalogue offers, on top of the present model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.fitting import tangents
+from skin_ident.criticism.noise import noise_model
+from skin_ident.criticism.proposals import Direction, bank, usable
+from skin_ident.criticism.ranking import Projected, Ranked, project, rank
+from skin_ident.criticism.residual import residual
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.unknowns import unknowns
+from skin_ident.criticism.whitening import Whitener, stack
+from skin_models.model import Model
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Every cause ranked against the residual of `model`, under the noise model that the survey itself found."""
+
+    model: Model
+    noise: Whitener
+    projected: Projected
+    ranked: tuple[Ranked, ...]
+
+
+def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
+    """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
+    which = usable(model, which, sessions[0])
+    residuals = [residual(model, s) for s in sessions]
+    own = tangents(model, sessions, unknowns(model))
+    bends = bank(model, which, sessions)
+    noise = noise or noise_model(residuals, own, bends, sessions)
+    projected = project(which, stack(bends, sessions, noise), stack(own, sessions, noise), stack(residuals, sessions, noise))
+    return Survey(model, noise, projected, tuple(rank(projected)))
+
+
+def detectable(p: Projected, z: float = 3.0) -> np.ndarray:
+    """Amount of each direction, in typical sizes, that would stand out by `z` standard errors; inf where the data do not excite it."""
+    energy = np.diag(p.gram)
+    return np.where(energy > 0.0, z / np.sqrt(np.where(energy > 0.0, energy, 1.0)), np.inf)

@@ -1,0 +1,35 @@
+"""Saturation: samples pile up at one level, whatever came before, while the model goes on beyond it."""
+
+import numpy as np
+
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+
+FEWEST_VISITS = 2  # separate times at the level
+FEWEST_SAMPLES = 10
+BEYOND = 4.0  # noise widths by which the simulation must exceed the level there
+
+
+def find_saturation(channels: tuple[str, ...], raw: list[np.ndarray], simulated: list[np.ndarray], n_taxels: int) -> list[Symptom]:
+    """Channels clipped at a level, from measured and simulated rows (C, N) of each session."""
+    found = []
+    for c, channel in enumerate(channels):
+        y, model = np.concatenate([r[c] for r in raw]), np.concatenate([m[c] for m in simulated])
+        level, at = _pile(y)
+        width = 1.4826 * float(np.median(np.abs(y - model - np.median(y - model))))
+        if level is None or np.median(model[at] - y[at]) < BEYOND * max(width, 1e-9) or _visits(at) < FEWEST_VISITS:
+            continue
+        why = f"{int(at.sum())} samples of {channel} sit at {level:.4g} N in {_visits(at)} visits while the load goes on rising"
+        found.append(Symptom("saturation", place_of(channel, n_taxels), (channel,), {"level": quantity(level, "N")}, {"why": why}))
+    return found
+
+
+def _pile(y: np.ndarray) -> tuple[float | None, np.ndarray]:
+    """The topmost level and who sits there, where that is more than the tail of any smooth distribution would put there."""
+    top = float(y.max())
+    at = y >= top - 1e-9 * max(abs(top), 1.0)
+    near = (y < top) & (y >= top - 0.05 * (top - y.min()))
+    return (top, at) if at.sum() >= max(FEWEST_SAMPLES, 0.3 * near.sum()) else (None, at)
+
+
+def _visits(at: np.ndarray) -> int:
+    return int(np.sum(np.diff(at.astype(int), prepend=0) == 1))

@@ -1,0 +1,56 @@
+"""Quantization: the spacing of the levels that occur, against the step that rig.yaml declares.
+
+The levels of a converter are equally spaced; the spacing is the largest step of which (nearly) all differences of neighbouring levels
+are multiples. Coarse steps imitate dead zones and relaxation, so this comes before any fit.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+
+COARSER = 1.5  # times the declared step
+FEWEST_LEVELS = 4
+MANY = 0.5  # share of samples that are levels of their own: then nothing is quantized
+
+
+def step_of(y: np.ndarray) -> float | None:
+    """Spacing of the levels in `y`, or None where the samples do not sit on levels."""
+    levels = np.unique(y)
+    span = levels[-1] - levels[0]
+    if levels.size < FEWEST_LEVELS or levels.size > MANY * y.size or span <= 0.0:
+        return None
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > 1e-7 * span]
+    step = float(np.median(gaps[gaps <= 1.2 * np.percentile(gaps, 10.0)]))
+    multiples = gaps / step
+    return step if np.mean(np.abs(multiples - np.round(multiples)) < 0.1) > 0.9 else None
+
+
+def find_quantization(recordings: list) -> list[Symptom]:
+    """Channels whose steps are coarser than declared."""
+    declared = _declared(recordings[0])
+    found = []
+    for channel, step in declared.items():
+        steps = [s for s in (step_of(y) for y in _rows(recordings, channel)) if s is not None]
+        if step and len(steps) == len(recordings) and min(steps) > COARSER * step:
+            unit = "m" if channel == "depth" else "N"
+            found.append(
+                Symptom(
+                    "quantization",
+                    place_of(channel, len(recordings[0].taxels)),
+                    (channel,),
+                    {"step": quantity(np.median(steps), unit)},
+                    {"declared": quantity(step, unit), "why": f"the levels of {channel} are {np.median(steps) / step:.1f} times as far apart as declared"},
+                )
+            )
+    return found
+
+
+def _declared(recording) -> dict[str, float | None]:
+    d = recording.declared
+    taxels = {f"taxel_{i}": d.of_taxel("taxel_step_n", i) for i in range(len(recording.taxels))}
+    return {"force": d.force_step_n, **taxels, "depth": d.encoder_step_um and d.encoder_step_um * 1e-6}
+
+
+def _rows(recordings: list, channel: str) -> list[np.ndarray]:
+    return [row for r in recordings for name, row in [*r.channels.items(), ("depth", r.depth)] if name == channel and row is not None]

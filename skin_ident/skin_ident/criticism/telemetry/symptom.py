@@ -1,0 +1,32 @@
+"""What a look at the telemetry returns."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Symptom:
+    """A cause seen in the record itself. `bad` maps (session, channel) to a mask (N,) of samples not to be believed."""
+
+    cause: str
+    where: str
+    channels: tuple[str, ...]
+    parameters: dict[str, dict[str, Any]]
+    evidence: dict[str, Any]
+    bad: dict[tuple[str, str], np.ndarray] = field(default_factory=dict)
+
+
+def place_of(channel: str, n_taxels: int) -> str:
+    """The word a finding uses for the sensor behind a channel; a lone taxel is just `taxel`."""
+    if channel == "force":
+        return "load_cell"
+    if channel == "depth":
+        return "rig"
+    return "taxel" if n_taxels == 1 else channel
+
+
+def quantity(value: float, unit: str) -> dict[str, Any]:
+    """A parameter as findings.json writes it."""
+    return {"value": float(value), "unit": unit}

@@ -1,0 +1,65 @@
+"""The noise of a recording: autoregressive in each channel, correlated between channels.
+
+A residual that is not white makes every test too sure of itself. Each channel's noise is modelled as AR(p),
+
+    e[n] = a1 e[n-1] + … + ap e[n-p] + w[n],
+
+fitted by the covariance method over all sessions, and the innovations w of the channels (an encoder's error reaches all of them) by one
+covariance matrix. `Whitener.apply` turns residuals and directions alike into samples of unit variance.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.signal import lfilter
+
+ORDER = 8
+FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must not be blown up
+
+
+@dataclass(frozen=True)
+class Whitener:
+    """`filters` (C, p+1) are the prediction-error filters, `root` (C, C) the lower Cholesky factor of the innovations' covariance."""
+
+    filters: np.ndarray
+    root: np.ndarray
+
+    def apply(self, e: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """Whiten (..., C, n). Samples whose neighbourhood is not believed, and the first p, come back as zeros."""
+        order = self.filters.shape[1] - 1
+        w = np.stack([lfilter(a, [1.0], e[..., c, :], axis=-1) for c, a in enumerate(self.filters)], axis=-2)
+        believed = np.stack([lfilter(np.ones(order + 1), [1.0], 1.0 - row) < 0.5 for row in weight])
+        believed[:, :order] = False
+        w = w * believed
+        flat = np.moveaxis(w, -2, 0).reshape(self.root.shape[0], -1)
+        white = solve_triangular(self.root, flat, lower=True, check_finite=False)
+        return np.moveaxis(white.reshape(np.moveaxis(w, -2, 0).shape), 0, -2)
+
+
+def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], order: int = ORDER) -> Whitener:
+    """The noise model of residuals [(C, n), …]. Constant channels are given a tiny floor so that nothing divides by zero."""
+    n_channels = residuals[0].shape[0]
+    filters = np.array([_prediction_error_filter([r[c] for r in residuals], [w[c] for w in weights], order) for c in range(n_channels)])
+    unit = Whitener(filters, np.eye(n_channels))
+    w = np.concatenate([unit.apply(r, q) for r, q in zip(residuals, weights, strict=True)], axis=1)
+    used = np.all(w != 0.0, axis=0)
+    covariance = np.atleast_2d(w[:, used] @ w[:, used].T / max(used.sum(), 1))
+    floor = np.diag(np.full(n_channels, 1e-18) + 1e-6 * np.diag(covariance))
+    return Whitener(filters, np.linalg.cholesky(covariance + floor))
+
+
+def _prediction_error_filter(rows: list[np.ndarray], weights: list[np.ndarray], order: int) -> np.ndarray:
+    past = np.concatenate([np.lib.stride_tricks.sliding_window_view(r, order + 1) for r in rows])
+    good = np.concatenate([np.lib.stride_tricks.sliding_window_view(w, order + 1).all(axis=1) for w in weights])
+    past = past[good]
+    gram = past[:, :order].T @ past[:, :order]
+    gram += np.eye(order) * (FLOOR * np.trace(gram) / order + 1e-30)
+    a = np.linalg.solve(gram, past[:, :order].T @ past[:, order])
+    return np.concatenate([[1.0], -a[::-1]])
+
+
+def stack(rows: list[np.ndarray], sessions: list, noise: Whitener) -> np.ndarray:
+    """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M) or (rows,)."""
+    white = [noise.apply(a, s.weight) for a, s in zip(rows, sessions, strict=True)]
+    return np.concatenate([w.reshape(*w.shape[:-2], -1) for w in white], axis=-1).T
