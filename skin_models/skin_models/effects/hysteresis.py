@@ -2,7 +2,7 @@
 
     skin, Prandtl-Ishlinskii   f = k E_r[x]        one elastic-plastic element: stiffness k until it yields at r (several add up)
     skin, Bouc-Wen             f = k z,  z' = v - |v| z / r        the same with a gradual yield (n = 1, beta = 1, gamma = 0: Dahl's model)
-    taxel, load cell           y + a E_r[y]        the stop operator on the reading
+    taxel, load cell           y' = y - a E_r[y]        the reading lags behind at every reversal: higher on the way down for a > 0
 
 E_r is the stop operator of `skin_models.operators.play`, exact for any path that is monotone between samples. Bouc-Wen is stepped exactly
 for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). Both dissipate: no closed path returns energy.
@@ -89,13 +89,13 @@ class BoucWenHysteresis(Dynamic):
 
 @dataclass(frozen=True)
 class SensorHysteresis(Dynamic):
-    """The reading is pulled towards where it came from. State: the play operator's, shape of `y`, None at rest."""
+    """The reading stays closer to where it came from. State: the play operator's, shape of `y`, None at rest."""
 
     cause: ClassVar[str] = "hysteresis"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Prandtl-Ishlinskii; Kuhnen 2003"
 
-    relative: float = quantity("1", 0.0, lower=-0.5, upper=2.0, typical=0.1, doc="gain a of the loop; its height is 2 a r")
+    relative: float = quantity("1", 0.0, lower=-1.0, upper=1.0, typical=0.1, doc="share a of the reading that lags; the loop is 2 a r high")
     threshold: float = quantity(
         "N",
         1.0,
@@ -113,8 +113,8 @@ class SensorHysteresis(Dynamic):
     def step(self, state, y, s: Sample, dt: float):
         mine = self.mine(y)
         state = play_step(state, mine, self.threshold)
-        return state, self.put_back(y, mine + self.relative * (mine - state))
+        return state, self.put_back(y, mine - self.relative * (mine - state))
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         mine = self.mine(y)
-        return self.put_back(y, mine + self.relative * stop(mine, self.threshold))
+        return self.put_back(y, mine - self.relative * stop(mine, self.threshold))

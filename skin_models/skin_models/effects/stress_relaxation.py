@@ -31,8 +31,8 @@ class StressRelaxation(Dynamic):
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Tschoegl 1989, ch. 3; thesis eqs 6, 8"
 
-    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness of the arm that the taxel feels")
-    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness of the arm that it does not")
+    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness of the relaxing arm, sensed")
+    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness of the relaxing arm, dispersed")
     tau: float = quantity(
         "s", 1.0, lower=1e-3, upper=1e4, role=SHAPE, typical=1.0, doc="relaxation time",
         scan=(0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0),

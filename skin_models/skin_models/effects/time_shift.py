@@ -1,24 +1,33 @@
 """Time shift: a channel is late, or its clock runs at another rate.
 
-    y'(t) = y(t - delay - skew T)        T: time since the first sample; linear between samples; y(0) before the first one
+    shift          y'(t) = y(t - delay - skew T)        T: time since the first sample
+    jitter         y'(t) = y(t - J u)                   u: drawn afresh at every sample, evenly from 0 to 1
+
+Both are linear between samples and hold y(0) before the first one.
 
 `where` says which channel is late with respect to the rest: clock (force), clock_taxels, or clock_depth (all the skin's answers, as
 seen from the encoder). A finding reports all three as `clock`. A negative delay (the channel is early) can be had for a recording; a
-running simulation cannot look ahead and passes the signal on.
+running simulation cannot look ahead and passes the signal on. Jitter needs a random generator and is not proposed for a finding: its
+mean is a delay, the rest noise that grows with the slope.
 
 Source: T. I. Laakso et al., Splitting the unit delay, IEEE Signal Processing Magazine 13 (1996) 30-60 (linear interpolation).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from skin_models.effect import Dynamic, Place
+from skin_models.operators.draws import Stream, new_key, uniform, whole
 from skin_models.parameter import quantity
 from skin_models.signals import Motion, Sample
 
 LONGEST = 2.0  # s, what a running simulation remembers at most
+
+
+PLACES = {"clock": Place.LOAD_CELL, "clock_taxels": Place.TAXEL, "clock_depth": Place.DEPTH}
 
 
 @dataclass(frozen=True)
@@ -26,7 +35,7 @@ class TimeShift(Dynamic):
     """A late channel. State: the number of samples so far and the last of them, newest last."""
 
     cause: ClassVar[str] = "time_shift"
-    places: ClassVar = {"clock": Place.LOAD_CELL, "clock_taxels": Place.TAXEL, "clock_depth": Place.DEPTH}
+    places: ClassVar = PLACES
     source: ClassVar[str] = "Laakso et al. 1996"
 
     delay: float = quantity("s", 0.0, lower=-1.0, upper=1.0, typical=0.03, doc="how late the channel is at the first sample")
@@ -37,17 +46,67 @@ class TimeShift(Dynamic):
 
     def step(self, state, y, s: Sample, dt: float):
         n, past = state
-        past = (*past[-int(LONGEST / dt) - 1 :], y) if self.delay or self.skew else (y,)
-        back = min(max(self._late(n * dt) / dt, 0.0), len(past) - 1.0)
-        whole = min(int(back), len(past) - 2) if len(past) > 1 else 0
-        newer, older = past[-1 - whole], past[max(-2 - whole, -len(past))]
-        return (n + 1, past), newer + (back - whole) * (older - newer)
+        past = _remembered(past, y, dt, bool(self.delay or self.skew))
+        return (n + 1, past), _looked_up(past, self._late(n * dt) / dt)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         n = np.arange(len(s))
-        at = np.clip(n - self._late(n * s.dt) / s.dt, 0.0, n[-1])
-        whole = np.minimum(at.astype(int), n[-1] - 1)
-        return y[..., whole] + (at - whole) * (y[..., whole + 1] - y[..., whole])
+        return _shifted(y, n - self._late(n * s.dt) / s.dt)
 
     def _late(self, elapsed):
         return self.delay + 1e-6 * self.skew * elapsed
+
+
+@dataclass(frozen=True)
+class TimeJitter(Dynamic):
+    """A channel that is late by chance. State: a random stream and the last samples, newest last; None without a generator."""
+
+    cause: ClassVar[str] = "time_shift"
+    form: ClassVar[str] = "jitter"
+    places: ClassVar = PLACES
+    source: ClassVar[str] = "Laakso et al. 1996, with a random delay"
+
+    jitter: float = quantity("s", 0.0, lower=0.0, upper=1.0, typical=0.01, doc="longest delay J")
+
+    def initial(self, rng=None) -> tuple[Stream, tuple] | None:
+        return None if rng is None else (Stream(new_key(rng)), ())
+
+    def step(self, state, y, s: Sample, dt: float):
+        if state is None:
+            return None, y
+        stream, past = state
+        stream, u = stream.next((), uniform)
+        past = _remembered(past, y, dt, self.jitter > 0.0)
+        return (stream, past), _looked_up(past, float(u) * self.jitter / dt)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        if rng is None:
+            return y
+        n = np.arange(len(s))
+        return _shifted(y, n - whole(new_key(rng), n.shape, uniform) * self.jitter / s.dt)
+
+    @classmethod
+    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
+        """None: it is not proposed."""
+        return iter(())
+
+
+def _remembered(past: tuple, y, dt: float, needed: bool) -> tuple:
+    return (*past[-int(LONGEST / dt) - 1 :], y) if needed else (y,)
+
+
+def _looked_up(past: tuple, back: float):
+    """What was `back` samples ago; the oldest known where that is longer ago, the newest where it is still to come."""
+    back = min(max(back, 0.0), len(past) - 1.0)
+    older = min(int(back) + 1, len(past) - 1)
+    newer = max(older - 1, 0)
+    return past[-1 - newer] + (back - newer) * (past[-1 - older] - past[-1 - newer])
+
+
+def _shifted(y: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """`y` at fractional indices, held beyond its ends."""
+    last = y.shape[-1] - 1
+    at = np.clip(at, 0.0, last)
+    before = np.minimum(at.astype(int), max(last - 1, 0))
+    after = np.minimum(before + 1, last)
+    return y[..., before] + (at - before) * (y[..., after] - y[..., before])
