@@ -125,13 +125,10 @@ def _parameters(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.nd
 
 
 def _metric(regression: Regression, shape: Shape) -> np.ndarray:
-    """How well (b, k) of the strongest taxel is known, as a metric."""
+    """How well (b, k) of a taxel is known, as a metric; the same for all, for they share their columns."""
     if not shape.taxels:
         return np.eye(2)
-    before = len(regression.coefficients) - shape.taxels
-    strongest = before + int(np.argmax([c[1] for c in regression.coefficients[before:]]))
-    start = sum(c.size for c in regression.coefficients[:strongest])
-    return metric_of(regression.covariance[start : start + 2, start : start + 2])
+    return metric_of(regression.inverses[-1])
 
 
 def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.ndarray, covariance: np.ndarray, warnings) -> Estimate:

@@ -53,9 +53,9 @@ class LiveFit:
 
     def update(self) -> Live | None:
         """Take in what is complete; the estimate now, or None where it is too early or nothing moves."""
-        rows = self._complete()
         self.health = replace(self.health, rate=0.0, jitter=0.0, used=0, alone=self._dropped, invalid=0, pauses=0)
         self._dropped = 0
+        rows = self._complete()
         if len(rows) >= 2:
             self._absorb(rows)
         if self.state is not None:

@@ -142,10 +142,11 @@ def estimate(m: Memory, state: State) -> Live | None:
     beta = inverse @ state.now[:2, 2:]  # (2, C)
     ends = np.concatenate([-beta, np.eye(beta.shape[1])])
     spread = ends.T @ state.now @ ends / max(state.rows - 2.0, 1.0)
+    np.fill_diagonal(spread, np.maximum(np.diag(spread), 0.0))
     widened = spread * _widening(ends, state)
     covariance = np.kron(widened, inverse)
     speed, depth = size / np.sqrt(state.rows)
-    return _split(m, beta, covariance, Live(np.empty(0), np.empty(0), state.rows, speed, depth, np.sqrt(np.diag(spread))))
+    return _split(m, beta, covariance, metric_of(inverse), Live(np.empty(0), np.empty(0), state.rows, speed, depth, np.sqrt(np.diag(spread))))
 
 
 def _widening(ends: np.ndarray, state: State) -> np.ndarray:
@@ -156,10 +157,9 @@ def _widening(ends: np.ndarray, state: State) -> np.ndarray:
     return np.outer(root, root)
 
 
-def _split(m: Memory, beta: np.ndarray, covariance: np.ndarray, live: Live) -> Live:
+def _split(m: Memory, beta: np.ndarray, covariance: np.ndarray, metric: np.ndarray, live: Live) -> Live:
     flat = beta.T.ravel()
     weights = weights_of(live.residual[m.force :])
-    metric = metric_of(covariance[-2:, -2:] + 1e-30 * np.eye(2)) if m.taxels else np.eye(2)
 
     def theta(flat: np.ndarray) -> np.ndarray:
         return split(flat[:2] if m.force else None, flat[2 * m.force :].reshape(m.taxels, 2), weights, metric)

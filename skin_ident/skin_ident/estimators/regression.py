@@ -23,10 +23,11 @@ class Block:
 
 @dataclass(frozen=True)
 class Regression:
-    """Coefficients of all channels, one after the other, with their joint covariance; residuals per channel and session."""
+    """Coefficients of all channels, one after the other, with their joint covariance; (H'H)^-1 and residuals per channel."""
 
     coefficients: list[np.ndarray]
     covariance: np.ndarray
+    inverses: list[np.ndarray]
     residuals: list[list[np.ndarray]]
     ar: list[np.ndarray]
     noise: list[float]
@@ -43,6 +44,7 @@ def regress(channels: Sequence[Sequence[Block]]) -> Regression:
     return Regression(
         coefficients=[c for c, _, _ in fits],
         covariance=_joint(channels, [p for _, p, _ in fits], noises, _innovations(residuals, noises)),
+        inverses=[p for _, p, _ in fits],
         residuals=residuals,
         ar=[ar for ar, _ in noises],
         noise=[s for _, s in noises],

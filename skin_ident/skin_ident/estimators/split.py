@@ -38,7 +38,7 @@ def weights_of(noise: np.ndarray) -> np.ndarray:
 
 
 def metric_of(covariance: np.ndarray) -> np.ndarray:
-    """The Cholesky factor (2, 2) of the inverse of a covariance of (b, k)."""
+    """The Cholesky factor (2, 2) of the inverse of a covariance of (b, k), up to scale: (H'H)^-1 will do."""
     scale = np.sqrt(np.diag(covariance))
     unit = covariance / np.outer(scale, scale)
     precision = np.linalg.inv(unit + 1e-12 * np.eye(2)) / np.outer(scale, scale)

@@ -1,0 +1,153 @@
+"""The ident node: live estimates of the dispersion model on `estimates`, and the action `identify` over recordings.
+
+Subscribes to encoder, force and taxels; publishes `estimates` (ParameterEstimates) and `/diagnostics` (rate, jitter, losses, excitation).
+`~/reset` forgets what was learnt, `~/save` writes it as a model file that the skin node loads (parameter `model_path`).
+"""
+
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import WrenchStamped
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, qos_profile_sensor_data
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.task import Future
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+from skin_testbed_msgs.action import Identify
+from skin_testbed_msgs.msg import ParameterEstimates, TaxelArray
+from std_srvs.srv import Trigger
+
+from skin_ident.estimators.live import LiveFit
+from skin_ident.recordings.decode import JOINT
+from skin_ident.ros import live_messages
+from skin_ident.ros.identify import Run
+from skin_models.errors import SkinError
+from skin_models.model_file import save_model
+from skin_models.ros.node import run
+from skin_models.ros.parameters import Parameters, setting
+
+Result = Identify.Result
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Parameters of the node."""
+
+    window: float = setting(30.0, "s, memory of the live estimate: older samples count for less than 1/e", lower=0.1, upper=1e5)
+    cutoff: float = setting(5.0, "Hz, common low-pass of depth and forces before estimation", lower=0.05, upper=1e3)
+    mass: float = setting(0.0, "kg, moving mass, held fixed in the live estimate", lower=0.0, upper=100.0)
+    publish_period: float = setting(0.5, "s, between two estimates", lower=0.02, upper=60.0, fixed=True)
+    joint: str = setting(JOINT, "name of the joint in `encoder` that is the indentation depth")
+    model_path: str = setting("identified_model.yaml", "file that `~/save` writes")
+
+
+class IdentNode(Node):
+    """Callbacks stay short; identification over recordings runs in a thread of its own, one goal after the other."""
+
+    def __init__(self) -> None:
+        super().__init__("ident_node")
+        self.settings = Parameters(self, Settings, on_change=lambda settings: self._start_anew(settings))
+        self._start_anew(self.settings.now)
+        self._subscribe()
+        self.estimates = self.create_publisher(ParameterEstimates, "estimates", QoSProfile(depth=10))
+        self.diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", QoSProfile(depth=10))
+        self.create_timer(self.settings.now.publish_period, self._report)
+        self.create_service(Trigger, "~/reset", self._on_reset)
+        self.create_service(Trigger, "~/save", self._on_save)
+        self.leaving = threading.Event()
+        self.working = threading.Lock()
+        self.worker: threading.Thread | None = None
+        self.action = ActionServer(self, Identify, "identify", self._identify, cancel_callback=lambda handle: CancelResponse.ACCEPT)
+        self.get_logger().info("ready: estimating live, and waiting for goals on identify")
+
+    def _start_anew(self, settings: Settings) -> None:
+        self.fit = LiveFit(settings.window, settings.cutoff, settings.mass)
+
+    def _subscribe(self) -> None:
+        policies = QoSOverridingOptions.with_default_policies()
+        pairs = ((JointState, "encoder", self._on_encoder), (WrenchStamped, "force", self._on_force), (TaxelArray, "taxels", self._on_taxels))
+        for kind, topic, callback in pairs:
+            self.create_subscription(kind, topic, callback, qos_profile_sensor_data, qos_overriding_options=policies)
+
+    def _on_encoder(self, message: JointState) -> None:
+        joint = self.settings.now.joint
+        if joint in message.name:
+            self.fit.offer("encoder", _ns(message), np.array([message.position[message.name.index(joint)]]))
+
+    def _on_force(self, message: WrenchStamped) -> None:
+        self.fit.offer("force", _ns(message), np.array([-message.wrench.force.z]))
+
+    def _on_taxels(self, message: TaxelArray) -> None:
+        self.fit.offer("taxels", _ns(message), np.array(message.force))
+
+    def _report(self) -> None:
+        self.fit.update()
+        stamp = Time(nanoseconds=self.fit.newest).to_msg()
+        self.estimates.publish(live_messages.estimates(self.fit, stamp))
+        self.diagnostics.publish(live_messages.diagnostics(self.fit, self.get_clock().now().to_msg(), self.get_fully_qualified_name()))
+
+    def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._start_anew(self.settings.now)
+        response.success, response.message = True, "what was learnt is forgotten"
+        return response
+
+    def _on_save(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        path = self.settings.now.model_path
+        try:
+            save_model(live_messages.model(self.fit), path, live_messages.std(self.fit))
+            response.success, response.message = True, f"wrote {path}"
+        except (SkinError, OSError) as error:
+            response.success, response.message = False, f"nothing was written: {error}"
+        return response
+
+    async def _identify(self, handle: ServerGoalHandle) -> Result:
+        result = await self._in_thread(handle)
+        if result.error_code == Result.SUCCESS:
+            handle.succeed()
+        elif handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        self.get_logger().info(f"identify ended: {result.error_string or 'success'}")
+        return result
+
+    def _in_thread(self, handle: ServerGoalHandle) -> Future:
+        job, future = Run(handle.request, lambda: handle.is_cancel_requested or self.leaving.is_set(), handle.publish_feedback), Future()
+
+        def work() -> None:
+            try:
+                with self.working:
+                    future.set_result(job.result())
+            except BaseException as error:  # a goal must end whatever happens
+                future.set_exception(error)
+            if self.executor is not None:
+                self.executor.wake()  # nothing else resumes the waiting coroutine while the topics are silent
+
+        self.worker = threading.Thread(target=work, name="identify", daemon=True)
+        self.worker.start()
+        return future
+
+    def destroy_node(self) -> None:
+        """Cancel a running goal before the node goes."""
+        self.leaving.set()
+        if self.worker is not None:
+            self.worker.join(3.0)
+        super().destroy_node()
+
+
+def _ns(message: JointState | WrenchStamped | TaxelArray) -> int:
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+def main() -> None:
+    """Entry point."""
+    run(IdentNode)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+"""One goal of the action `identify`, from its first check to its result: the same core as the command lines, in a thread."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from skin_testbed_msgs.action import Identify
+
+from skin_ident.cli.common import output_folder, write_json
+from skin_ident.cli.fit import sessions_of
+from skin_ident.estimators.dispersion import fit_dispersion, known_mass
+from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.text import as_dict
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.load import find, load_one
+from skin_models.errors import SkinError
+from skin_models.model_file import save_model
+
+Result = Identify.Result
+
+
+class Cancelled(Exception):
+    """The goal was cancelled."""
+
+
+@dataclass
+class Run:
+    """`result()` does the work; `cancelled` is asked between steps, `publish` gets the feedback."""
+
+    goal: Identify.Goal
+    cancelled: Callable[[], bool]
+    publish: Callable[[Identify.Feedback], None]
+    done: float = field(default=0.0)
+
+    def result(self) -> Result:
+        """The result, whatever happens."""
+        try:
+            return self._criticised() if self.goal.criticise else self._fitted()
+        except Cancelled:
+            return Result(error_code=Result.CANCELLED, error_string="cancelled; nothing was written")
+        except SkinError as error:
+            return Result(error_code=Result.UNUSABLE_INPUT, error_string=str(error))
+        except OSError as error:
+            return Result(error_code=Result.WRITE_FAILED, error_string=f"cannot write into {self.goal.output_directory}: {error.strerror}")
+
+    def _say(self, stage: str, progress: float | None = None) -> None:
+        if self.cancelled():
+            raise Cancelled
+        self.done = self.done if progress is None else progress
+        self.publish(Identify.Feedback(progress=self.done, stage=stage))
+
+    def _load(self, paths: list[str], share: float) -> list:
+        if not paths:
+            raise RecordingError("the goal names no recordings")
+        files = [file for path in paths for file in find(Path(path))]
+        start, loaded = self.done, []
+        for i, file in enumerate(files):
+            self._say(f"reading {file.name}", start + share * i / len(files))
+            loaded.append(load_one(file))
+        return loaded
+
+    def _fitted(self) -> Result:
+        recordings = sessions_of(self._load(list(self.goal.recordings), 0.6))
+        self._say(f"fitting {len(recordings)} sessions", 0.6)
+        estimate = fit_dispersion(recordings, known_mass(recordings))
+        self._say("writing", 0.95)
+        self._write(estimate)
+        self._say("done", 1.0)
+        return Result(error_code=Result.SUCCESS, **_parameters(estimate))
+
+    def _write(self, estimate: Estimate) -> None:
+        if self.goal.output_directory:
+            folder = output_folder(self.goal.output_directory)
+            write_json(folder / "fit.json", as_dict(estimate))
+            save_model(estimate.model, folder / "model.yaml", estimate.std)
+
+    def _criticised(self) -> Result:
+        raise RecordingError("criticism is not there yet: set criticise to false")
+
+
+def _parameters(estimate: Estimate) -> dict[str, list]:
+    return {
+        "parameter_names": [p.name for p in estimate.parameters],
+        "values": [p.value for p in estimate.parameters],
+        "standard_errors": [estimate.std[p.name] for p in estimate.parameters],
+        "units": [p.unit for p in estimate.parameters],
+    }

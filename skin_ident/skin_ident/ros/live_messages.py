@@ -1,0 +1,85 @@
+"""What the live fit knows, as messages and as a model."""
+
+import math
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from skin_testbed_msgs.msg import ParameterEstimates
+
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.estimate import FIXED, IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK
+from skin_ident.estimators.live import LiveFit
+from skin_ident.estimators.verdicts import SURE, VAGUE
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
+
+NAMES, UNITS = ("b1", "k1", "b2", "k2"), ("N*s/m", "N/m", "N*s/m", "N/m")
+
+
+def estimates(fit: LiveFit, stamp: Time) -> ParameterEstimates:
+    """The estimates now; NaN where nothing is known yet."""
+    count = 4 if fit.memory is None else 4 + fit.memory.taxels
+    values = [math.nan] * count if fit.live is None else fit.live.values.tolist()
+    errors = [math.nan] * count if fit.live is None else fit.live.std.tolist()
+    message = ParameterEstimates(model="dispersion", window=fit.window)
+    message.header.stamp = stamp
+    message.names = ["m", *NAMES, *(f"share_{i}" for i in range(count - 4))]
+    message.values, message.standard_errors = [fit.mass, *values], [0.0, *errors]
+    message.units = ["kg", *UNITS, *["1"] * (count - 4)]
+    message.verdicts = [FIXED, *(_word(v, s) for v, s in zip(values, errors, strict=True))]
+    message.effective_samples = 0.0 if fit.live is None else float(fit.live.rows)
+    return message
+
+
+def _word(value: float, std: float) -> str:
+    if std == 0.0:
+        return FIXED
+    relative = std / abs(value) if value else math.inf
+    return IDENTIFIABLE if relative <= SURE else WEAK if relative <= VAGUE else NOT_IDENTIFIABLE
+
+
+def std(fit: LiveFit) -> dict[str, float]:
+    """Standard errors by parameter name."""
+    return {} if fit.live is None else dict(zip(NAMES, fit.live.std.tolist(), strict=False))
+
+
+def model(fit: LiveFit) -> Model:
+    """The model as it is known now. Raises `FitError` where nothing is known yet, `ModelError` for values no skin can have."""
+    if fit.live is None:
+        raise FitError("there is no estimate yet: move the plunger in the skin first")
+    b1, k1, b2, k2, *shares = fit.live.values.tolist()
+    return Model(Dispersion(m=fit.mass, b1=b1, k1=k1, b2=b2, k2=k2), tuple(max(0.0, s) for s in shares), source="live estimate")
+
+
+def diagnostics(fit: LiveFit, stamp: Time, name: str) -> DiagnosticArray:
+    """Rate, losses and excitation, with the level a person must act on."""
+    h, live = fit.health, fit.live
+    level, message = _level(fit)
+    values = {
+        "rate (Hz)": f"{h.rate:.4g}",
+        "jitter (ms)": f"{1e3 * h.jitter:.3g}",
+        "samples used": h.used_ever,
+        "samples without a partner": h.alone,
+        "samples that are no numbers": h.invalid,
+        "pauses": h.pauses,
+        "speed in contact (mm/s rms)": f"{1e3 * live.speed:.3g}" if live else "",
+        "depth in contact (mm rms)": f"{1e3 * live.depth:.3g}" if live else "",
+        "residual of force (N rms)": f"{live.residual[0]:.3g}" if live else "",
+    }
+    pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+    status = DiagnosticStatus(level=level, name=f"{name}: live identification", message=message, hardware_id="", values=pairs)
+    array = DiagnosticArray(status=[status])
+    array.header.stamp = stamp
+    return array
+
+
+def _level(fit: LiveFit) -> tuple[bytes, str]:
+    if fit.memory is None:
+        return DiagnosticStatus.STALE, "no encoder and force (or taxels) with common stamps yet"
+    if fit.health.used == 0:
+        return DiagnosticStatus.STALE, "no complete samples since the last look"
+    if fit.live is None:
+        return DiagnosticStatus.OK, "not enough motion in the skin yet"
+    if fit.health.alone + fit.health.invalid > 0.05 * max(1, fit.health.used):
+        return DiagnosticStatus.WARN, "samples are lost or no numbers"
+    return DiagnosticStatus.OK, "estimating"

@@ -1,0 +1,129 @@
+"""The installed ident node, over real DDS: live estimates of a skin that is being pressed, and the action on recordings."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+from making import SILICONE, recording, response, sine, write_bag
+
+rclpy = pytest.importorskip("rclpy")
+pytest.importorskip("skin_testbed_msgs")
+
+from geometry_msgs.msg import WrenchStamped  # noqa: E402
+from rclpy.action import ActionClient  # noqa: E402
+from rclpy.context import Context  # noqa: E402
+from rclpy.executors import SingleThreadedExecutor  # noqa: E402
+from rclpy.qos import qos_profile_sensor_data  # noqa: E402
+from sensor_msgs.msg import JointState  # noqa: E402
+from skin_testbed_msgs.action import Identify  # noqa: E402
+from skin_testbed_msgs.msg import ParameterEstimates, TaxelArray  # noqa: E402
+from std_srvs.srv import Trigger  # noqa: E402
+
+from skin_models.model_file import load_model  # noqa: E402
+from skin_models.ros.processes import Domain, Processes, wait_until  # noqa: E402
+
+
+class Bench:
+    """A node that stands for the rig and for the user."""
+
+    def __init__(self, domain):
+        self.context = Context()
+        rclpy.init(context=self.context, domain_id=domain.id)
+        self.node = rclpy.create_node("bench", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.heard, self.feedback = [], []
+        publisher = self.node.create_publisher
+        self.encoder = publisher(JointState, "encoder", qos_profile_sensor_data)
+        self.force = publisher(WrenchStamped, "force", qos_profile_sensor_data)
+        self.taxels = publisher(TaxelArray, "taxels", qos_profile_sensor_data)
+        self.node.create_subscription(ParameterEstimates, "estimates", self.heard.append, 10)
+        self.identify = ActionClient(self.node, Identify, "identify")
+        self.save = self.node.create_client(Trigger, "/ident_node/save")
+        self.thread = threading.Thread(target=self.executor.spin, daemon=True)
+        self.thread.start()
+
+    def press(self, seconds, truth):
+        """Publish a sine at ten times its speed: 100 Hz stamps, sent at 1 kHz."""
+        xva = sine(n=int(100 * seconds), hz=0.5)
+        force, taxels = response(xva, truth, (1.0, 0.3))
+        rng = np.random.default_rng(0)
+        for i in range(force.size):
+            stamp = {"sec": 1000 + i // 100, "nanosec": (i % 100) * 10_000_000}
+            x, f, s = (JointState(name=["indentation"], position=[xva[0, i]]), WrenchStamped(), TaxelArray(force=(taxels[:, i]).tolist()))
+            f.wrench.force.z = -force[i] + 0.02 * rng.normal()
+            for publisher, message in ((self.encoder, x), (self.force, f), (self.taxels, s)):
+                message.header.stamp.sec, message.header.stamp.nanosec = stamp["sec"], stamp["nanosec"]
+                publisher.publish(message)
+            time.sleep(0.001)
+
+    def wait(self, future, timeout=20.0):
+        wait_until(future.done, timeout, "an answer")
+        return future.result()
+
+    def send(self, **goal):
+        wait_until(lambda: self.identify.wait_for_server(0.1), 20.0, "the action identify")
+        return self.wait(self.identify.send_goal_async(Identify.Goal(**goal), lambda m: self.feedback.append(m.feedback)))
+
+    def close(self):
+        self.executor.shutdown()
+        self.thread.join(5.0)
+        self.node.destroy_node()
+        self.context.shutdown()
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("ident")
+    with Domain() as domain, Processes(domain.environment()) as processes:
+        node = processes.start("skin_ident", "ident_node", parameters={"publish_period": 0.1, "model_path": str(folder / "live.yaml")})
+        node.wait_for_output("ready", 20.0)
+        bench = Bench(domain)
+        yield bench, folder, node
+        bench.close()
+
+
+def test_live_estimates_approach_the_truth_and_can_be_saved(world):
+    bench, folder, _ = world
+    wait_until(lambda: bench.encoder.get_subscription_count() and bench.taxels.get_subscription_count(), 20.0, "the node's subscriptions")
+    bench.press(12.0, SILICONE[4])
+    wait_until(lambda: bench.heard and np.isfinite(bench.heard[-1].values[1]), 10.0, "an estimate")
+    time.sleep(0.3)
+    last = bench.heard[-1]
+    values = dict(zip(last.names, last.values, strict=True))
+    assert [values[n] for n in ("b1", "k1", "b2", "k2", "share_1")] == pytest.approx([*SILICONE[4][1:], 0.3], rel=0.03)
+    assert dict(zip(last.names, last.verdicts, strict=True))["k1"] == "identifiable" and last.effective_samples > 50
+    assert bench.wait(bench.save.call_async(Trigger.Request())).success
+    assert load_model(folder / "live.yaml").dispersion.k1 == pytest.approx(9619, rel=0.03)
+
+
+def test_identify_fits_recordings(world):
+    bench, folder, _ = world
+    bags = [str(write_bag(folder / f"s{i}", recording(i, n=500))) for i in range(2)]
+    answer = bench.wait(bench.send(recordings=bags, output_directory=str(folder / "out")).get_result_async()).result
+    values = dict(zip(answer.parameter_names, answer.values, strict=True))
+    assert answer.error_code == 0 and values["k1"] == pytest.approx(9619, rel=0.02)
+    assert load_model(folder / "out" / "model.yaml").dispersion.k1 == pytest.approx(values["k1"])
+    assert [f.progress for f in bench.feedback] == sorted(f.progress for f in bench.feedback) and bench.feedback[-1].progress == 1.0
+
+
+@pytest.mark.parametrize("paths", [[], ["/does/not/exist"]])
+def test_identify_refuses_what_it_cannot_use(world, paths):
+    bench, folder, _ = world
+    answer = bench.wait(bench.send(recordings=paths, output_directory=str(folder / "none")).get_result_async()).result
+    assert answer.error_code == Identify.Result.UNUSABLE_INPUT and answer.error_string and not (folder / "none").exists()
+
+
+def test_identify_can_be_cancelled(world):
+    bench, folder, _ = world
+    bag = str(write_bag(folder / "long", recording(n=2000)))
+    handle = bench.send(recordings=[bag] * 40, output_directory=str(folder / "cancelled"))
+    wait_until(lambda: bench.feedback, 10.0, "feedback")
+    bench.wait(handle.cancel_goal_async())
+    answer = bench.wait(handle.get_result_async(), 30.0).result
+    assert answer.error_code == Identify.Result.CANCELLED and not (folder / "cancelled").exists()
+
+
+def test_ends_cleanly(world):
+    assert world[2].status is None and world[2].end() == 0

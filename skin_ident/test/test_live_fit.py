@@ -1,0 +1,53 @@
+"""The live estimator agrees with the truth, whatever size the blocks have and whatever is lost on the way."""
+
+import numpy as np
+import pytest
+from making import SILICONE, recording
+
+from skin_ident.estimators.live import LiveFit
+
+R = recording(n=3000, shares=(1.0, 0.3), sigma=0.02)
+TRUTH = [*SILICONE[4][1:], 1.0, 0.3]
+
+
+def fed(r, block, lose=(), swap=False, nan=()):
+    fit = LiveFit(30.0, 5.0, SILICONE[4][0])
+    for i in range(len(r)):
+        stamp = round(r.t[i] * 1e9) + 10**12
+        if i not in lose:
+            fit.offer("force", stamp, np.array([np.nan if i in nan else r.force[i]]))
+        fit.offer("taxels", stamp, r.taxels[:, i])
+        fit.offer("encoder", stamp, r.depth[i : i + 1])
+        if i % block == block - 1:
+            fit.update()
+    return fit
+
+
+@pytest.mark.parametrize("block", [7, 100, 1500])
+def test_block_size_does_not_matter(block):
+    fit = fed(R, block)
+    assert fit.live.values == pytest.approx(TRUTH, rel=0.02)
+    assert np.all(np.abs(fit.live.values - TRUTH) < 5 * fit.live.std + 1e-3 * np.abs(TRUTH))
+    assert fit.health.rate == pytest.approx(100.0) and fit.health.jitter < 1e-6
+
+
+def test_losses_are_bridged_and_counted():
+    rng = np.random.default_rng(0)
+    lose, nan = set(rng.choice(3000, 60, False).tolist()), set(rng.choice(3000, 30, False).tolist())
+    fit = fed(R, 500, lose, nan=nan)
+    assert fit.live.values == pytest.approx(TRUTH, rel=0.03)
+    assert fit.health.alone > 0 and fit.health.invalid > 0
+
+
+def test_pause_starts_the_filter_anew():
+    fit = fed(R, 50, lose=set(range(1000, 1200)))
+    assert fit.live.values == pytest.approx(TRUTH, rel=0.02)
+
+
+def test_nothing_is_claimed_in_the_air():
+    assert fed(recording(n=1000, offset=-1e-3), 50).live is None
+
+
+def test_sums_of_a_stream_are_those_of_one_block():
+    a, b = fed(R, 3000), fed(R, 10)
+    assert np.allclose(a.live.values, b.live.values, rtol=5e-3)
