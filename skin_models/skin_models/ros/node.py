@@ -9,6 +9,7 @@ A second signal ends the process at once.
 
 import os
 import signal
+import socket
 import sys
 import threading
 from collections.abc import Callable
@@ -32,13 +33,13 @@ _ENDING = (signal.SIGINT, signal.SIGTERM)
 class _Run:
     """What the loop, the signal thread and `end` share."""
 
-    def __init__(self, executor: Executor) -> None:
-        self.executor, self.ended, self.error = executor, False, None
+    def __init__(self) -> None:
+        self.ended, self.error, self.wake = False, None, lambda: None
 
     def end(self, error: SkinError | None = None) -> None:
         self.error = self.error or error
         self.ended = True
-        self.executor.wake()
+        self.wake()
 
 
 _runs: list[_Run] = []
@@ -68,21 +69,8 @@ def quickest_executor() -> Executor:
     return EventsExecutor() if EventsExecutor is not None else SingleThreadedExecutor()
 
 
-def spin_while(executor: Executor, keep_going: Callable[[], bool]) -> None:
-    """Run callbacks as long as `keep_going()`. To end it from another thread also call `executor.wake()`.
-
-    `spin_once` in a loop, because `EventsExecutor.spin` of the Jazzy wheels dispatches nothing. Other executors do not return
-    from `spin_once` when they are woken, and look up twice a second.
-    """
-    patience = 1000.0 if EventsExecutor is not None and not isinstance(executor, Executor) else 0.5
-    while keep_going():
-        executor.spin_once(timeout_sec=patience)
-
-
 def _status(make_node: Callable[[], Node], args: list[str], make_executor: Callable[[], Executor]) -> int:
     name = Path(args[0]).name if args else "node"
-    # Blocked here, before any thread starts, so that only the waiting thread below receives them.
-    signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rcl's own classes for arguments it cannot parse
@@ -97,13 +85,17 @@ def _status(make_node: Callable[[], Node], args: list[str], make_executor: Calla
 
 
 def _spin(make_node: Callable[[], Node], make_executor: Callable[[], Executor]) -> None:
-    running = _Run(make_executor())
+    running, executor = _Run(), make_executor()
     _runs.append(running)
-    threading.Thread(target=_wait_for_signals, args=(running,), daemon=True).start()
+    _end_on_signals(running)
     node = make_node()
+    # `EventsExecutor.wake` does not end its `spin_once`: a task does, in every executor.
+    running.wake = lambda: executor.create_task(lambda: None)
     try:
-        running.executor.add_node(node)
-        spin_while(running.executor, lambda: not running.ended and rclpy.ok())
+        executor.add_node(node)
+        # `spin_once` in a loop, because `EventsExecutor.spin` of the Jazzy wheels dispatches nothing.
+        while not running.ended and rclpy.ok():
+            executor.spin_once(timeout_sec=1000.0)
     finally:
         _runs.remove(running)
         node.destroy_node()
@@ -111,11 +103,25 @@ def _spin(make_node: Callable[[], Node], make_executor: Callable[[], Executor]) 
         raise running.error
 
 
-def _wait_for_signals(running: _Run) -> None:
-    signal.sigwait(_ENDING)
-    running.end()
-    second = signal.sigwait(_ENDING)
-    os._exit(128 + second)  # the node does not come back from its callback or its farewell
+def _end_on_signals(running: _Run) -> None:
+    """End on the first signal, exit at once on the second.
+
+    Python runs a handler only between two bytecodes of the main thread, which may sit in the executor for long. The wake-up file
+    descriptor is written at once, whatever thread receives the signal, and a thread waits for it.
+    """
+    wake, written = socket.socketpair()
+    written.setblocking(False)
+    for number in _ENDING:
+        signal.signal(number, lambda *_: None)
+    signal.set_wakeup_fd(written.fileno(), warn_on_full_buffer=False)
+
+    def wait() -> None:
+        with wake, written:
+            wake.recv(1)
+            running.end()
+            os._exit(128 + wake.recv(1)[0])  # the node does not come back from its callback or its farewell
+
+    threading.Thread(target=wait, daemon=True).start()
 
 
 def _complain(name: str, sentence: str) -> int:

@@ -7,16 +7,17 @@
 Works from the installed files alone: no `ros2` command line, no launch.
 """
 
-import fcntl
 import os
+import random
 import re
 import signal
+import socket
 import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import yaml
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
@@ -24,7 +25,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 from skin_models.errors import SkinError
 
 # Above 101 the ports of a domain reach into the range from which Linux hands out ephemeral ports.
-_DOMAINS = range(20, 102)
+_DOMAINS = range(1, 102)
 
 
 def executable(package: str, name: str) -> Path:
@@ -50,10 +51,10 @@ def wait_until(condition: Callable[[], Any], timeout: float, what: str, period: 
 
 
 class Domain:
-    """A ROS domain that no other user of this class on this machine has: a lock file per domain, held while open."""
+    """A ROS domain that nobody else on this machine uses: claimed by a name that `./skin` respects too, and held while open."""
 
     def __init__(self) -> None:
-        self._lock, self.id = _free_domain()
+        self._claim, self.id = _free_domain()
 
     def environment(self) -> dict[str, str]:
         """The variables that confine ROS to this machine and this domain."""
@@ -63,18 +64,17 @@ class Domain:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._lock.close()
+        self._claim.close()
 
 
-def _free_domain() -> tuple[IO[str], int]:
-    start = os.getpid() % len(_DOMAINS)
-    for domain in (*_DOMAINS[start:], *_DOMAINS[:start]):
-        lock = (Path(tempfile.gettempdir()) / f"skin_ros_domain_{domain}.lock").open("a")
+def _free_domain() -> tuple[socket.socket, int]:
+    for domain in random.SystemRandom().sample(_DOMAINS, len(_DOMAINS)):
+        claim = socket.socket(socket.AF_UNIX)
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return lock, domain
+            claim.bind(f"\0skin_testbed_domain_{domain}")  # abstract: no file, and gone with its holder
+            return claim, domain
         except OSError:
-            lock.close()
+            claim.close()
     raise SkinError("every ROS domain is in use by another test run: wait for one to end")
 
 
