@@ -80,15 +80,15 @@ class Testbed:
                 activity = Activity.MOVING
             return Status(activity, stopped.reason if stopped else "", self._zeroed, self._tared)
 
-    def follow(self, command: Trajectory | None, make: Callable[[float], Trajectory] | None = None) -> None:
-        """Follow a command, or the one that `make(now)` gives. One that cannot be followed stops the driver; raises `CommandError`."""
+    def follow(self, command: Callable[[float], Trajectory]) -> None:
+        """Follow the trajectory `command(now)`. One that cannot be followed stops the driver. Raises `CommandError`."""
         with self._lock:
             if self._motion.stopped is not None:
                 raise CommandError(f"the driver is stopped ({self._motion.stopped.reason}): call the service reset first")
             try:
                 if self._job is not None:
                     raise CommandError("zeroing or taring is under way")
-                self._motion.follow(command if make is None else make(self._next), self._next)
+                self._motion.follow(command(self._next), self._next)
             except CommandError as error:
                 self._stop(Stop(f"command refused: {error}"))
                 raise

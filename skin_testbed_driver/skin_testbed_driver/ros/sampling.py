@@ -1,0 +1,62 @@
+"""The thread that samples: absolute deadlines, so that lateness never adds up."""
+
+import threading
+import time
+from collections.abc import Callable
+
+from skin_testbed_driver.statistics import LoopStatistics
+
+
+class SamplingThread(threading.Thread):
+    """Calls `tick(stamp)` once per period until told to end.
+
+    A rig that owns its time gets every sample, one period of simulated time after the last (`time_scale` of them per second), and catches
+    up after a delay. For hardware the stamp is the clock's reading, and samples whose time has passed are skipped.
+    """
+
+    def __init__(
+        self,
+        tick: Callable[[int], None],
+        clock: Callable[[], int],
+        period: float,
+        statistics: LoopStatistics,
+        owned: int | None = None,
+        time_scale: float = 1.0,
+    ) -> None:
+        """`clock()` in ns. `owned`: stamp (ns) of the first sample of a rig that owns its time, else None."""
+        super().__init__(name="sampling", daemon=True)
+        self._tick, self._clock, self._statistics = tick, clock, statistics
+        self._period, self._wall_period, self._owned = period, period / time_scale, owned
+        self._ending = False
+
+    def run(self) -> None:
+        deadline = time.monotonic()
+        while not self._ending:
+            delay = deadline - time.monotonic()
+            if delay > 0.0:
+                time.sleep(delay)
+            self._statistics.tick(time.monotonic(), deadline)
+            self._tick(self._stamp())
+            deadline = self._after(deadline)
+
+    def end(self) -> None:
+        """End after the present sample, and wait for that."""
+        self._ending = True
+        if self.is_alive() and threading.current_thread() is not self:
+            self.join()
+
+    def _stamp(self) -> int:
+        if self._owned is None:
+            return self._clock()
+        stamp = self._owned
+        self._owned += round(1e9 * self._period)
+        return stamp
+
+    def _after(self, deadline: float) -> float:
+        deadline += self._wall_period
+        if self._owned is None:
+            missed = int((time.monotonic() - deadline) / self._wall_period)
+            if missed > 0:
+                self._statistics.skip(missed)
+                deadline += missed * self._wall_period
+        return deadline
