@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from . import hidden_record, hidden_rig, hidden_sensor, hidden_skin
+from . import hidden_contact, hidden_record, hidden_rig, hidden_sensor, hidden_skin, hidden_unknown
 
 SENSORS = ("load_cell", "taxel_0")
 PLACES = {
@@ -13,7 +13,7 @@ PLACES = {
     "gain_error": SENSORS, "force_offset": SENSORS, "drift": SENSORS, "saturation": SENSORS,
     "quantization": (*SENSORS, "rig"), "lag": SENSORS, "time_shift": ("clock",), "crosstalk": ("taxel",),
     "interference": SENSORS, "outliers": (*SENSORS, "rig"), "dead_taxel": ("taxel_0",), "noise": SENSORS,
-    "data_error": ("load_cell",), "parameters": ("skin",),
+    "data_error": ("load_cell",), "parameters": ("skin",), "unknown": ("skin", "load_cell"),
 }  # fmt: skip
 NEEDS_ARRAY = ("off_centre", "crosstalk")  # with one taxel they cannot show
 # Names that an honest critic may give beside or instead of the truth, whatever the protocol: the same equations, or nearly so.
@@ -40,7 +40,8 @@ class Hide:
 def forms(cause, where=None) -> dict:
     """Builders by form name. Raises KeyError for a cause without any."""
     sensor = where is not None and (where.startswith("taxel") or where == "load_cell")
-    tables = (hidden_sensor, hidden_skin, hidden_rig, hidden_record) if sensor else (hidden_skin, hidden_rig, hidden_sensor, hidden_record)
+    tables = [hidden_skin, hidden_contact, hidden_rig, hidden_record, hidden_unknown]
+    tables.insert(0 if sensor else len(tables), hidden_sensor)
     for table in tables:
         if cause in table.FORMS:
             return table.FORMS[cause]

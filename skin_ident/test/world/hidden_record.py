@@ -131,7 +131,7 @@ FORMS = {
     "noise": {k: (lambda c, k=k: OtherNoise(c, k)) for k in ("level", "colour", "growth")},
     "data_error": {
         k: (lambda c, k=k: DataError(c, k))
-        for k in ("repeated_block", "swapped_columns", "unit_factor", "unit_change", "broken_time", "copied_column")
+        for k in ("repeated_block", "swapped_columns", "unit_factor", "unit_change", "broken_time", "copied_column", "copied_session")
     },
     "parameters": {"wrong_numbers": Nothing},
 }

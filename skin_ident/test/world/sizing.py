@@ -2,37 +2,33 @@
 
 import numpy as np
 
-from .skin import press
 
+def visible(record, base, every):
+    """What is left (N) of force (T,) and taxels (T, n) after a least-squares fit of the plain model, each channel with its own numbers.
 
-def visible(record, fine_x, dt, every, skin):
-    """What is left (N) of force (T,) and taxels (T, n) after a least-squares fit of the plain model driven by the encoder.
-
-    The model has its own stiffness and damping for each channel; `fine_x` (m, noise-free) is what the encoder says.
+    `base`: the bare skin pressed along what the encoder says, on a grid `every` times as fine as the samples.
     """
-    u, w, on, use = _base(fine_x, dt, every, skin)
+    u, w, on, use = _sampled(base, every)
     force = _left(record.force[use], (on * u)[use], (on * w)[use])
     return force, np.column_stack([_left(y[use], u[use], w[use]) for y in record.taxels.T])
 
 
-def _base(fine_x, dt, every, skin):
+def visible_in_array(record, base, every, shares):
+    """The same for the taxels with one stiffness and damping for all, spread as declared."""
+    u, w, _, use = _sampled(base, every)
+    n, share = shares.size, np.repeat(shares, use.sum())
+    left = _left(record.taxels[use].T.ravel(), share * np.tile(u[use], n), share * np.tile(w[use], n))
+    return np.zeros(use.sum()), left.reshape(n, -1).T
+
+
+def _sampled(base, every):
     """Surface depth, speed, contact, and the samples that count: those next to a touchdown depend on its place between samples."""
-    v = np.gradient(fine_x, dt)
-    base = press(fine_x, v, np.gradient(v, dt), dt, skin)
     touching = base.touching[::every]
     down = np.flatnonzero(np.diff(touching.astype(int)) > 0)
     use = np.ones(touching.size, bool)
     for shift in (-1, 0, 1, 2):
         use[np.clip(down + shift, 0, use.size - 1)] = False
     return base.u[::every], base.w[::every], touching, use
-
-
-def visible_in_array(record, fine_x, dt, every, skin):
-    """The same for the taxels with one stiffness and damping for all, spread as declared."""
-    u, w, _, use = _base(fine_x, dt, every, skin)
-    n, share = len(skin.positions), np.repeat(skin.shares(), use.sum())
-    left = _left(record.taxels[use].T.ravel(), share * np.tile(u[use], n), share * np.tile(w[use], n))
-    return np.zeros(use.sum()), left.reshape(n, -1).T
 
 
 def _left(y, u, w):
@@ -42,6 +38,7 @@ def _left(y, u, w):
 
 
 def rms(y, axis=0):
+    """Root mean square."""
     return np.sqrt(np.mean(np.square(y), axis=axis))
 
 

@@ -13,7 +13,7 @@ class Laws:
     elements: objects with `step(u, du, dt) -> N`, memory or shape, on the depth of the surface.
     rate: function (u, w) -> N of depth and speed, rising with w.
     pull: function (w) -> N >= 0 that the surface holds on to a leaving plunger.
-    mount: function (stretch m) -> N of a spring between encoder and tip, with its inverse stiffness in `mount_stiffness`.
+    mount_stiffness: function (stretch m) -> N/m of a spring between encoder and tip.
     """
 
     elements: list = field(default_factory=list)
@@ -46,43 +46,56 @@ def press(x, v, a, dt, skin, laws=None) -> Pressed:
     return Pressed(u, w, force, added, touching > 0)
 
 
+class _Memory:
+    """The elements' common force; they are told the surface's place, and hear of every move exactly once."""
+
+    def __init__(self, elements):
+        self.steps, self.place, self.force = [e.step for e in elements], 0.0, 0.0
+
+    def tell(self, u, dt):
+        if self.steps:
+            du, self.place = u - self.place, u
+            self.force = sum([s(u, du, dt) for s in self.steps])
+        return self.force
+
+
 def _press_rigid(x, v, dt, skin, laws):
     k, b = skin.stiffness, skin.damping
-    steps, rate, pull = [e.step for e in laws.elements], laws.rate, laws.pull
-    touching, u, memory = False, 0.0, 0.0
+    memory, rate, pull = _Memory(laws.elements), laws.rate, laws.pull
+    touching, u = False, 0.0
     rows = []
     for xi, vi in zip(x, v, strict=True):
-        if touching or xi >= u:
-            before, w = u, vi
-            added = memory = sum([s(xi, xi - before, dt) for s in steps]) if steps else 0.0
-            if rate:
-                added += rate(xi, w)
-            force = k * xi + b * w + added
-            if force >= (-pull(w) if pull and touching else 0.0):
-                touching, u = True, xi
-                rows.append((u, w, force, added, 1.0))
+        if not touching:
+            u, w, added = _recover(u, memory, k, b, dt, rate)
+            if xi < u:
+                rows.append((u, w, 0.0, added, 0.0))
                 continue
-            touching = False
-        u, w, memory, added = _recover(u, memory, k, b, dt, steps, rate)
-        u = max(u, xi) if touching else u
+        added = memory.tell(xi, dt)
+        if rate:
+            added += rate(xi, vi)
+        force = k * xi + b * vi + added
+        if force >= (-pull(vi) if pull and touching else 0.0):
+            touching, u = True, xi
+            rows.append((xi, vi, force, added, 1.0))
+            continue
+        if touching:
+            u, w, added = _recover(u, memory, k, b, dt, rate)
+        touching, u = False, max(u, xi)
         rows.append((u, w, 0.0, added, 0.0))
     return zip(*rows, strict=True)
 
 
-def _recover(u, memory, k, b, dt, steps, rate):
-    """One step of the free surface: exponential Euler on b w = -(k u + memory), exact for the plain branches."""
-    target = -memory / k
-    decay = exp(-k * dt / b)
-    new = target + (u - target) * decay
-    w = -(k * u + memory) / b
-    added = memory
+def _recover(u, memory, k, b, dt, rate):
+    """One step of the free surface, b w = -(k u + memory + rate): exact for the plain branches. Gives u, w and the added force."""
+    pressing = k * u + memory.force
     if rate:
-        w = _free_speed(u, k * u + memory, b, rate)
+        w = _free_speed(u, pressing, b, rate)
         new = u + w * dt
-        added += rate(u, w)
-    if steps:
-        memory = sum([s(new, new - u, dt) for s in steps])
-    return new, w, memory, added
+    else:
+        new = u - pressing / k * (1 - exp(-k * dt / b))
+    memory.tell(new, dt)
+    w = -(k * new + memory.force) / b if not rate else w
+    return new, w, memory.force + (rate(new, w) if rate else 0.0)
 
 
 def _free_speed(u, pressing, b, rate):
@@ -100,18 +113,18 @@ def _free_speed(u, pressing, b, rate):
 def _press_mounted(x, v, dt, skin, laws):
     """As above with a spring between encoder and tip: the tip is the state, driven by the spring; exact for a straight path."""
     k, b = skin.stiffness, skin.damping
-    steps, rate, spring = [e.step for e in laws.elements], laws.rate, laws.mount_stiffness
-    u, w, memory, last = 0.0, 0.0, 0.0, x[0]
+    memory, rate, spring = _Memory(laws.elements), laws.rate, laws.mount_stiffness
+    u, w, last = 0.0, 0.0, x[0]
     rows = []
     for xi in x:
         stiff = spring(xi - u) if xi > u else 0.0
-        added = memory + (rate(u, w) if rate else 0.0)
+        added = memory.force + (rate(u, w) if rate else 0.0)
         pole = (k + stiff) / b
         gone = 1 - exp(-pole * dt)
         path = last * gone + (xi - last) * (1 - gone / (pole * dt))
         new = u + (stiff * path - added * gone) / (b * pole) - u * gone
         w = (stiff * max(xi - new, 0.0) - k * new - added) / b
-        memory = sum([s(new, new - u, dt) for s in steps]) if steps else 0.0
+        memory.tell(new, dt)
         u, last = new, xi
         rows.append((u, w, stiff * max(xi - u, 0.0), added, float(xi > u)))
     return zip(*rows, strict=True)
