@@ -1,0 +1,67 @@
+"""A model fed with one measured depth at a time, as it arrives: the simulated skin beside a running or replayed measurement."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from skin_models.layout import A201_AREA, Layout
+from skin_models.model import Model, Response, State
+from skin_models.signals import Sample
+from skin_models.spread.contacts import Contacts
+from skin_models.spread.field import SpreadField
+from skin_models.spread.kernels import Kernel
+
+GAP = 1.0  # s; after a longer silence the skin is taken to be at rest again
+
+
+class LiveModel:
+    """Steps a model from stamp to stamp.
+
+    The speed is the one given, or the backward difference of the depth; the acceleration is the backward difference of the speed. A
+    stamp that does not advance is refused (`step` gives None), a silence of more than a second starts from rest. `refused` and
+    `restarts` count both.
+    """
+
+    def __init__(self, model: Model, seed: int | None = None) -> None:
+        """`seed` drives the effects that are random; None leaves those out."""
+        self.model, self.seed = model, seed
+        self.refused = self.restarts = 0
+        self._last: Sample | None = None
+        self._state: State = model.initial(seed)
+
+    def step(self, t: float, x: float, v: float = math.nan) -> Response | None:
+        """The response at time `t` (s) to depth `x` (m) and speed `v` (m/s); None for a sample that cannot be used."""
+        if not math.isfinite(t + x) or (self._last is not None and t <= self._last.t):
+            self.refused += 1
+            return None
+        if self._last is None or t - self._last.t > GAP:
+            return self._start(Sample(t, x, v if math.isfinite(v) else 0.0, 0.0))
+        last, dt = self._last, t - self._last.t
+        v = v if math.isfinite(v) else (x - last.x) / dt
+        return self._advance(Sample(t, x, v, (v - last.v) / dt), dt)
+
+    def _start(self, s: Sample) -> Response:
+        if self._last is not None:
+            self.restarts += 1
+            self._state = self.model.initial(self.seed)
+        return self._advance(s, 0.01)
+
+    def _advance(self, s: Sample, dt: float) -> Response:
+        self._state, response = self.model.step(self._state, s, dt)
+        self._last = s
+        return response
+
+
+def under_plunger(model: Model, layout: Layout, kernel: Kernel, radius: float = 0.0) -> Model:
+    """The model with one share per taxel of `layout`, for a plunger of `radius` (m) at the origin.
+
+    A model that already has as many shares as there are taxels keeps its own: they were measured.
+    """
+    if len(model.shares) == len(layout):
+        return model
+    under = min(model.dispersion.sensed_share, 1.0) if model.dispersion.k1 > 0.0 else 1.0  # of the force, right under the plunger
+    found = SpreadField(layout, kernel, under, A201_AREA).shares(Contacts([[0.0, 0.0, 0.0]], [1.0], radius))
+    shares = np.zeros(len(layout))
+    shares[found.taxel] = found.value / under
+    return replace(model, shares=tuple(shares.tolist()))

@@ -1,0 +1,53 @@
+"""What the skin node says on /diagnostics."""
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from skin_models.ros.ticking import TickReport
+
+_RATE_TOLERANCE = 0.02  # of the wanted rate
+
+
+class SkinDiagnostics:
+    """Counts between reports, and publishes them."""
+
+    def __init__(self, node: Node) -> None:
+        self._node, self._publisher = node, node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._outside = self._stale = 0
+
+    def sample(self, outside: int, stale: bool) -> None:
+        """Note one sample: contacts that no taxel is near, and whether contacts were stale."""
+        self._outside, self._stale = max(self._outside, outside), self._stale + stale
+
+    def contacts(self, about: str, ticks: TickReport, wanted: float, unusable: int) -> None:
+        """Report on a skin that contacts press on."""
+        complaints = [
+            text
+            for bad, text in (
+                (ticks.rate < wanted * (1.0 - _RATE_TOLERANCE) or ticks.skipped, f"{ticks.rate:.1f} of {wanted:g} Hz"),
+                (self._outside, f"{self._outside} contacts touch beside the skin"),
+                (self._stale, "contacts fell silent"),
+                (unusable, f"{unusable} contacts had neither a usable force nor a depth"),
+            )
+            if bad
+        ]
+        values = {"achieved_rate_hz": f"{ticks.rate:.2f}", "skipped": ticks.skipped, "late_p99_us": f"{1e6 * ticks.late_p99:.0f}"}
+        self._publish(about, complaints, {**values, "unusable_contacts": unusable, "stale_samples": self._stale})
+        self._outside = self._stale = 0
+
+    def encoder(self, about: str, refused: int, restarts: int) -> None:
+        """Report on a skin that an encoder drives."""
+        complaints = [f"{refused} encoder samples had no depth or no newer stamp"] if refused else []
+        self._publish(about, complaints, {"refused_samples": refused, "restarts": restarts})
+
+    def _publish(self, about: str, complaints: list[str], values: dict) -> None:
+        status = DiagnosticStatus(
+            name=f"{self._node.get_name()}: skin",
+            level=DiagnosticStatus.WARN if complaints else DiagnosticStatus.OK,
+            message="; ".join(complaints) or about,
+            hardware_id="simulated_skin",
+            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+        )
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)

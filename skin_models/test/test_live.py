@@ -1,0 +1,78 @@
+import numpy as np
+import pytest
+
+from skin_models.effects.stress_relaxation import StressRelaxation
+from skin_models.layout import A201_AREA, LayoutError, grid, row
+from skin_models.layout_file import load_layout
+from skin_models.live import LiveModel, under_plunger
+from skin_models.materials import material
+from skin_models.signals import motion
+from skin_models.spread.kernels import Gaussian
+
+MODEL = material("silicone_4mm").model.extended(StressRelaxation.typical("skin"))
+T = np.arange(200) * 0.01
+X = 0.4e-3 * (1 - np.cos(4 * T))
+
+
+def test_live_is_the_simulation_of_the_recording():
+    live = LiveModel(MODEL)
+    got = [live.step(1e9 + t, x) for t, x in zip(T, X, strict=True)]
+    v = np.diff(X, prepend=X[0]) / 0.01
+    expected = MODEL.simulate(motion(T, X, v, np.diff(v, prepend=0.0) / 0.01))
+    assert [r.force for r in got] == pytest.approx(expected.force, abs=1e-3)  # stamps of 1e9 s resolve 0.1 us
+
+
+def test_stamps_that_do_not_advance_and_lost_depths_are_refused():
+    live = LiveModel(MODEL)
+    assert live.step(1.0, 1e-4) is not None
+    assert live.step(1.0, 1e-4) is None and live.step(0.5, 1e-4) is None and live.step(1.1, float("nan")) is None
+    assert live.refused == 3 and live.step(1.2, 1e-4) is not None
+
+
+def test_a_long_silence_starts_from_rest():
+    live, fresh = LiveModel(MODEL), LiveModel(MODEL)
+    for t, x in zip(T, X, strict=True):
+        live.step(t, x)
+    assert live.step(100.0, 3e-4).force == fresh.step(100.0, 3e-4).force and live.restarts == 1
+
+
+def test_shares_of_a_layout_come_from_the_spread_unless_they_were_measured():
+    spread = under_plunger(MODEL, grid(3, 1, 7e-3, A201_AREA), Gaussian(width=5.25e-3))
+    beside = np.exp(-((7 / 5.25) ** 2))
+    assert spread.shares == pytest.approx([beside, 1.0, beside])
+    assert under_plunger(MODEL, row(1, 1.0), Gaussian(width=5.25e-3)) is MODEL
+
+
+def test_a_layout_file_gives_positions_normals_and_areas(tmp_path):
+    path = tmp_path / "taxels.csv"
+    path.write_text(
+        "# a finger tip\nname, x_mm, y_mm, z_mm, nx, ny, nz, area_mm2\nleft, -2, 0, 1, -1, 0, 1, 4\nright, 2, 0, 1, 1, 0, 1, 4\n"
+    )
+    layout = load_layout(path)
+    assert layout.names == ("left", "right") and layout.positions[1] == pytest.approx([2e-3, 0, 1e-3])
+    assert layout.normals[0] == pytest.approx([-(0.5**0.5), 0, 0.5**0.5]) and layout.area == pytest.approx([4e-6, 4e-6])
+    path.write_text("x_m,y_m\n0,0\n0.004,0\n")
+    assert load_layout(path).names == ("taxel_0", "taxel_1")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "header and one or more"),
+        ("x_mm,y_mm\n", "header and one or more"),
+        ("x,y\n1,2\n", "positions need a unit"),
+        ("x_mm,y_mm\n1,two\n", "no number"),
+        ("x_mm,y_mm\n1\n", "ends before"),
+        ("x_mm,y_mm\n1,nan\n", "not finite"),
+        ("x_mm,y_mm\n1,2\n1,2\n", "same place"),
+        ("x_mm,y_mm,nx\n1,2,0\n", "no column ny"),
+    ],
+)
+def test_bad_layout_files_are_refused_with_the_file_named(tmp_path, text, says):
+    path = tmp_path / "taxels.csv"
+    path.write_text(text)
+    with pytest.raises(LayoutError, match=says) as error:
+        load_layout(path)
+    assert "taxels.csv" in str(error.value)
+    with pytest.raises(LayoutError, match="cannot read"):
+        load_layout(tmp_path / "missing.csv")

@@ -1,0 +1,229 @@
+"""The installed skin node over real DDS: contacts in, taxels out."""
+
+import math
+import os
+import time
+
+import numpy as np
+import pytest
+
+rclpy = pytest.importorskip("rclpy")
+pytest.importorskip("skin_testbed_msgs")
+
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
+from geometry_msgs.msg import Point, WrenchStamped  # noqa: E402
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue  # noqa: E402
+from rcl_interfaces.srv import SetParameters  # noqa: E402
+from rclpy.executors import SingleThreadedExecutor  # noqa: E402
+from sensor_msgs.msg import Image, JointState, PointCloud2  # noqa: E402
+from std_srvs.srv import Trigger  # noqa: E402
+from visualization_msgs.msg import MarkerArray  # noqa: E402
+
+from skin_models.effects.stress_relaxation import StressRelaxation  # noqa: E402
+from skin_models.materials import material  # noqa: E402
+from skin_models.model_file import save_model  # noqa: E402
+from skin_models.ros.processes import Domain, Processes, wait_until  # noqa: E402
+from skin_models.ros.qos import LATCHED  # noqa: E402
+from skin_models.signals import motion  # noqa: E402
+from skin_testbed_msgs.msg import Contact, ContactArray, TaxelArray, TaxelLayout  # noqa: E402
+
+SILICONE = material("silicone_4mm").model
+WAIT = 30.0
+
+
+class Graph:
+    """The test's own node in the domain of the process under test; callbacks run while something is waited for."""
+
+    def __init__(self, domain):
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=domain.id)
+        self.node = rclpy.create_node("test", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+
+    def hear(self, kind, topic, qos=200):
+        heard = []
+        self.node.create_subscription(kind, topic, heard.append, qos)
+        return heard
+
+    def spin(self, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def until(self, condition, what):
+        def check():
+            self.executor.spin_once(timeout_sec=0.02)
+            return condition()
+
+        return wait_until(check, WAIT, what, period=0.0)
+
+    def call(self, kind, name, request):
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready, name)
+        future = client.call_async(request)
+        self.until(future.done, f"an answer of {name}")
+        return future.result()
+
+    def publisher(self, kind, topic):
+        publisher = self.node.create_publisher(kind, topic, 200)
+        self.until(publisher.get_subscription_count, f"a subscriber of {topic}")
+        return publisher
+
+    def close(self):
+        self.node.destroy_node()
+        rclpy.shutdown(context=self.context)
+
+
+@pytest.fixture
+def graph(monkeypatch):
+    with Domain() as domain:
+        for name, value in domain.environment().items():
+            monkeypatch.setenv(name, value)
+        graph = Graph(domain)
+        with Processes({**os.environ, **domain.environment()}) as graph.processes:
+            yield graph
+        graph.close()
+
+
+def start(graph, **parameters):
+    node = graph.processes.start("skin_models", "skin_node", parameters=parameters)
+    node.wait_for_output("ready", WAIT)
+    return node
+
+
+def press(publisher, force, x=0.0, y=0.0, depth=math.nan):
+    publisher.publish(ContactArray(contacts=[Contact(name="finger", position=Point(x=x, y=y), force=force, depth=depth)]))
+
+
+def test_a_contact_is_felt_and_silence_decays(graph):
+    layouts, taxels = graph.hear(TaxelLayout, "taxel_layout", LATCHED), graph.hear(TaxelArray, "taxels")
+    truth = graph.hear(TaxelArray, "taxels_truth")
+    start(graph, layout="grid", columns=5, rows=5, pitch=0.014, taxel_area=71.33e-6, rate=200.0, contact_timeout=0.3)
+    graph.until(lambda: layouts, "the layout")
+    assert len(layouts[0].positions) == 25 and layouts[0].header.frame_id == "skin" and layouts[0].names[24] == "taxel_24"
+    contacts = graph.publisher(ContactArray, "contacts")
+    graph.until(lambda: taxels, "taxels")
+    assert np.all(np.array(taxels[-1].force) == 0.0)
+
+    for _ in range(60):
+        press(contacts, 10.0, x=0.014)
+        graph.spin(0.02)
+    pressed = np.array(taxels[-1].force)
+    assert pressed[13] == pytest.approx(10.0 * SILICONE.dispersion.sensed_share, rel=0.01) and np.argmax(pressed) == 13
+    assert list(taxels[-1].status) == [TaxelArray.OK] * 25 and truth[-1].force[13] == pytest.approx(pressed[13], rel=0.01)
+
+    graph.until(lambda: set(taxels[-1].status) == {TaxelArray.STALE}, "the stale mark")
+    graph.until(lambda: max(taxels[-1].force) < 0.02 and set(taxels[-1].status) == {TaxelArray.OK}, "the decay")
+    stamps = [t.header.stamp.sec + 1e-9 * t.header.stamp.nanosec for t in taxels]
+    assert np.all(np.diff(stamps) > 0)
+
+
+def test_an_empty_array_lets_go_and_a_wrench_presses_at_its_centre_of_pressure(graph):
+    taxels = graph.hear(TaxelArray, "taxels")
+    start(graph, layout="row", columns=3, pitch=0.014)
+    wrench, contacts = graph.publisher(WrenchStamped, "wrench"), graph.publisher(ContactArray, "contacts")
+    message = WrenchStamped()
+    message.wrench.force.z, message.wrench.torque.y = -5.0, 5.0 * 0.014  # at x = 14 mm: the torque about y is -x F_z
+    for _ in range(60):
+        wrench.publish(message)
+        graph.spin(0.02)
+    assert np.argmax(taxels[-1].force) == 2 and taxels[-1].force[2] == pytest.approx(5.0 * SILICONE.dispersion.sensed_share, rel=0.01)
+    wrench.publish(WrenchStamped())
+    contacts.publish(ContactArray())
+    graph.until(lambda: max(taxels[-1].force) < 0.01, "release")
+
+
+def test_an_encoder_drives_the_model_at_its_own_stamps(graph, tmp_path):
+    """The simulated skin beside a measurement: the node gives what the model gives for the recording, sample by sample."""
+    model = SILICONE.extended(StressRelaxation.typical("skin"))
+    save_model(model, tmp_path / "model.yaml")
+    forces, taxels = graph.hear(WrenchStamped, "force"), graph.hear(TaxelArray, "taxels")
+    start(graph, drive="encoder", model=str(tmp_path / "model.yaml"))
+    encoder = graph.publisher(JointState, "encoder")
+    t = np.arange(150) * 0.01
+    x = 0.4e-3 * (1 - np.cos(2 * np.pi * t))
+    v = np.gradient(x, 0.01)
+    for i in range(t.size):
+        message = JointState(name=["indentation"], position=[x[i]], velocity=[v[i]])
+        message.header.stamp.sec, message.header.stamp.nanosec = 1000 + int(t[i]), round((t[i] % 1.0) * 1e9)
+        encoder.publish(message)
+        graph.spin(0.003)
+    graph.until(lambda: len(taxels) >= t.size, "all taxels")
+    expected = model.simulate(motion(t, x, v, np.diff(v, prepend=v[0]) / 0.01))
+    assert [-f.wrench.force.z for f in forces] == pytest.approx(expected.force, abs=1e-6)
+    assert [m.force[0] for m in taxels] == pytest.approx(expected.taxels[0], abs=1e-6)
+    assert [m.header.stamp for m in taxels] == [f.header.stamp for f in forces] and forces[7].header.stamp.nanosec == 70_000_000
+
+
+def test_another_model_is_loaded_without_restart(graph, tmp_path):
+    path = tmp_path / "model.yaml"
+    save_model(SILICONE, path)
+    taxels, layouts = graph.hear(TaxelArray, "taxels"), graph.hear(TaxelLayout, "taxel_layout", LATCHED)
+    start(graph, model=str(path))
+    contacts = graph.publisher(ContactArray, "contacts")
+
+    def settled():
+        for _ in range(80):
+            press(contacts, 10.0)
+            graph.spin(0.01)
+        return list(taxels[-1].force)
+
+    assert settled() == pytest.approx([10 * 9619 / (9619 + 2766)], rel=0.01)
+    save_model(material("silicone_6mm").model, path)
+    answer = graph.call(Trigger, "skin_node/load_model", Trigger.Request())
+    assert answer.success and "silicone 6 mm" in answer.message
+    assert settled() == pytest.approx([10 * 4338 / (4338 + 5600)], rel=0.01)
+
+    path.write_text("schema: 1\n")
+    answer = graph.call(Trigger, "skin_node/load_model", Trigger.Request())
+    assert not answer.success and "kept the model" in answer.message
+    value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value="no_such_material")
+    answer = graph.call(SetParameters, "skin_node/set_parameters", SetParameters.Request(parameters=[Parameter(name="model", value=value)]))
+    assert not answer.results[0].successful and "no_such_material" in answer.results[0].reason
+    value.string_value = "silicone_2mm"
+    answer = graph.call(SetParameters, "skin_node/set_parameters", SetParameters.Request(parameters=[Parameter(name="model", value=value)]))
+    assert answer.results[0].successful
+    assert settled() == pytest.approx([10 * 25042 / (25042 + 1603)], rel=0.01) and len(layouts) >= 3
+
+
+def test_it_can_be_looked_at_and_says_how_it_fares(graph):
+    views = {kind: graph.hear(kind, topic) for kind, topic in ((MarkerArray, "markers"), (Image, "heat_map"), (PointCloud2, "points"))}
+    diagnostics = graph.hear(DiagnosticArray, "/diagnostics")
+    start(graph, layout="hexagonal", columns=6, rows=5, pitch=0.006)
+    contacts = graph.publisher(ContactArray, "contacts")
+    for _ in range(120):
+        press(contacts, 8.0)
+        graph.spin(0.01)
+    assert all(views.values())
+    marker, image, cloud = views[MarkerArray][-1].markers[0], views[Image][-1], views[PointCloud2][-1]
+    assert len(marker.points) == len(marker.colors) == 30
+    assert image.encoding == "rgb8" and len(image.data) == image.height * image.step
+    force = np.frombuffer(bytes(cloud.data), "<f4").reshape(-1, 4)[:, 3]
+    assert force.size == 30 and force.max() > 1.0
+    contacts.publish(
+        ContactArray(contacts=[Contact(force=math.nan, depth=math.nan), Contact(position=Point(x=5.0), force=1.0, depth=math.nan)])
+    )
+    graph.until(lambda: any("neither" in s.message and "beside" in s.message for d in diagnostics for s in d.status), "the complaint")
+    assert {v.key for v in diagnostics[-1].status[0].values} >= {"achieved_rate_hz", "skipped"}
+
+
+@pytest.mark.parametrize(
+    ("parameters", "says"),
+    [
+        ({"model": "/nowhere/model.yaml"}, "cannot read the model"),
+        ({"layout": "file"}, "needs layout_file"),
+        ({"rate": 0.0}, "rate must lie between"),
+        ({"layout": "spiral"}, "must be one of"),
+        ({"spread_kernel": "heavy_tail", "spread_power": 1.0}, "above 1"),
+    ],
+)
+def test_bad_parameters_end_with_one_sentence(graph, parameters, says):
+    node = graph.processes.start("skin_models", "skin_node", parameters=parameters)
+    assert node.wait(WAIT) == 2
+    lines = node.output().strip().splitlines()
+    assert len(lines) == 1 and says in lines[0], node.output()
+
+
+def test_it_ends_cleanly(graph):
+    assert start(graph).end() == 0
