@@ -37,8 +37,8 @@ def test_a_long_silence_starts_from_rest():
 
 
 def test_shares_of_a_layout_come_from_the_spread_unless_they_were_measured():
-    spread = under_plunger(MODEL, grid(3, 1, 7e-3, A201_AREA), Gaussian(width=5.25e-3))
-    beside = np.exp(-((7 / 5.25) ** 2))
+    spread = under_plunger(MODEL, grid(3, 1, 10e-3, A201_AREA), Gaussian(width=5.25e-3))
+    beside = np.exp(-((10 / 5.25) ** 2))
     assert spread.shares == pytest.approx([beside, 1.0, beside])
     assert under_plunger(MODEL, row(1, 1.0), Gaussian(width=5.25e-3)) is MODEL
 
