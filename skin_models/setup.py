@@ -25,5 +25,6 @@ setup(
     zip_safe=False,
     entry_points={'console_scripts': [
         'skin_node = skin_models.ros.skin_node:main',
+        'effects_gallery = skin_models.gallery.__main__:main',
     ]},
 )

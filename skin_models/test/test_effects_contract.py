@@ -21,8 +21,7 @@ CAUSES = """nonlinear_stiffness stress_relaxation rate_dependence hysteresis cyc
 RANDOM = {"Noise", "Outliers", "RandomWalk", "TimeJitter"}  # no limit as the step shrinks: see test_random_effects.py
 UNPROPOSED = {"Nonlinearity", "TimeJitter"}
 IN_JUMPS = {  # parameters that move the output in jumps: no derivative to speak of
-    ("SensorQuantization", "step_force"), ("DepthQuantization", "step_depth"), ("GatedTaxel", "threshold"), ("GainStep", "after"),
-    ("Outliers", "rate"),
+    ("SensorQuantization", "step_force"), ("GatedTaxel", "threshold"), ("GainStep", "after"), ("Outliers", "rate"),
 }  # fmt: skip
 
 CASES = [(c, w) for c in effects() for word in c.places for w in ((word, "taxel_1") if word == "taxel" else (word,))]

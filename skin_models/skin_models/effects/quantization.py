@@ -1,8 +1,11 @@
 """Quantization: steps coarser than declared.
 
-    y' = q round(y / q)        q = 0 is the identity; halves go to the even step
+    taxel, load cell    y' = q round(y / q)                            halves go to the even step
+    rig                 tip depth = x - q / (2 pi) sin(2 pi x / q)     a stepping drive
 
-On a sensor the step is a force, on the rig a depth (a stepping drive: the tip itself moves in steps).
+q = 0 is the identity. The drive's staircase is cut to its first harmonic: the tip rests on multiples of q and moves at up to twice the
+speed between them. A staircase with corners would have no speed, hence no damping force, and grow without bound as the sample period
+shrinks. (An encoder that merely reads in steps is no part of the chain, which starts from what it reads.)
 
 Source: B. Widrow and I. Kollár, Quantization Noise, Cambridge 2008; thesis 3.3.1 (NI 9201: 12 bit over ±10 V).
 """
@@ -16,10 +19,6 @@ from skin_models.effect import Memoryless, Place
 from skin_models.parameter import quantity
 
 
-def _rounded(y, step):
-    return np.round(y / step) * step if step > 0.0 else y
-
-
 @dataclass(frozen=True)
 class SensorQuantization(Memoryless):
     """Readings in steps of force."""
@@ -31,12 +30,14 @@ class SensorQuantization(Memoryless):
     step_force: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="step q")
 
     def apply(self, y, s):
-        return self.put_back(y, _rounded(self.mine(y), self.step_force))
+        if self.step_force == 0.0:
+            return y
+        return self.put_back(y, np.round(self.mine(y) / self.step_force) * self.step_force)
 
 
 @dataclass(frozen=True)
 class DepthQuantization(Memoryless):
-    """Depth in steps."""
+    """Depth in soft steps."""
 
     cause: ClassVar[str] = "quantization"
     places: ClassVar = {"rig": Place.DEPTH}
@@ -45,4 +46,7 @@ class DepthQuantization(Memoryless):
     step_depth: float = quantity("m", 0.0, lower=0.0, upper=1e-2, typical=50e-6, doc="step q")
 
     def apply(self, y, s):
-        return _rounded(y, self.step_depth)
+        if self.step_depth == 0.0:
+            return y
+        turn = self.step_depth / (2.0 * np.pi)
+        return y - turn * np.sin(y / turn)

@@ -1,0 +1,1 @@
+"""A page with a picture of every effect: the same press with it and without it. `effects_gallery OUT.html` writes it."""

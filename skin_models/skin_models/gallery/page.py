@@ -1,0 +1,60 @@
+"""The gallery's page: one HTML file that needs nothing else."""
+
+import base64
+import html
+import inspect
+from itertools import groupby
+
+from skin_models.gallery.drawing import overview, png, title
+from skin_models.gallery.scene import Picture
+from skin_models.parameter import parameters_of
+
+STYLE = """
+:root { color-scheme: light }
+body { font: 15px/1.5 system-ui, sans-serif; color: #111827; max-width: 1180px; margin: 2rem auto; padding: 0 1.2rem }
+h1 { margin-bottom: .2rem } h2 { margin: 3rem 0 .4rem; border-top: 1px solid #e5e7eb; padding-top: 1.2rem }
+h3 { margin: 1.6rem 0 .2rem; font-size: 1rem }
+p.lead, .source { color: #4b5563 } .source { font-size: .85rem }
+img { width: 100%; height: auto }
+pre { background: #f6f7f9; padding: .8rem 1rem; overflow-x: auto; font-size: .82rem; white-space: pre-wrap }
+table { border-collapse: collapse; font-size: .85rem } td, th { padding: .15rem .9rem .15rem 0; text-align: left; font-weight: normal }
+th { color: #6b7280 } nav { columns: 4; font-size: .88rem } nav a { display: block; color: #1f5fa8; text-decoration: none }
+"""
+
+
+def page(shown: list[Picture]) -> str:
+    """The whole page."""
+    causes = [(cause, list(group)) for cause, group in groupby(sorted(shown, key=lambda p: p.effect.cause), lambda p: p.effect.cause)]
+    links = "".join(f'<a href="#{cause}">{cause}</a>' for cause, _ in causes)
+    sections = "".join(_section(cause, group) for cause, group in causes)
+    return (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+        f"<title>Effects</title><style>{STYLE}</style><h1>What every effect does</h1>"
+        f'<p class="lead">One press of a 4 mm silicone skin, simulated with an effect of ordinary size (red) and without it (grey). '
+        f"{len(shown)} effects of {len(causes)} causes; the noise is that of a fair sensor, and the same in both.</p>"
+        f"<nav>{links}</nav><h2>All at a glance</h2>{_image(overview(shown), 'every effect')}{sections}</html>"
+    )
+
+
+def _section(cause: str, group: list[Picture]) -> str:
+    about, bodies = [], []
+    for p in group:
+        text = inspect.getmodule(type(p.effect)).__doc__ or ""
+        if text not in about:
+            about.append(text)
+        rows = "".join(_row(parameter) for parameter in parameters_of(p.effect))
+        bodies.append(
+            f"<h3>{html.escape(title(p))}</h3>{_image(png(p), title(p))}"
+            f"<table><tr><th>parameter</th><th>value shown</th><th>bounds</th><th>role</th><th></th></tr>{rows}</table>"
+        )
+    equations = "".join(f"<pre>{html.escape(text.strip())}</pre>" for text in about)
+    return f'<h2 id="{cause}">{cause}</h2>{equations}{"".join(bodies)}'
+
+
+def _row(p) -> str:
+    cells = (p.name, f"{p.value:g} {p.unit}", f"{p.lower:g} … {p.upper:g}", p.role, p.doc)
+    return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
+
+
+def _image(picture: bytes, name: str) -> str:
+    return f'<img alt="{html.escape(name)}" src="data:image/png;base64,{base64.b64encode(picture).decode()}">'

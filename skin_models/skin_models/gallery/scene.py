@@ -1,0 +1,79 @@
+"""The press that every picture shows, and what the sensors say of it with and without an effect."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from skin_models.catalogue import effects
+from skin_models.effect import Effect
+from skin_models.effects.noise import Noise
+from skin_models.materials import material
+from skin_models.model import Model
+from skin_models.signals import Motion, motion
+
+RATE = 400.0  # Hz
+PATH_MM = (  # time s, depth mm: a slow press and hold, a minor loop, release, a quick jog in the air, cycles, a deeper press
+    (0.0, -0.4), (0.5, -0.4), (1.2, 0.8), (2.6, 0.8), (3.1, 0.45), (3.6, 1.0), (4.6, 1.0), (5.6, -0.4), (5.9, -0.4), (6.0, -3.4),
+    (6.1, -3.4), (6.2, -0.4), (6.5, -0.4), (7.0, 1.2), (7.6, 0.1), (8.2, 1.2), (8.8, 0.1), (9.7, 1.7), (10.4, 1.7), (11.6, -0.4),
+    (12.2, -0.4),
+)  # fmt: skip
+SHARES = (1.0, 0.45, 0.12)  # a row of three taxels, the first under the plunger
+CLOSE_UPS = {  # s: where a cause is best seen
+    "adhesion": (4.8, 5.8),
+    "dead_zone": (4.6, 5.6),
+    "friction": (2.4, 3.8),
+    "inertia": (5.7, 6.4),
+    "interference": (1.0, 2.8),
+    "lag": (6.5, 7.9),
+    "noise": (1.0, 2.8),
+    "quantization": (6.5, 7.9),
+    "time_shift": (6.5, 7.9),
+}
+LARGER = {"lag": {"tau": 0.12}, "time_shift": {"delay": 0.08, "skew": 0.0}, "quantization": {"step_force": 1.5}}  # to be seen at all
+NOISE = (Noise(where="load_cell", white=0.04), Noise(where="taxel", white=0.04))  # of a fair sensor, the same with and without
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One effect and what it does: time (s), depth (m) and one channel (N) without and with it."""
+
+    effect: Effect
+    channel: str
+    t: np.ndarray
+    depth: np.ndarray
+    without: np.ndarray
+    with_it: np.ndarray
+    close_up: tuple[float, float]  # s, what the trace shows
+
+
+def press() -> Motion:
+    """The motion of the plunger; corners are rounded over some 30 ms, as by a real drive."""
+    corners = np.array(PATH_MM)
+    t = np.arange(0.0, corners[-1, 0], 1.0 / RATE)
+    return motion(t, gaussian_filter1d(1e-3 * np.interp(t, *corners.T), 0.03 * RATE))
+
+
+def pictures() -> Iterator[Picture]:
+    """One picture per effect and form, in the order of the catalogue; an effect of several places is shown at the first."""
+    s, specimen = press(), replace(material("silicone_4mm").model, shares=SHARES)
+    for cls in effects():
+        e = _example(cls)
+        without, with_it = (_channel(replace(specimen, effects=(one, *NOISE)), e, s) for one in (e.absent(), e))
+        name = "taxel under the plunger" if _on_taxels(e) else "applied force"
+        yield Picture(e, name, s.t, s.x, without, with_it, CLOSE_UPS.get(e.cause, (s.t[0], s.t[-1])))
+
+
+def _channel(model: Model, e: Effect, s: Motion) -> np.ndarray:
+    response = model.simulate(s, seed=1)
+    return response.taxels[0] if _on_taxels(e) else response.force
+
+
+def _example(cls: type[Effect]) -> Effect:
+    e = cls.typical(next(iter(cls.places)))
+    return e.with_values(**{name: value for name, value in LARGER.get(e.cause, {}).items() if name in e.values})
+
+
+def _on_taxels(e: Effect) -> bool:
+    return e.place.value in ("taxel", "spread") or (e.cause, e.where) == ("dead_zone", "skin")
