@@ -1,30 +1,32 @@
 """Packaging of skin_motion_profiles; what it needs at run time is in package.xml and requirements.txt."""
+
 from pathlib import Path
 
 from setuptools import find_packages, setup
 
-NAME = 'skin_motion_profiles'
-SHARED = 'launch config rviz foxglove batteries urdf worlds'.split()
+NAME = "skin_motion_profiles"
+SHARED = ["launch", "config", "rviz", "foxglove", "batteries", "urdf", "worlds"]
 
 setup(
     name=NAME,
-    version='0.1.0',
-    description='Motion profiles and the server that executes them',
-    maintainer='Skin testbed maintainers',
-    maintainer_email='maintainers@example.org',
-    license='Apache-2.0',
-    python_requires='>=3.10',
-    packages=find_packages(include=[NAME, NAME + '.*']),
-    package_data={NAME: ['data/**']},  # read with importlib.resources
+    version="0.1.0",
+    description="Motion profiles and the server that executes them",
+    maintainer="Skin testbed maintainers",
+    maintainer_email="maintainers@example.org",
+    license="Apache-2.0",
+    python_requires=">=3.10",
+    packages=find_packages(include=[NAME, NAME + ".*"]),
+    package_data={NAME: ["data/**"]},  # read with importlib.resources
     data_files=[
-        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
-        (f'share/{NAME}', ['package.xml']),
-        *((f'share/{NAME}/{file.parent}', [str(file)])
-          for folder in SHARED for file in sorted(Path(folder).rglob('*')) if file.is_file()),
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        *((f"share/{NAME}/{file.parent}", [str(file)]) for folder in SHARED for file in sorted(Path(folder).rglob("*")) if file.is_file()),
     ],
     zip_safe=False,
-    entry_points={'console_scripts': [
-        'profile_server = skin_motion_profiles.ros.profile_server:main',
-        'execute = skin_motion_profiles.ros.execute:main',
-    ]},
+    entry_points={
+        "console_scripts": [
+            "profile_server = skin_motion_profiles.ros.profile_server:main",
+            "execute = skin_motion_profiles.ros.execute:main",
+        ]
+    },
 )

@@ -71,8 +71,9 @@ def test_core_never_asks_for_ros(package):
 @pytest.mark.parametrize("package", NEVER_IMPORTS)
 def test_package_keeps_to_its_room(package):
     forbidden = NEVER_IMPORTS[package]
-    assert not [(name, other) for name, file in modules(package).items() for other in imported(file)
-                if other.partition(".")[0] in forbidden]
+    assert not [
+        (name, other) for name, file in modules(package).items() for other in imported(file) if other.partition(".")[0] in forbidden
+    ]
 
 
 if __name__ == "__main__":
