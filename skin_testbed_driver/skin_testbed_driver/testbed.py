@@ -184,7 +184,6 @@ class Testbed:
     def _zero_found(self, depth: float) -> None:
         self._sensing.move_zero(depth)
         self._motion.shift(-depth)
-        self._motion.go_to(self.limits.retracted_depth, self.limits.max_speed, self._next)
         self._zeroed = True
 
     def _tare_found(self, offsets: Offsets) -> None:

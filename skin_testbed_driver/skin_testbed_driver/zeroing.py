@@ -5,6 +5,7 @@ approached twice: fast with a tenth of the samples, then, after backing off, slo
 approach gives the value from which the rise counts, so an offset of the load cell does not matter.
 """
 
+import math
 from collections import deque
 from collections.abc import Generator
 from dataclasses import dataclass
@@ -33,7 +34,8 @@ class RollingMean:
 
 @dataclass(frozen=True)
 class ZeroSettings:
-    """Threshold (V), length of the rolling mean (samples), speeds of both approaches (m/s), how far to back off and to search (m)."""
+    """Threshold (V), length of the rolling mean (samples), speeds of both approaches (m/s), how far to back off, to search
+    and to retract at the end (m)."""
 
     threshold: float = 0.01
     samples: int = 100
@@ -41,6 +43,7 @@ class ZeroSettings:
     slow: float = 2e-5
     back_off: float = 1.5e-4
     travel: float = 0.01
+    retracted_depth: float = -0.002
 
 
 @dataclass(frozen=True)
@@ -72,10 +75,11 @@ class Zeroing:
         s = self._settings
         found = yield from self._approach(s.fast, max(s.samples // 10, 1), 2.0 * s.threshold)
         if found is not None:
-            yield from self._back_off(found)
+            yield from self._leave(found - s.back_off, s.fast)
             found = yield from self._approach(s.slow, s.samples, s.threshold)
         if found is None:
             return Outcome(f"no contact within {1e3 * s.travel:g} mm: is there anything below the plunger?")
+        yield from self._leave(found + s.retracted_depth, math.inf)
         return Outcome(f"surface found: the mean of {s.samples} samples rose by {s.threshold:g} V", found)
 
     def _approach(self, speed: float, samples: int, threshold: float) -> _Stages:
@@ -92,8 +96,8 @@ class Zeroing:
                 return depth
         return None
 
-    def _back_off(self, found: float) -> _Stages:
+    def _leave(self, depth: float, speed: float) -> _Stages:
         motion, _, _, t = yield
-        motion.go_to(found - self._settings.back_off, self._settings.fast, t)
+        motion.go_to(depth, speed, t)
         while not motion.at_rest(t):
             motion, _, _, t = yield

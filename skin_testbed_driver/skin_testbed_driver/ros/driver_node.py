@@ -7,24 +7,24 @@
 
 import time
 import traceback
+from collections.abc import Callable
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.task import Future
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from skin_models.errors import SkinError
 from skin_models.ros.node import end, run
 from skin_models.ros.parameters import Parameters
+from skin_testbed_driver.ros.answering import create_answering_service
 from skin_testbed_driver.ros.commands import trajectory_of
 from skin_testbed_driver.ros.diagnosing import diagnostics
 from skin_testbed_driver.ros.driver_settings import DriverSettings
-from skin_testbed_driver.ros.publishing import LATCHED, Publishing, overridable, state_message
+from skin_testbed_driver.ros.publishing import LATCHED, Publishing, floats, overridable, state_message
 from skin_testbed_driver.ros.sampling import SamplingThread
 from skin_testbed_driver.statistics import LoopStatistics
 from skin_testbed_driver.testbed import Status, Testbed
@@ -114,8 +114,8 @@ class DriverNode(LifecycleNode):
         self._sample = None
         self._endpoints = [
             self.create_subscription(JointTrajectory, "command", self._on_command, COMMANDS, qos_overriding_options=overridable()),
-            self.create_service(Zero, "~/zero", self._on_zero),
-            self.create_service(Tare, "~/tare", self._on_tare),
+            create_answering_service(self, Zero, "~/zero", self._on_zero),
+            create_answering_service(self, Tare, "~/tare", self._on_tare),
             self.create_service(Trigger, "~/reset_tare", self._on_reset_tare),
             self.create_service(Trigger, "~/stop", self._on_stop),
             self.create_service(Trigger, "~/reset", self._on_reset),
@@ -191,31 +191,31 @@ class DriverNode(LifecycleNode):
         except SkinError as error:
             self.get_logger().warning(str(error), throttle_duration_sec=1.0)
 
-    async def _on_zero(self, request: Zero.Request, response: Zero.Response) -> Zero.Response:
+    def _on_zero(self, request: Zero.Request, answer: Callable[[Zero.Response], None]) -> None:
+        def done(outcome: Outcome) -> None:
+            found = outcome.value is not None
+            answer(Zero.Response(success=found, message=outcome.message, shift=outcome.value if found else 0.0))
+
         zero = self._settings.now.zeroing(request.threshold, request.samples)
-        outcome = await self._job(lambda done: self._testbed.zero(zero, done))
-        response.success, response.message = outcome.value is not None, outcome.message
-        response.shift = outcome.value if outcome.value is not None else 0.0
-        return response
+        self._begin(lambda: self._testbed.zero(zero, done), done)
 
-    async def _on_tare(self, request: Tare.Request, response: Tare.Response) -> Tare.Response:
+    def _on_tare(self, request: Tare.Request, answer: Callable[[Tare.Response], None]) -> None:
+        def done(outcome: Outcome) -> None:
+            response = Tare.Response(success=outcome.value is not None, message=outcome.message)
+            if outcome.value is not None:
+                response.force_offset, response.taxel_offset = outcome.value.force, floats(outcome.value.taxels)
+            answer(response)
+
         duration = request.duration or self._settings.now.tare_duration
-        outcome = await self._job(lambda done: self._testbed.tare(duration, done))
-        response.success, response.message = outcome.value is not None, outcome.message
-        if outcome.value is not None:
-            response.force_offset = outcome.value.force
-            response.taxel_offset = np.asarray(outcome.value.taxels).tolist()
-        return response
+        self._begin(lambda: self._testbed.tare(duration, done), done)
 
-    async def _job(self, begin) -> Outcome:
-        future = Future(executor=self.executor)
+    def _begin(self, begin: Callable[[], None], done: Callable[[Outcome], None]) -> None:
         if self._thread is None:
-            return Outcome("the driver is not active: activate it first")
+            return done(Outcome("the driver is not active: activate it first"))
         try:
-            begin(future.set_result)
+            begin()
         except SkinError as error:
-            return Outcome(str(error))
-        return await future
+            done(Outcome(str(error)))
 
     def _on_reset_tare(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._testbed.reset_tare()

@@ -78,8 +78,9 @@ class DriverSettings:
     def zeroing(self, threshold: float = 0.0, samples: int = 0) -> ZeroSettings:
         """How to find the surface; 0 takes the parameter."""
         return ZeroSettings(
-            threshold or self.zero_threshold, samples or self.zero_samples, self.zero_fast, self.zero_slow, travel=self.zero_travel
-        )
+            threshold=threshold or self.zero_threshold, samples=samples or self.zero_samples, fast=self.zero_fast, slow=self.zero_slow,
+            travel=self.zero_travel, retracted_depth=self.retracted_depth,
+        )  # fmt: skip
 
     def make_rig(self) -> tuple[Rig, Calibration]:
         """The rig, closed, and the calibration that the driver believes in. Raises `SkinError` for files that cannot be used."""

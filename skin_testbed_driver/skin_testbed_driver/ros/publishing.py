@@ -78,7 +78,7 @@ class Publishing:
         self._force.publish(message)
         message = self._taxels_message
         message.header.stamp = stamp
-        message.force, message.voltage = _floats(s.taxel_force), _floats(s.taxel_voltage)
+        message.force, message.voltage = floats(s.taxel_force), floats(s.taxel_voltage)
         message.status = array("B", s.taxel_status.tobytes())
         self._taxels.publish(message)
         if self._truth is not None:
@@ -88,13 +88,13 @@ class Publishing:
         message = self._truth_message
         message.header.stamp = stamp
         truth = s.taxels_truth if s.taxels_truth is not None else np.full(s.taxel_force.size, math.nan)
-        message.force, message.status = _floats(truth), array("B", bytes(truth.size))
+        message.force, message.status = floats(truth), array("B", bytes(truth.size))
         self._truth.publish(message)
 
     def layout(self, stamp: Time) -> None:
         """Publish where the taxels are."""
         place = self._place
-        message = TaxelLayout(names=list(place.names), area=_floats(place.area))
+        message = TaxelLayout(names=list(place.names), area=floats(place.area))
         message.header.stamp, message.header.frame_id = stamp, self._frame
         message.positions = [Point(x=x, y=y, z=z) for x, y, z in place.positions.tolist()]
         message.normals = [Vector3(x=x, y=y, z=z) for x, y, z in place.normals.tolist()]
@@ -121,5 +121,6 @@ def state_message(status: Status | None, limits: Limits, sample_rate: float, sta
     return message
 
 
-def _floats(values: np.ndarray) -> array:
+def floats(values: np.ndarray) -> array:
+    """An array of numbers as rclpy takes it at once, without a look at every element."""
     return array("d", np.ascontiguousarray(values, float).tobytes())
