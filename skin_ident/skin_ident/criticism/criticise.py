@@ -53,6 +53,7 @@ class Criticism:
     named: tuple[Named, ...]
     last: Survey
     refused: tuple[Named, ...]
+    rounds: tuple[tuple[Survey, str | None], ...] = ()
 
 
 def criticise(train: list[Session], held: list[Session], given: Model | None = None, progress: Progress = lambda stage: None) -> Criticism:
@@ -63,7 +64,7 @@ def criticise(train: list[Session], held: list[Session], given: Model | None = N
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
     first = survey(start, train, which)
     baseline = fit(first.model, train, first.noise)
-    present, named, refused = baseline, [], []
+    present, named, refused, rounds = baseline, [], [], []
     while True:
         progress("surveying every cause")
         last = survey(present.model, train, which)
@@ -72,13 +73,16 @@ def criticise(train: list[Session], held: list[Session], given: Model | None = N
             break
         trials = _trials(present, last, train, which, progress)
         accepted = _first_believed(present, trials, last.noise, train, held, refused)
+        rounds.append((last, accepted and accepted[1].cause))
         if accepted is None:
             break
         present, finding = accepted
         named.append(finding)
         progress(f"named {finding.cause} in the {finding.where}")
-    present, named = _eliminated(present, named, train, held, last.noise)
-    return Criticism(baseline, present, tuple(named), last, tuple(refused))
+    kept, named = _eliminated(present, named, train, held, last.noise)
+    if kept is not present:
+        last = survey(kept.model, train, which)
+    return Criticism(baseline, kept, tuple(named), last, tuple(refused), tuple(rounds))
 
 
 @dataclass(frozen=True)

@@ -52,9 +52,11 @@ def tangents(model: Model, sessions: list[Session], which: tuple[Unknown, ...]) 
     return [of(s) for s in sessions]
 
 
-def fit(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
-    """Fit all unknowns of `model`, starting from its present values."""
-    which = unknowns(model)
+def fit(
+    model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS, which: tuple[Unknown, ...] | None = None
+) -> Fit:
+    """Fit the unknowns `which` of `model` (all of them by default), starting from their present values."""
+    which = unknowns(model) if which is None else which
     r = whitened(model, sessions, noise)
     cost, damping = float(r @ r), 1e-3
     for _ in range(iterations):

@@ -17,6 +17,7 @@ from skin_models.model import Model
 
 BLOCK_S = 2.0
 RESAMPLES = 1000
+CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
 FOLD_ITERATIONS = 3
 
 
@@ -24,10 +25,12 @@ FOLD_ITERATIONS = 3
 class Gain:
     """Held-out error before and after, N, in `channel`, the one that gained most; `ci95` bounds the fall of the RMSE there.
 
-    `relative` and `lower` are the fall of the whitened mean square over all channels and its lower 99 % bound: the gate itself.
+    `carried` are the channels whose error fell; `relative` and `lower` are the fall of the whitened mean square over all channels and its
+    lower 99 % bound: the gate itself.
     """
 
     channel: str
+    carried: tuple[str, ...]
     before: float
     after: float
     ci95: tuple[float, float]
@@ -58,26 +61,49 @@ def _refitted(before: Model, after: Model, sessions: list[Session], noise: White
     return tuple(fit(m, sessions, noise, FOLD_ITERATIONS).model for m in (before, after))
 
 
+def bootstrap_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[float, float]:
+    """Relative fall of the mean square of whitened residuals [(C, n), …], and its lower 99 % bound by resampling blocks."""
+    sums = [np.concatenate([_by_block((e**2).sum(axis=0), _block(s)) for e, s in zip(es, sessions, strict=True)]) for es in (before, after)]
+    draws = _draws(sums[0].size)
+    falls = 1.0 - sums[1][draws].sum(axis=1) / np.maximum(sums[0][draws].sum(axis=1), 1e-300)
+    return float(1.0 - sums[1].sum() / max(sums[0].sum(), 1e-300)), float(np.percentile(falls, 1.0))
+
+
+def rmse_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[np.ndarray, np.ndarray]:
+    """RMSE (2, C) before and after, N, and draws of both (2, C, RESAMPLES), from plain residuals [(C, n), …]."""
+
+    def sums(es: list[np.ndarray]) -> np.ndarray:
+        return np.concatenate([_by_block(e**2 * s.weight, _block(s)) for e, s in zip(es, sessions, strict=True)], axis=-1)
+
+    squares = np.array([sums(before), sums(after)])
+    counts = np.concatenate([_by_block(s.weight, _block(s)) for s in sessions], axis=-1)
+    draws = _draws(counts.shape[-1])
+    drawn = squares[:, :, draws].sum(axis=-1) / np.maximum(counts[:, draws].sum(axis=-1), 1e-300)
+    return np.sqrt(squares.sum(axis=-1) / np.maximum(counts.sum(axis=-1), 1e-300)), np.sqrt(drawn)
+
+
 def _gain(pairs: list[tuple[Session, Model, Model]], noise: Whitener, said: str) -> Gain:
-    white, plain = [], []  # per block: (before, after) whitened sum; (before, after, count) by channel
-    for s, before, after in pairs:
-        errors = [residual(m, s) for m in (before, after)]
-        size = max(int(BLOCK_S / (s.band.dt * s.band.every)), 4)
-        white.append(np.array([_by_block((noise.apply(e, s.weight) ** 2).sum(axis=0), size) for e in errors]))
-        plain.append(np.array([[_by_block(row, size) for row in e**2 * s.weight] for e in errors] + [[_by_block(w, size) for w in s.weight]]))
-    white, plain = np.concatenate(white, axis=-1), np.concatenate(plain, axis=-1)
-    draws = np.random.default_rng(0).integers(0, white.shape[-1], (RESAMPLES, white.shape[-1]))
-    falls = 1.0 - white[1][draws].sum(axis=1) / np.maximum(white[0][draws].sum(axis=1), 1e-300)
-    rms = np.sqrt(plain[:2].sum(axis=-1) / np.maximum(plain[2].sum(axis=-1), 1e-300))
+    sessions = [s for s, _, _ in pairs]
+    before, after = ([residual(pair[i], pair[0]) for pair in pairs] for i in (1, 2))
+    white = [[noise.apply(e, s.weight) for e, s in zip(es, sessions, strict=True)] for es in (before, after)]
+    total, lower = bootstrap_fall(*white, sessions)
+    rms, drawn = rmse_fall(before, after, sessions)
     c = int(np.argmax((rms[0] - rms[1]) / np.maximum(rms[0], 1e-300)))
-    drawn = np.sqrt(plain[:2, c][:, draws].sum(axis=-1) / np.maximum(plain[2, c][draws].sum(axis=-1), 1e-300))
-    low, high = np.percentile(drawn[0] - drawn[1], [2.5, 97.5])
-    total = 1.0 - white[1].sum() / max(white[0].sum(), 1e-300)
-    channel = pairs[0][0].channels[c]
-    return Gain(channel, float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), float(total), float(np.percentile(falls, 1.0)), said)
+    low, high = np.percentile(drawn[0, c] - drawn[1, c], [2.5, 97.5])
+    carried = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if b - a > CARRIES * b)
+    channel = sessions[0].channels[c]
+    return Gain(channel, carried or (channel,), float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said)
 
 
-def _by_block(row: np.ndarray, size: int) -> np.ndarray:
-    """Sums over consecutive blocks; a short last block is left out."""
-    whole = row.size // size * size
-    return row[:whole].reshape(-1, size).sum(axis=1)
+def _block(s: Session) -> int:
+    return max(int(BLOCK_S / (s.band.dt * s.band.every)), 4)
+
+
+def _draws(blocks: int) -> np.ndarray:
+    return np.random.default_rng(0).integers(0, blocks, (RESAMPLES, blocks))
+
+
+def _by_block(rows: np.ndarray, size: int) -> np.ndarray:
+    """Sums over consecutive blocks along the last axis; a short last block is left out."""
+    whole = rows.shape[-1] // size * size
+    return rows[..., :whole].reshape(*rows.shape[:-1], -1, size).sum(axis=-1)

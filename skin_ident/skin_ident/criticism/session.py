@@ -8,6 +8,7 @@ from skin_ident.criticism.band import Band
 from skin_models.dispersion import Dispersion
 from skin_models.signals import Motion, motion
 
+SHALLOW = 0.1  # of the greatest depth
 PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
 
 
@@ -49,10 +50,21 @@ def without_parting(session: Session, skin: Dispersion) -> Session:
 
     Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin and says nothing about the rest of the model.
     """
-    slow = replace(skin, b1=PARTING * max(skin.b1, 0.0), b2=PARTING * max(skin.b2, 0.0))
-    parted = (session.motion.x > 0.0) & ~slow.contact(session.motion)
-    kept = session.band.thin(parted.astype(float)) < 0.02
+    kept = session.band.thin(parted(session.motion, skin).astype(float)) < 0.02
     return replace(session, weight=session.weight * kept)
+
+
+def parted(s: Motion, skin: Dispersion) -> np.ndarray:
+    """Mask (N,) of samples below the surface at which skin that recovers a little slower than the fitted one would not be touched."""
+    slow = replace(skin, b1=PARTING * max(skin.b1, 0.0), b2=PARTING * max(skin.b2, 0.0))
+    return (s.x > 0.0) & ~slow.contact(s)
+
+
+def meeting(s: Motion, skin: Dispersion, around: int = 8) -> np.ndarray:
+    """Mask (N,) of samples within `around` of shallow or parted contact, where a force may really jump."""
+    slow = replace(skin, b1=2.0 * skin.b1, b2=2.0 * skin.b2)
+    shallow = (s.x > -SHALLOW * s.x.max()) & (s.x < SHALLOW * s.x.max())
+    return np.convolve(shallow | parted(s, slow), np.ones(2 * around + 1), mode="same") > 0.5
 
 
 def stacked(recording) -> tuple[tuple[str, ...], np.ndarray]:

@@ -15,12 +15,15 @@ FEWEST = 2  # spikes before they are called a finding
 FROZEN_STEPS = 6.0  # a frozen run must miss a change of so many noise widths
 
 
-def find_outliers(names: list[str], channels: tuple[str, ...], residuals: list[np.ndarray], raw: list[np.ndarray], n_taxels: int) -> list[Symptom]:
-    """Spikes and frozen runs per channel. `residuals` and `raw` are (C, N) at full rate for each session."""
+def find_outliers(
+    names: list[str], channels: tuple[str, ...], residuals: list[np.ndarray], raw: list[np.ndarray], jumps: list[np.ndarray], n_taxels: int
+) -> list[Symptom]:
+    """Spikes and frozen runs per channel. `residuals` and `raw` are (C, N) at full rate for each session; `jumps` (N,) marks samples
+    where the force itself may jump."""
     found = []
     for c, channel in enumerate(channels):
         detail = [e[c] - median_filter(e[c], 9) for e in residuals]
-        masks = [spikes(d) | frozen(y[c], e[c], d) for d, e, y in zip(detail, residuals, raw, strict=True)]
+        masks = [(spikes(d, ~j) | frozen(y[c], e[c], d)) & ~j for d, e, y, j in zip(detail, residuals, raw, jumps, strict=True)]
         count = int(sum(m.sum() for m in masks))
         if count >= FEWEST:
             total = sum(m.size for m in masks)
@@ -32,9 +35,9 @@ def find_outliers(names: list[str], channels: tuple[str, ...], residuals: list[n
     return found
 
 
-def spikes(detail: np.ndarray) -> np.ndarray:
-    """Mask of the samples that the fitted noise would hardly ever produce."""
-    spread = np.percentile(np.abs(detail), [50.0, 90.0, 97.5])
+def spikes(detail: np.ndarray, among: np.ndarray) -> np.ndarray:
+    """Mask of the samples that the noise, fitted to those `among` which it is alone, would hardly ever produce."""
+    spread = np.percentile(np.abs(detail[among]), [50.0, 90.0, 97.5])
     if spread[0] <= 0.0:
         spread = np.maximum(spread, 1e-12 + np.std(detail) * np.array([0.6745, 1.645, 2.24]))
     freedom = _freedom(spread[2] / spread[0])

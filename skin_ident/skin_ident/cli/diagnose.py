@@ -1,0 +1,93 @@
+"""`diagnose RECORDING… --out DIR`: what the simulation gets wrong on measured data, by which cause, and what naming it is worth."""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from skin_ident.cli import common
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.outcome import Outcome
+from skin_ident.recordings.load import load
+from skin_models.model_file import load_model, save_model
+
+VERDICTS = {
+    "nothing_wrong": "nothing wrong: what is left looks like noise",
+    "explained": "explained: with these causes, what is left looks like noise",
+    "partly_explained": "partly explained: something systematic is left",
+    "unexplained": "unexplained: the simulation is wrong, and no cause of the catalogue says why",
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit status."""
+    return common.run(_main, arguments)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    chosen = _parser().parse_args(arguments)
+    topics = common.topics_of(chosen.topics)
+    model = load_model(chosen.model) if chosen.model else None
+    say = progress_line()
+    say("reading recordings")
+    recordings, held = load(chosen.recordings, topics), load(chosen.hold_out, topics) if chosen.hold_out else []
+    folder = common.output_folder(chosen.out)
+    outcome = diagnose(recordings, held, model, say)
+    say("writing the report")
+    write(outcome, folder)
+    print(summary(outcome.findings))
+    print(f"\nreport: {folder / 'report.html'}")
+    return 0
+
+
+def write(outcome: Outcome, folder: Path) -> None:
+    """Write findings.json, model.yaml, the report, and what it takes to render the report again."""
+    from skin_ident.report import save_traces, write_report  # drawing costs a second of start-up that a refusal should not
+
+    write_report(outcome, folder)
+    save_traces(outcome, folder)
+    if outcome.model is not None:
+        save_model(outcome.model, folder / "model.yaml", outcome.std)
+    common.write_json(folder / "findings.json", outcome.findings)
+
+
+def summary(findings: dict[str, Any]) -> str:
+    """The findings as a person wants them in a terminal."""
+    lines = [VERDICTS[findings["verdict"]]]
+    for f in findings["findings"]:
+        lines.append(f"\n  {f['cause']} in the {f['where']}: {f['means']}")
+        lines += [f"    {name} = {p['value']:.4g} {p['unit']}" for name, p in f["parameters"].items()]
+        gain = f["gain"]
+        if gain["held_out_rmse_before"] is not None and gain["held_out_rmse_before"] != gain["held_out_rmse_after"]:
+            interval = f"falls by {gain['ci95'][0]:.3g} to {gain['ci95'][1]:.3g} {gain['unit']}, 95 %"
+            lines.append(f"    held-out error of {gain['channel']}: {gain['held_out_rmse_before']:.3g} -> {gain['held_out_rmse_after']:.3g} {gain['unit']} ({interval})")
+        lines += [f"    cannot be told from: {a['cause']} in the {a['where']}" for a in f["alternatives"]]
+        lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
+    lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]
+    return "\n".join(lines)
+
+
+def progress_line() -> Callable[[str], None]:
+    """Says each stage on stderr: in place on a terminal, a line each in a log."""
+    started, live = time.monotonic(), sys.stderr.isatty()
+
+    def say(stage: str) -> None:
+        text = f"[{time.monotonic() - started:5.1f} s] {stage}"
+        print(f"\r\033[K{text}" if live else text, end="" if live else "\n", file=sys.stderr, flush=True)
+
+    return say
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
+    common.add_recordings(parser)
+    parser.add_argument("--model", metavar="YAML", help="the simulation to criticise; left out: the dispersion model fitted to the recordings")
+    parser.add_argument("--hold-out", nargs="+", default=[], metavar="RECORDING", help="sessions never used to fit; left out: each session in turn")
+    parser.add_argument("--out", required=True, metavar="DIR", help="where findings.json, model.yaml and report.html go")
+    return parser
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,58 @@
+"""For every cause that was not named: excluded above so much, or untestable and what would test it.
+
+A direction of the last survey has an amount z with standard error sd (in the directions' own, whitened inner products). The data speak
+about a cause where a typical amount of it would have stood out by `CLEAR` standard errors; it is then excluded above |z| + 1.96 sd.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.ranking import UNEXCITED, Projected
+from skin_ident.criticism.survey import detectable
+from skin_ident.criticism.vocabulary import CAUSES
+from skin_models.parameter import SHAPE, parameters_of
+
+CLEAR = 3.0
+
+
+def excluded_and_untestable(p: Projected, named: set[str], known: dict[str, str]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Entries of findings.json for all causes not in `named`. `known` gives the reason for causes that telemetry alone decides: an
+    empty text means looked for and not found."""
+    excluded, untestable = [], []
+    for cause in CAUSES:
+        if cause.name in named:
+            continue
+        entries = _excluded(p, cause.name)
+        excluded += entries
+        if cause.name in known and not known[cause.name] and not entries:
+            excluded.append({"cause": cause.name, "below": None, "unit": "", "because": "looked for and not seen"})
+        elif not entries:
+            because = known.get(cause.name) or _because(p, cause.name)
+            untestable.append({"cause": cause.name, "because": because, "needs": cause.needs})
+    return excluded, untestable
+
+
+def _excluded(p: Projected, cause: str) -> list[dict[str, Any]]:
+    """One entry per place: the weakest of the bounds over the shapes that the data excite."""
+    limits = detectable(p, CLEAR)
+    places: dict[str, tuple[float, dict[str, Any]]] = {}
+    for i, d in enumerate(p.which):
+        if d.cause != cause or limits[i] > 1.0 or p.left[i] <= UNEXCITED:
+            continue
+        bound = abs(p.product[i] / p.gram[i, i]) + 1.96 / np.sqrt(p.gram[i, i])
+        unit = next(q.unit for q in parameters_of(d.effect) if q.name == d.parameter)
+        at = {q.name: {"value": q.value, "unit": q.unit} for q in parameters_of(d.effect) if q.role == SHAPE}
+        entry = {"cause": cause, "where": d.where, "parameter": d.parameter, "below": float(bound * d.size), "unit": unit}
+        if d.where not in places or bound > places[d.where][0]:
+            places[d.where] = (float(bound), {**entry, **({"at": at} if at else {})})
+    return [entry for _, entry in places.values()]
+
+
+def _because(p: Projected, cause: str) -> str:
+    mine = [i for i, d in enumerate(p.which) if d.cause == cause]
+    if not mine:
+        return "no channel of these recordings carries it"
+    if all(p.left[i] <= UNEXCITED for i in mine):
+        return "in these recordings it looks exactly like a change of the model's own parameters, or does nothing at all"
+    return "even a typical amount of it would not stand out of the noise here: it was hardly excited"

@@ -1,0 +1,82 @@
+"""The diagnosis of recordings: from loaded sessions to findings, an extended model and the curves for the report."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.criticise import Criticism, criticise
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.findings import as_findings
+from skin_ident.criticism.leftover import is_systematic, systematic_rest
+from skin_ident.criticism.outcome import Outcome, Round, Trace
+from skin_ident.criticism.record import inspect
+from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.session import Session
+from skin_models.model import Model
+
+BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out
+
+
+def diagnose(recordings: list, hold_out: list | None = None, model: Model | None = None, progress: Callable[[str], None] = lambda stage: None) -> Outcome:
+    """Criticise the dispersion model, or `model`, on `recordings`; `hold_out` are sessions never used to fit.
+
+    Raises `DiagnosisError` where the sessions do not belong together or lack what is needed.
+    """
+    hold_out = hold_out or []
+    every = _named_apart([*recordings, *hold_out])
+    _belong_together(every, model)
+    progress("inspecting the recordings")
+    looked = inspect(every)
+    train, held = looked.sessions[: len(recordings)], looked.sessions[len(recordings) :]
+    if len(every) == 1:
+        train, held = _blocks(train[0])
+    c = criticise(train, held, model, progress)
+    progress("asking what is left")
+    rest = systematic_rest(c.last, train, held)
+    verdict = _verdict(bool(c.named or looked.symptoms), is_systematic(*rest))
+    findings = as_findings(c, looked.symptoms, every, train, held, rest, verdict, model is not None)
+    shown = looked.sessions if len(every) > 1 else looked.sessions[:1]
+    traces = tuple(_trace(c, s, any(s is h for h in held)) for s in shown)
+    return Outcome(findings, c.extended.model, c.extended.std, traces, (), _rounds(c))
+
+
+def _verdict(anything: bool, systematic: bool) -> str:
+    if anything:
+        return "partly_explained" if systematic else "explained"
+    return "unexplained" if systematic else "nothing_wrong"
+
+
+def _named_apart(recordings: list) -> list:
+    """Sessions whose names are all different, so that findings can speak of them."""
+    names = [r.name for r in recordings]
+    return [r if names.count(r.name) == 1 else replace(r, name=f"{r.name} ({i + 1})") for i, r in enumerate(recordings)]
+
+
+def _belong_together(recordings: list, model: Model | None) -> None:
+    kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
+    if len(kinds) > 1:
+        said = "; ".join(f"{r.name}: {r.kind} with {len(r.taxels)} taxels" for r in recordings)
+        raise DiagnosisError(f"the recordings do not carry the same channels ({said}): diagnose them apart")
+    if model is not None and len(model.shares) != len(recordings[0].taxels):
+        raise DiagnosisError(f"the model has {len(model.shares)} taxels, the recordings have {len(recordings[0].taxels)}")
+    for r in recordings:
+        if r.depth is not None and float(np.mean(r.depth > 0.0)) < 0.05:
+            raise DiagnosisError(f"{r.name} is hardly ever in contact (depth above zero): check the sign and the zero of its depth")
+
+
+def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
+    """One session as two that believe alternate blocks of it."""
+    block = np.floor((session.t - session.t[0]) / BLOCK_S).astype(int) % 3
+    fitted = replace(session, name=f"{session.name} (two blocks in three)", weight=session.weight * (block != 2))
+    kept = replace(session, name=f"{session.name} (every third block)", weight=session.weight * (block == 2))
+    return [fitted], [kept]
+
+
+def _trace(c: Criticism, s: Session, held: bool) -> Trace:
+    before, after = (simulated(fit.model, s) for fit in (c.baseline, c.extended))
+    return Trace(s.name, held, s.motion.t, s.motion.x, s.motion.v, s.channels, s.raw, before, after)
+
+
+def _rounds(c: Criticism) -> tuple[Round, ...]:
+    return tuple(Round(tuple((r.cause, r.where, float(r.gain)) for r in s.ranked[:12]), name) for s, name in c.rounds)

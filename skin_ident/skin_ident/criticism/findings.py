@@ -1,0 +1,149 @@
+"""The content of findings.json, schema 1, from a finished criticism."""
+
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.bounds import excluded_and_untestable
+from skin_ident.criticism.criticise import Criticism, Named
+from skin_ident.criticism.growing import instances
+from skin_ident.criticism.residual import residual, rmse
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.unknowns import Unknown, values
+from skin_ident.criticism.vocabulary import BY_NAME
+from skin_models.model import Model
+from skin_models.parameter import parameters_of
+
+SCHEMA = 1
+
+
+def place(where: str) -> str:
+    """The word of the vocabulary for a place of the catalogue: every clock is `clock`."""
+    return "clock" if where.startswith("clock") else where
+
+
+def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], train: list[Session], held: list[Session]) -> dict[str, Any]:
+    """A model as `baseline` and `extended` hold it: parameters and errors."""
+    present = values(model, which)
+    parameters = {
+        u.label: {"value": float(v), "unit": u.parameter.unit, "std": std.get(u.label)} for u, v in zip(which, present, strict=True)
+    }
+    errors = {part: rmse([residual(model, s) for s in sessions], sessions) if sessions else {} for part, sessions in (("train", train), ("held_out", held))}
+    channels = train[0].channels
+    return {
+        "model": model.name,
+        "parameters": parameters,
+        "rmse": {c: {"train": errors["train"].get(c), "held_out": errors["held_out"].get(c), "unit": "N"} for c in channels},
+    }
+
+
+def found(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
+    """One entry of `findings` that an effect stands for."""
+    effects = instances(model, named.cause, named.where)
+    parameters: dict[str, Any] = {}
+    for i, e in enumerate(effects):
+        for p in parameters_of(e):
+            name = p.name if i == 0 else f"{p.name}_{i + 1}"
+            parameters[name] = {"value": p.value, "unit": p.unit, "std": std.get(f"{e.cause}.{e.where}.{p.name}") if i == 0 else None}
+    gain = named.gain
+    return {
+        "cause": named.cause,
+        "where": place(named.where),
+        "channels": list(gain.carried),
+        "parameters": parameters,
+        "evidence": {
+            "likelihood_gain": float(named.explained),
+            "held_out_fall_of_mean_square": gain.relative,
+            "held_out": gain.held_out,
+            "forms": [type(e).__name__ for e in effects],
+        },
+        "gain": {
+            "held_out_rmse_before": gain.before,
+            "held_out_rmse_after": gain.after,
+            "ci95": list(gain.ci95),
+            "channel": gain.channel,
+            "unit": "N",
+        },
+        "alternatives": [{"cause": a.cause, "where": place(a.where), "explains_less_by": float(a.short_by)} for a in named.alternatives],
+        "separating_experiment": _separating(named),
+        "means": BY_NAME[named.cause].means,
+        "advice": BY_NAME[named.cause].act,
+    }
+
+
+def seen(symptom: Symptom, baseline: dict[str, Any]) -> dict[str, Any]:
+    """One entry of `findings` that telemetry stands for: no term of the model, so no gain to claim."""
+    channel = symptom.channels[0]
+    error = baseline["rmse"].get(channel, {}).get("held_out")
+    return {
+        "cause": symptom.cause,
+        "where": symptom.where,
+        "channels": list(symptom.channels),
+        "parameters": symptom.parameters,
+        "evidence": symptom.evidence,
+        "gain": {"held_out_rmse_before": error, "held_out_rmse_after": error, "ci95": [0.0, 0.0], "channel": channel, "unit": "N"},
+        "alternatives": [],
+        "separating_experiment": "",
+        "means": BY_NAME[symptom.cause].means,
+        "advice": BY_NAME[symptom.cause].act,
+    }
+
+
+def _separating(named: Named) -> str:
+    if not named.alternatives:
+        return ""
+    rivals = list(dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)]))
+    return "to tell " + " from ".join(rivals) + ", record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))
+
+
+def noise_floor(c: Criticism, train: list[Session]) -> dict[str, Any]:
+    """Per channel: RMS of what no cause explains, in the common band, and how strongly neighbouring samples hang together."""
+    floor = {}
+    for i, channel in enumerate(train[0].channels):
+        rows = [(residual(c.extended.model, s)[i])[s.weight[i] > 0] for s in train]
+        e = np.concatenate(rows)
+        floor[channel] = {"rms": float(np.sqrt(np.mean(e**2))), "unit": "N", "lag_one": float(np.corrcoef(e[1:], e[:-1])[0, 1]), "band_hz": float(train[0].band.edge)}
+    return floor
+
+
+def telemetry_words(recordings: list, symptoms: tuple[Symptom, ...], given: bool) -> dict[str, str]:
+    """For causes that telemetry decides: empty where it looked, or why it could not."""
+    declared = recordings[0].declared
+    undeclared = "rig.yaml does not declare"
+    words = {"outliers": "", "dead_taxel": "", "data_error": "", "interference": "", "saturation": ""}
+    words["quantization"] = "" if declared.force_step_n or declared.taxel_step_n or declared.encoder_step_um else f"{undeclared} any step"
+    words["noise"] = "" if declared.force_noise_n or declared.taxel_noise_n else f"{undeclared} a noise level"
+    words["parameters"] = "" if given else "no model was given to compare with"
+    if not len(recordings[0].taxels):
+        words["dead_taxel"] = "there is no taxel in these recordings"
+    return words
+
+
+def as_findings(c: Criticism, symptoms, recordings: list, train: list[Session], held: list[Session], rest: tuple[float, float], verdict: str, given: bool) -> dict[str, Any]:
+    """The whole of findings.json."""
+    baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, train, held)
+    entries = [seen(s, baseline) for s in symptoms] + [found(n, c.extended.model, c.extended.std) for n in c.named]
+    named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
+    excluded, untestable = excluded_and_untestable(c.last.projected, named, telemetry_words(recordings, symptoms, given))
+    return {
+        "schema": SCHEMA,
+        "recordings": [{"name": r.name, "samples": len(r), "seconds": float(r.t[-1] - r.t[0]), "rate_hz": float(1.0 / r.dt), "held_out": any(r.name == s.name for s in held), "warnings": list(r.warnings)} for r in recordings],
+        "baseline": baseline,
+        "findings": entries,
+        "excluded": excluded,
+        "untestable": untestable,
+        "extended": described(c.extended.model, c.extended.unknowns, c.extended.std, train, held),
+        "noise_floor": noise_floor(c, train),
+        "systematic_rest": {"fall_of_mean_square": rest[0], "lower_bound": rest[1]},
+        "verdict": verdict,
+        "warnings": _warnings(recordings, held),
+    }
+
+
+def _warnings(recordings: list, held: list[Session]) -> list[str]:
+    """What the reader must know before believing any of it."""
+    warnings = [f"{r.name}: {w}" for r in recordings for w in (*r.warnings, *r.declared.warnings)]
+    if len(recordings) == 1:
+        warnings.append("only one session: blocks of it were held out instead of a session, which passes more than it should; record a second one")
+    return warnings
