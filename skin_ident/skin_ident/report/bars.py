@@ -1,9 +1,10 @@
 """Bars and tables of numbers: errors by channel, the ranking of causes, parameters before and after."""
 
 from skin_ident.criticism.outcome import Round
+from skin_ident.report.gains import fall
 from skin_ident.report.markup import Safe, el, table
 from skin_ident.report.numbers import UNKNOWN, amount, percent, plain
-from skin_ident.report.story import fall
+from skin_ident.report.story import named_cause
 from skin_ident.report.view import Amount, ChannelError, View
 from skin_ident.report.words import capital, cause_at, channel
 
@@ -37,7 +38,7 @@ def _bar(value: float | None, top: float, kind: str) -> Safe | None:
 def ranking(round_: Round, number: int) -> Safe:
     """One round of the search: what each cause explains, the longest bar first."""
     ranked = [r for r in sorted(round_.ranked, key=lambda r: -r[2]) if r[2] > 0][:MOST_RANKED]
-    named = (round_.named or "").split(" ")[0].split(".")[0]
+    named = named_cause(round_.named or "")
     title = f"Round {number}: {cause_at(named, '')} named" if named else f"Round {number}: nothing more could be named"
     if not ranked:
         return el("div", el("h4", title), el("p", "No cause explains anything of what was left.", class_="note"), class_="rank")
@@ -72,10 +73,10 @@ def _parameter_row(before: Amount | None, after: Amount | None) -> list:
     like = [a.value for a in (before, after) if a]
     cells = [amount(a.value, a.unit, a.std, like=like) if a else UNKNOWN for a in (before, after)]
     if not before:
-        return [capital(known.words), el("code", known.name), *cells, "new", el("b", "added", class_="tag new")]
+        return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, "new", el("b", "added", class_="tag new")]
     change, moved = _moved(before, after)
     tag = el("b", "was hiding the missing effect", class_="tag hid") if moved else None
-    return [capital(known.words), el("code", known.name), *cells, change, tag]
+    return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, change, tag]
 
 
 def _moved(before: Amount, after: Amount | None) -> tuple[str, bool]:

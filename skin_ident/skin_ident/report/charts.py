@@ -6,66 +6,86 @@ from skin_ident.criticism.outcome import ScanTrace, Trace
 from skin_ident.report.markup import Safe, el
 from skin_ident.report.numbers import amount, scale
 from skin_ident.report.plot import Axis, Line, axis, legend, plot
-from skin_ident.report.shapes import Binned, binned, residuals, span_of, spectrum, thinned
+from skin_ident.report.shapes import Binned, binned, span_of, spectrum, thinned
 from skin_ident.report.words import channel
 
-KEY = legend(("measured", "measured"), ("before", "simulated before"), ("after", "simulated after"))
-KEY_LEFT = legend(("before", "before"), ("after", "after"))
+
+def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], ...]:
+    """(kind, name, curves) of each simulation to draw: one where the extended model is the baseline."""
+    if np.array_equal(trace.baseline, trace.extended, equal_nan=True):
+        return (("after", "simulated", trace.extended),)
+    return (("before", "simulated before", trace.baseline), ("after", "simulated after", trace.extended))
+
+
+def key(trace: Trace | ScanTrace) -> Safe:
+    """The legend of measured against simulated."""
+    return legend(("measured", "measured"), *((kind, name) for kind, name, _ in simulations(trace)))
+
+
+def key_left(trace: Trace | ScanTrace) -> Safe:
+    """The legend of what is left."""
+    return legend(*((kind, name.replace("simulated", "what is left").strip()) for kind, name, _ in simulations(trace)))
 
 
 def overlay(trace: Trace, row: int, unit: str, cut: slice, buckets: int) -> Safe:
     """Measured against simulated over residual, for the samples in `cut`."""
-    t = trace.t[cut]
+    t, y = trace.t[cut], trace.measured[row][cut]
     x = Axis(float(t[0]), float(t[-1]), "time, s")
-    curves = [trace.measured[row][cut], trace.baseline[row][cut], trace.extended[row][cut]]
-    factor, name = scale(np.nanmax(np.abs(curves[0]), initial=0.0), unit)
-    left = [curves[0] - curves[1], curves[0] - curves[2]]
-    small, small_name = scale(max((float(np.nanmax(np.abs(r), initial=0.0)) for r in left), default=0.0), unit)
-    kinds = ("measured", "before", "after")
-    names = ("measured", "simulated before", "simulated after")
-    top = [Line(*thinned(t, factor * y, buckets), k, n) for y, k, n in zip(curves, kinds, names, strict=True)]
-    below = [Line(*thinned(t, small * r, buckets), k, n) for r, k, n in zip(left, kinds[1:], ("before", "after"), strict=True)]
+    both = [(kind, name, curves[row][cut]) for kind, name, curves in simulations(trace)]
+    factor, printed = scale(np.nanmax(np.abs(y), initial=0.0), unit)
+    small, small_printed = scale(max(float(np.nanmax(np.abs(y - s), initial=0.0)) for _, _, s in both), unit)
+    top = [Line(*thinned(t, factor * s, buckets), kind, name) for kind, name, s in (("measured", "measured", y), *both)]
+    below = [Line(*thinned(t, small * (y - s), buckets), kind, _briefly(name)) for kind, name, s in both]
     return el(
         "div",
-        plot(top, x, axis([line.y for line in top], f"{channel(trace.channels[row])}, {name}"), "tall"),
-        plot(below, x, axis([line.y for line in below], f"measured − simulated, {small_name}", zero=True), "low"),
+        plot(top, x, axis([line.y for line in top], f"{channel(trace.channels[row])}, {printed}"), "tall bare"),
+        plot(below, x, axis([line.y for line in below], f"measured − simulated, {small_printed}", zero=True), "low"),
         class_="pair",
     )
 
 
+def _briefly(name: str) -> str:
+    return name.replace("simulated", "").strip() or "left"
+
+
 def against_motion(trace: Trace, row: int, unit: str) -> list[Safe]:
     """Residual against depth and against speed; nothing where the recording has neither."""
-    before, after = residuals(trace, row)
     panels = []
     for quantity, label, factor in ((trace.depth, "depth, mm", 1e3), (trace.speed, "speed, mm/s (pressing is positive)", 1e3)):
         found = span_of(quantity)
         if found is not None:
-            panels.append(_against(quantity, (before, after), found, label, factor, unit, trace.speed))
+            panels.append(_against(quantity, _left(trace, row), found, label, factor, unit, trace.speed))
     return [p for p in panels if p is not None]
+
+
+def _left(trace: Trace, row: int) -> list[tuple[str, np.ndarray]]:
+    """(kind, residual) of each simulation."""
+    return [(kind, trace.measured[row] - curves[row]) for kind, _, curves in simulations(trace)]
 
 
 def _against(quantity, pair, found, label: str, factor: float, unit: str, speed) -> Safe | None:
     low, high = found
     split = label.startswith("depth") and np.isfinite(speed).all()
-    sides = ((speed > 0, "", "pressing"), (speed < 0, " dashed", "releasing")) if split else ((np.isfinite(pair[0]), "", ""),)
+    sides = ((speed > 0, "", "pressing"), (speed < 0, " dashed", "releasing")) if split else ((np.isfinite(quantity), "", ""),)
     parts: list[tuple[Binned, str, str]] = []
-    for r, kind in zip(pair, ("before", "after"), strict=True):
+    for kind, r in pair:
         for inside, style, name in sides:
             parts.append((binned(quantity[inside], r[inside], low, high), kind + style, f"{kind} {name}".strip()))
-    parts = [p for p in parts if p[0].centre.size]
+    parts = [p for p in parts if np.isfinite(p[0].median).any()]
     if not parts:
         return None
-    scaled, printed = scale(max(float(np.max(np.abs(np.r_[b.low, b.high]))) for b, _, _ in parts), unit)
+    scaled, printed = scale(max(float(np.nanmax(np.abs(np.r_[b.low, b.high]))) for b, _, _ in parts), unit)
     lines = [Line(factor * b.centre, scaled * b.median, kind, name) for b, kind, name in parts]
     bands = [_band(b, factor, scaled, kind) for b, kind, _ in parts] if not split else []
     y = axis([line.y for line in [*bands, *lines]], f"measured − simulated, {printed}", zero=True)
-    title = f"against {label.partition(',')[0]}" + (": pressing (solid) and releasing (dashed)" if split else "")
+    title = f"against {label.partition(',')[0]}" + (" (dashed: releasing)" if split else "")
     return plot([*bands, *lines], Axis(factor * low, factor * high, label), y, "square", title)
 
 
 def _band(b: Binned, factor: float, scaled: float, kind: str) -> Line:
-    x = factor * np.concatenate([b.centre, b.centre[::-1]])
-    return Line(x, scaled * np.concatenate([b.low, b.high[::-1]]), f"{kind} band", "")
+    known = np.isfinite(b.median)
+    x, low, high = factor * b.centre[known], scaled * b.low[known], scaled * b.high[known]
+    return Line(np.concatenate([x, x[::-1]]), np.concatenate([low, high[::-1]]), f"{kind} band", "")
 
 
 def against_frequency(trace: Trace, row: int, unit: str) -> Safe | None:
@@ -73,7 +93,7 @@ def against_frequency(trace: Trace, row: int, unit: str) -> Safe | None:
     if trace.t.size < 64:
         return None
     lines, densities = [], []
-    for r, kind in zip(residuals(trace, row), ("before", "after"), strict=True):
+    for kind, r in _left(trace, row):
         f, d = spectrum(trace.t, r)
         lines.append(Line(f, d, kind, kind))
         densities.append(d[d > 0])
@@ -96,34 +116,40 @@ def scan_panels(scan: ScanTrace, most: int = 12) -> list[Safe]:
     return [_scan_panel(scan, i, x, factor, name) for i in picked]
 
 
-def _scan_panel(scan: ScanTrace, i: int, x: Axis, factor: float, name: str) -> Safe:
+def _scan_panel(scan: ScanTrace, i: int, x: Axis, factor: float, printed: str, height: str = "square") -> Safe:
     r = 1e3 * scan.distance
-    lines = [
-        Line(*_known(r, factor * scan.baseline[i]), "before", "simulated before"),
-        Line(*_known(r, factor * scan.extended[i]), "after", "simulated after"),
-        Line(*_known(r, factor * scan.measured[i]), "measured dots", "measured"),
-    ]
-    y = axis([line.y for line in lines], f"sensed force, {name}", zero=True)
-    return plot(lines, x, y, "square", f"depth {amount(scan.depth[i], 'm')}")
+    lines = [Line(*_known(r, factor * curves[i]), kind, name) for kind, name, curves in simulations(scan)]
+    lines.append(Line(*_known(r, factor * scan.measured[i]), "measured dots", "measured"))
+    y = axis([line.y for line in lines], f"sensed force, {printed}", zero=True)
+    return plot(lines, x, y, height, f"depth {amount(scan.depth[i], 'm')}")
+
+
+def scan_picture(scan: ScanTrace) -> Safe:
+    """The depth whose error fell most, measured against simulated; and what is left of it."""
+    before, after = (np.nansum((scan.measured - y) ** 2, axis=1) for y in (scan.baseline, scan.extended))
+    i = int(np.argmax(before - after))
+    x = axis([1e3 * scan.distance], "distance from the taxel's centre, mm")
+    factor, printed = scale(np.nanmax(np.abs(scan.measured[i]), initial=0.0), "N")
+    left = [(kind, scan.measured[i] - curves[i], _briefly(name)) for kind, name, curves in simulations(scan)]
+    small, small_printed = scale(max(float(np.nanmax(np.abs(e), initial=0.0)) for _, e, _ in left), "N")
+    below = [Line(*_known(1e3 * scan.distance, small * e), kind, name) for kind, e, name in left]
+    y = axis([line.y for line in below], f"measured − simulated, {small_printed}", zero=True)
+    return el("div", _scan_panel(scan, i, x, factor, printed, "tall bare"), plot(below, x, y, "low"))
 
 
 def scan_left(scan: ScanTrace) -> list[Safe]:
     """What is left of a scan, against distance (all depths) and against depth (root mean square of each)."""
-    before, after = scan.measured - scan.baseline, scan.measured - scan.extended
-    factor, name = scale(np.nanmax(np.abs(before), initial=0.0), "N")
+    left = [(kind, scan.measured - curves) for kind, _, curves in simulations(scan)]
+    factor, printed = scale(max(float(np.nanmax(np.abs(e), initial=0.0)) for _, e in left), "N")
     r, d = 1e3 * scan.distance, 1e3 * scan.depth
-    faint = [Line(*_known(r, factor * row), f"{kind} thin", kind) for left, kind in ((before, "before"), (after, "after")) for row in left]
-    sizes = [Line(*_known(d, factor * np.sqrt(np.nanmean(e**2, axis=1))), k, k) for e, k in ((before, "before"), (after, "after"))]
+    faint = [Line(*_known(r, factor * row), f"{kind} thin", kind) for kind, e in left for row in e]
+    sizes = [Line(*_known(d, factor * np.sqrt(np.nanmean(e**2, axis=1))), kind, kind) for kind, e in left]
     x = axis([r], "distance from the taxel's centre, mm")
+    y = axis([line.y for line in faint], f"measured − simulated, {printed}", zero=True)
+    size = axis([line.y for line in sizes], f"typical error, {printed}", zero=True)
     return [
-        plot(
-            faint,
-            x,
-            axis([line.y for line in faint], f"measured − simulated, {name}", zero=True),
-            "square",
-            "against distance: a line per depth",
-        ),
-        plot(sizes, axis([d], "depth, mm"), axis([s.y for s in sizes], f"typical error, {name}", zero=True), "square", "against depth"),
+        plot(faint, x, y, "square", "against distance: a line per depth"),
+        plot(sizes, axis([d], "depth, mm"), size, "square", "against depth"),
     ]
 
 

@@ -21,10 +21,12 @@ class Focus:
 
     @property
     def channel(self) -> str:
+        """Name of the channel."""
         return self.trace.channels[self.row]
 
     @property
     def is_whole(self) -> bool:
+        """Whether the seconds are the whole session."""
         return self.stop - self.start == self.trace.t.size
 
 
@@ -53,7 +55,7 @@ def by_fall(trace: Trace) -> list[int]:
 def window(trace: Trace, row: int, seconds: float = WINDOW_S) -> tuple[int, int]:
     """Samples [start, stop) of the `seconds` in which the extension removes most of the error, or where most happens if it removes none."""
     n = trace.t.size
-    width = int(round(seconds / max((trace.t[-1] - trace.t[0]) / (n - 1), 1e-12))) + 1
+    width = round(seconds / max((trace.t[-1] - trace.t[0]) / (n - 1), 1e-12)) + 1
     if width >= 0.9 * n:
         return 0, n
     y = trace.measured[row]

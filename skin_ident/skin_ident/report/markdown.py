@@ -1,8 +1,9 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
 from skin_ident.criticism.outcome import Outcome
+from skin_ident.report.gains import fall
 from skin_ident.report.numbers import UNKNOWN, amount, percent
-from skin_ident.report.story import fall, story
+from skin_ident.report.story import Wrong, story
 from skin_ident.report.view import Amount, View, mapping, text, view
 from skin_ident.report.words import capital, cause_at, channel, sentence
 
@@ -14,7 +15,7 @@ def markdown(outcome: Outcome, pictures: tuple[str, ...] = ()) -> str:
     parts = [
         [f"# {told.headline.title}", "", told.headline.line],
         [f"![{name.partition('.')[0].replace('_', ' ')}]({name})" for name in pictures[:1]],
-        ["## What is wrong", "", *(f"- {s}" for s in told.wrong)],
+        ["## What is wrong", "", *map(_wrong, told.wrong)],
         ["## Why we think so", "", *(f"- {s}" for s in told.why)] if told.why else [],
         [
             "## How much better is the model",
@@ -34,6 +35,11 @@ def markdown(outcome: Outcome, pictures: tuple[str, ...] = ()) -> str:
         _recordings(v),
     ]
     return "\n\n".join("\n".join(p) for p in parts if p) + "\n"
+
+
+def _wrong(w: Wrong) -> str:
+    said = f"**{w.name}**: {w.means}" if w.name and w.means else w.means or f"**{w.name}**"
+    return f"- {said}" + (f" Size: {w.size}." if w.size else "")
 
 
 def _rows(title: str, head: list[str], rows: list[list[str]]) -> list[str]:

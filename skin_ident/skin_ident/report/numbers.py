@@ -75,10 +75,21 @@ def amount(value: Any, unit: str, std: Any = None, like: Any = None) -> str:
     if number is None:
         return UNKNOWN
     factor, name = scale(like if like is not None else number, unit)
-    text = plain(number * factor)
-    if spread:
-        text += f"{_SPACE}±{_SPACE}{plain(spread * factor, 2)}"
+    text = _with_spread(number * factor, spread * factor) if spread else plain(number * factor)
     return f"{text}{_SPACE}{name}" if name else text
+
+
+def _with_spread(value: float, std: float) -> str:
+    """`0.800 ± 0.008`: the standard error has the decimals of its value, or one digit where that would print zero."""
+    text = plain(value)
+    if std < 1e-5 * abs(value):
+        return text
+    if "×" in text:
+        power = 10.0 ** math.floor(math.log10(abs(value)))
+        return f"({plain(value / power)}{_SPACE}±{_SPACE}{plain(std / power, 1)}){text[text.index('×') - 1 :]}"
+    decimals = len(text.partition(".")[2])
+    spread = f"{std:.{decimals}f}" if round(std, decimals) and std < 1e4 else plain(std, 1)
+    return f"{text}{_SPACE}±{_SPACE}{spread}"
 
 
 def span(low: Any, high: Any, unit: str) -> str:

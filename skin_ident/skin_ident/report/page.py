@@ -4,12 +4,13 @@ from importlib.resources import files
 
 from skin_ident.criticism.outcome import Outcome
 from skin_ident.report import sections
-from skin_ident.report.charts import KEY, overlay, scan_left
+from skin_ident.report.charts import key, overlay, scan_picture
 from skin_ident.report.focus import Focus, focus
 from skin_ident.report.markup import Safe, el
 from skin_ident.report.numbers import plain
-from skin_ident.report.story import Story, story, unit_of
+from skin_ident.report.story import Story, Wrong, story, unit_of
 from skin_ident.report.view import View, mapping, text, view
+from skin_ident.report.words import sentence, short
 
 SIGNS = {"good": "✓", "found": "!", "part": "~", "bad": "?"}
 
@@ -49,7 +50,7 @@ def _asset(name: str) -> str:
 
 def _names(v: View) -> str:
     names = [text(mapping(r).get("name") or mapping(r).get("session") or mapping(r).get("path") or r) for r in v.recordings]
-    shown = ", ".join(names[:3])
+    shown = ", ".join(short(name) for name in names[:3])
     return shown + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
@@ -61,53 +62,41 @@ def _first_screen(told: Story, outcome: Outcome, v: View, seen: Focus | None) ->
         el("div", el("h1", h.title), el("p", h.line)),
         class_=f"banner {h.tone}",
     )
-    answers = [
-        el("div", _answer("What is wrong", told.wrong), class_="q wrong"),
-        el("div", _better(told), class_="q better"),
-        el("div", _answer("Why we think so", told.why), class_="q why") if told.why else None,
-        el("div", el("h2", "How sure are we"), el("p", told.sure, class_="big"), _sentences(told.sure_because), class_="q sure"),
-        el(
-            "div",
-            el("h2", "Rebuild a sensor?"),
-            el("p", told.rebuild, class_="big"),
-            el("p", f"Because {told.rebuild_because}."),
-            _next(told),
-            class_="q next",
-        ),
-    ]
-    return [banner, el("div", el("div", answers, class_="answers"), _picture(outcome, v, seen), class_="first")]
-
-
-def _answer(title: str, said: tuple[str, ...]) -> list[Safe]:
-    return [el("h2", title), _sentences(said)]
-
-
-def _sentences(said: tuple[str, ...]) -> Safe | None:
-    return el("ul", [el("li", s) for s in said]) if len(said) > 1 else el("p", said[0]) if said else None
-
-
-def _better(told: Story) -> list[Safe]:
     b = told.better
-    return [
-        el("h2", "How much better is the model"),
-        el("p", el("b", b.number, class_="huge"), " ", b.caption, class_="figure"),
-        _sentences(b.sentences),
+    tiles = [
+        _tile("better", "How much better is the model?", b.number, b.caption, b.sentences),
+        _tile("sure", "How sure are we?", told.sure, "", told.sure_because),
+        _tile("rebuild", "Rebuild a sensor?", told.rebuild, "", (sentence(f"because {told.rebuild_because}"),)),
     ]
+    answers = [
+        el("div", el("h2", "What is wrong"), el("ul", [el("li", _wrong(w)) for w in told.wrong]), class_="wrong"),
+        el("div", el("h2", "Why we think so"), el("ul", [el("li", s) for s in told.why]), class_="why") if told.why else None,
+        el("div", el("h2", "What to do next"), el("ol", [el("li", s) for s in told.next]), class_="next") if told.next else None,
+    ]
+    below = el("div", el("div", answers, class_="answers"), _picture(outcome, v, seen), class_="first")
+    return [banner, el("div", el("div", tiles, class_="tiles"), below, class_="screen")]
 
 
-def _next(told: Story) -> list[Safe] | None:
-    return [el("h2", "What to do next"), el("ol", [el("li", s) for s in told.next])] if told.next else None
+def _tile(kind: str, title: str, answer: str, caption: str, said: tuple[str, ...]) -> Safe:
+    return el(
+        "div", el("h2", title), el("p", el("b", answer), " ", caption, class_="big"), [el("p", s) for s in said], class_=f"tile {kind}"
+    )
+
+
+def _wrong(w: Wrong) -> list:
+    size = el("div", f"Size: {w.size}", class_="size") if w.size else None
+    return [el("b", w.name), ". " if w.name and w.means else None, w.means, size]
 
 
 def _picture(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     if seen is None:
-        return el("div", KEY, scan_left(outcome.scans[0]), class_="picture") if outcome.scans else None
+        return el("div", key(outcome.scans[0]), scan_picture(outcome.scans[0]), class_="picture") if outcome.scans else None
     t = seen.trace.t
     part = "the whole session" if seen.is_whole else f"the most telling {plain(t[seen.stop - 1] - t[seen.start], 2)} s"
     role = "not used for fitting" if seen.trace.held_out else "used for fitting"
-    caption = f"{part} of {seen.trace.session} ({role}); below, what is left"
+    caption = f"{part} of {short(seen.trace.session)} ({role}); below, what is left"
     chart = overlay(seen.trace, seen.row, unit_of(v, seen.channel), slice(seen.start, seen.stop), 900)
-    return el("div", KEY, chart, el("p", caption[:1].upper() + caption[1:], class_="note"), class_="picture")
+    return el("div", key(seen.trace), chart, el("p", caption[:1].upper() + caption[1:], class_="note"), class_="picture")
 
 
 def _contents(parts: list[Safe]) -> Safe:

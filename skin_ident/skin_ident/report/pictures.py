@@ -7,16 +7,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from skin_ident.criticism.outcome import Outcome, ScanTrace
+from skin_ident.report.charts import simulations
 from skin_ident.report.focus import Focus, focus
 from skin_ident.report.numbers import scale
 from skin_ident.report.shapes import residuals, spectrum, thinned
-from skin_ident.report.story import story, unit_of
+from skin_ident.report.story import named_cause, story, unit_of
 from skin_ident.report.view import View, view
-from skin_ident.report.words import capital, cause_at, channel
+from skin_ident.report.words import capital, cause_at, channel, short
 
 COLOURS = {"measured": "#9aa0aa", "before": "#c8500a", "after": "#0068b0"}
 WIDTHS = {"measured": 3.2, "before": 1.3, "after": 1.3}
-NAMES = {"measured": "measured", "before": "simulated before", "after": "simulated after"}
 POINTS = 1500
 
 
@@ -54,34 +54,39 @@ def _before_after(seen: Focus, v: View, outcome: Outcome) -> Figure:
     y_unit = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)[1]
     axes[0, 0].set_ylabel(f"{channel(seen.channel)}, {y_unit}")
     axes[0, 0].legend(loc="upper right", fontsize=8, framealpha=0.85)
-    figure.suptitle(_title(outcome, v, seen.trace.session, seen.trace.held_out), fontsize=11)
+    figure.suptitle(_title(outcome, v, seen.trace.session), fontsize=11)
     return figure
 
 
-def _title(outcome: Outcome, v: View, session: str, held_out: bool | None) -> str:
+def _title(outcome: Outcome, v: View, session: str) -> str:
     told = story(outcome, v)
-    role = {True: " (not used for fitting)", False: " (used for fitting)", None: ""}[held_out]
-    return f"{told.headline.title}\n{session[:70]}{role}: {told.better.number} {told.better.caption}"
+    return f"{told.headline.title}\n{told.better.number} {told.better.caption} ({short(session, 60)})"
 
 
 def _curves(seen: Focus, cut: slice, unit: str, top, below) -> None:
     t = seen.trace.t[cut]
-    rows = {"measured": seen.trace.measured, "before": seen.trace.baseline, "after": seen.trace.extended}
-    factor, _ = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)
-    for kind, y in rows.items():
-        top.plot(*thinned(t, factor * y[seen.row][cut], POINTS), color=COLOURS[kind], lw=WIDTHS[kind], label=NAMES[kind])
-    pair = residuals(seen.trace, seen.row)
-    small, name = scale(max(float(np.nanmax(np.abs(r), initial=0.0)) for r in pair), unit)
-    for kind, r in zip(("before", "after"), pair, strict=True):
-        below.plot(*thinned(t, small * r[cut], POINTS), color=COLOURS[kind], lw=1.0)
+    y = seen.trace.measured[seen.row]
+    both = simulations(seen.trace)
+    factor, _ = scale(np.nanmax(np.abs(y), initial=0.0), unit)
+    for kind, label, curves in (("measured", "measured", seen.trace.measured), *both):
+        top.plot(*thinned(t, factor * curves[seen.row][cut], POINTS), color=COLOURS[kind], lw=WIDTHS[kind], label=label)
+    small, name = _small(seen, unit)
+    for kind, _, curves in both:
+        below.plot(*thinned(t, small * (y - curves[seen.row])[cut], POINTS), color=COLOURS[kind], lw=1.0)
     below.set_xlabel("time, s")
     if below.get_subplotspec().is_first_col():
-        below.set_ylabel(f"measured − simulated, {name}")
+        below.set_ylabel(f"measured −\nsimulated, {name}")
     for axes in (top, below):
         _tidy(axes)
 
 
+def _small(seen: Focus, unit: str) -> tuple[float, str]:
+    """Factor and unit that suit what is left."""
+    return scale(max(float(np.nanmax(np.abs(r), initial=0.0)) for r in residuals(seen.trace, seen.row)), unit)
+
+
 def _tidy(axes) -> None:
+    axes.set_axisbelow(True)
     axes.grid(color="#e5e7ea", lw=0.8)
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(x=0.01)
@@ -96,17 +101,16 @@ def _left(seen: Focus, v: View) -> Figure:
     ]
     figure = Figure(figsize=(4.2 * (len(moving) + 1), 3.6), dpi=110, layout="constrained")
     axes = figure.subplots(1, len(moving) + 1, squeeze=False)[0]
-    pair = residuals(trace, seen.row)
-    small, name = scale(max(float(np.nanmax(np.abs(r), initial=0.0)) for r in pair), unit)
+    small, name = _small(seen, unit)
     every = max(1, trace.t.size // 6000)
-    for ax, (quantity, label) in zip(axes, moving, strict=False):
-        for r, kind in zip(pair, ("before", "after"), strict=True):
-            ax.plot(1e3 * quantity[::every], small * r[::every], ".", ms=1.5, alpha=0.5, color=COLOURS[kind], label=kind)
-        ax.set_xlabel(label)
-        ax.set_ylabel(f"measured − simulated, {name}")
-    for r, kind in zip(pair, ("before", "after"), strict=True):
+    for kind, label, curves in simulations(trace):
+        left = trace.measured[seen.row] - curves[seen.row]
+        for ax, (quantity, _) in zip(axes, moving, strict=False):
+            ax.plot(1e3 * quantity[::every], small * left[::every], ".", ms=1.5, alpha=0.5, color=COLOURS[kind])
         if trace.t.size >= 64:
-            axes[-1].loglog(*spectrum(trace.t, r), color=COLOURS[kind], lw=1.3, label=kind)
+            axes[-1].loglog(*spectrum(trace.t, left), color=COLOURS[kind], lw=1.3, label=label.removeprefix("simulated ") or label)
+    for ax, (_, label) in zip(axes, moving, strict=False):
+        ax.set(xlabel=label, ylabel=f"measured − simulated, {name}")
     axes[-1].set(xlabel="frequency, Hz", ylabel=f"measured − simulated, {unit}/√Hz")
     axes[-1].legend(fontsize=8)
     for ax in axes:
@@ -122,30 +126,33 @@ def _scan(scan: ScanTrace, outcome: Outcome) -> Figure:
     axes = figure.subplots(2, picked.size, squeeze=False, sharex=True, sharey="row", gridspec_kw={"height_ratios": (2, 1)})
     r = 1e3 * scan.distance
     for i, (top, below) in zip(picked, axes.T, strict=True):
-        top.plot(r, scan.baseline[i], color=COLOURS["before"], label="simulated before")
-        top.plot(r, scan.extended[i], color=COLOURS["after"], label="simulated after")
+        for kind, label, curves in simulations(scan):
+            top.plot(r, curves[i], color=COLOURS[kind], label=label)
+            below.plot(r, scan.measured[i] - curves[i], ".-", color=COLOURS[kind])
         top.plot(r, scan.measured[i], "o", color="#2b2e35", ms=5, label="measured")
         top.set_title(f"depth {1e3 * scan.depth[i]:.3g} mm", fontsize=10)
-        for y, kind in ((scan.baseline, "before"), (scan.extended, "after")):
-            below.plot(r, scan.measured[i] - y[i], ".-", color=COLOURS[kind])
         below.set_xlabel("distance, mm")
         _tidy(top), _tidy(below)
     axes[0, 0].set_ylabel("sensed force, N")
-    axes[1, 0].set_ylabel("measured − simulated, N")
+    axes[1, 0].set_ylabel("measured −\nsimulated, N")
     axes[0, -1].legend(fontsize=8)
-    figure.suptitle(_title(outcome, view(outcome.findings), scan.session, None), fontsize=11)
+    figure.suptitle(_title(outcome, view(outcome.findings), scan.session), fontsize=11)
     return figure
 
 
 def _evidence(outcome: Outcome) -> Figure:
     """The ranking of every round, the named cause in blue."""
-    rounds = [r for r in outcome.rounds if r.ranked][:6]
-    figure = Figure(figsize=(8.5, 0.6 + 2.2 * len(rounds)), dpi=110, layout="constrained")
-    for ax, (number, round_) in zip(figure.subplots(len(rounds), 1, squeeze=False)[:, 0], enumerate(rounds, 1), strict=True):
-        best = sorted(round_.ranked, key=lambda r: -r[2])[:6][::-1]
-        named = (round_.named or "").split(" ")[0].split(".")[0]
-        colours = [COLOURS["after"] if cause == named else COLOURS["measured"] for cause, _, _ in best]
-        ax.barh([capital(cause_at(c, w))[:48] for c, w, _ in best], [max(g, 0.0) for _, _, g in best], color=colours)
+    rounds = [(i, r.named, sorted(r.ranked, key=lambda one: -one[2])[:6]) for i, r in enumerate(outcome.rounds, 1) if r.ranked][:6]
+    heights = [len(best) + 2 for _, _, best in rounds]
+    figure = Figure(figsize=(8.5, 0.3 + 0.25 * sum(heights)), dpi=110, layout="constrained")
+    axes = figure.subplots(len(rounds), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
+    for ax, (number, named, best) in zip(axes, rounds, strict=True):
+        chosen = next((i for i, (cause, _, _) in enumerate(best) if named and cause == named_cause(named)), None)
+        colours = [COLOURS["after" if i == chosen else "measured"] for i in range(len(best))]
+        labels = [short(capital(cause_at(c, w))) for c, w, _ in best]
+        ax.barh(range(len(best)), [max(g, 0.0) for _, _, g in best], color=colours, height=0.7)
+        ax.set_yticks(range(len(best)), labels, fontsize=8)
+        ax.invert_yaxis()
         ax.set_title(f"round {number}: what each cause alone explains (squared error in units of the noise)", fontsize=9, loc="left")
         ax.tick_params(labelsize=8)
         _tidy(ax)

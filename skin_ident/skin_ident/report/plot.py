@@ -54,7 +54,7 @@ def axis(values: Sequence[np.ndarray], label: str, margin: float = 0.04, zero: b
 
 
 def plot(lines: Sequence[Line], x: Axis, y: Axis, height: str = "tall", title: str = "", live: bool = True) -> Safe:
-    """The chart as a figure. `height` is a class of the style sheet; `live` lets the pointer read values."""
+    """The chart as a figure. `height` is a class of the style sheet (`bare`: no text below it); `live` lets the pointer read values."""
     zero = el("line", x1=0, x2=WIDTH, y1=_y0(y), y2=_y0(y), class_="zero") if not y.log and y.low < 0 < y.high else None
     x_ticks, y_ticks = ticks(x, 7), ticks(y, 5)
     grid = [el("line", x1=0, x2=WIDTH, y1=_down(y, v), y2=_down(y, v), class_="grid") for v, _ in y_ticks]
@@ -65,7 +65,14 @@ def plot(lines: Sequence[Line], x: Axis, y: Axis, height: str = "tall", title: s
     marks_x = [el("i", text, style=f"left:{100 * float(x.place(v)):.2f}%") for v, text in x_ticks]
     marks_y = [el("i", text, style=f"bottom:{100 * float(y.place(v)):.2f}%") for v, text in y_ticks]
     data = {"data_x": f"{x.low:.6g} {x.high:.6g} {int(x.log)}", "data_y": f"{y.low:.6g} {y.high:.6g} {int(y.log)}"} if live else {}
-    box = el("div", el("div", svg, class_="area"), el("div", marks_x, class_="xt"), el("div", marks_y, class_="yt"), class_="box", **data)
+    box = el(
+        "div",
+        el("div", svg, class_="area"),
+        el("div", marks_x, class_="xt many" if len(marks_x) > 5 else "xt"),
+        el("div", marks_y, class_="yt"),
+        class_="box",
+        **data,
+    )
     return el(
         "figure",
         el("figcaption", title) if title else None,
@@ -111,14 +118,20 @@ def _y0(y: Axis) -> int:
 
 
 def _curve(line: Line, x: Axis, y: Axis) -> Safe:
-    across = np.rint(WIDTH * x.place(line.x)).astype(int)
-    down = np.rint(HEIGHT * (1.0 - np.clip(y.place(line.y), -1.0, 2.0))).astype(int)
+    gaps = np.flatnonzero(~np.isfinite(line.y))
+    pieces = [piece for piece in np.split(np.arange(line.y.size), gaps) if np.isfinite(line.y[piece]).any()]
+    d = "".join(_piece(line, x, y, piece[np.isfinite(line.y[piece])]) for piece in pieces)
+    return el("path", d=d, class_=line.kind, data_name=line.name)
+
+
+def _piece(line: Line, x: Axis, y: Axis, piece: np.ndarray) -> str:
+    """The part of a line between two gaps."""
+    across = np.rint(WIDTH * x.place(line.x[piece])).astype(int)
+    down = np.rint(HEIGHT * (1.0 - np.clip(y.place(line.y[piece]), -1.0, 2.0))).astype(int)
     if " dots" in line.kind:
         # A dot is a stroke of no length with a round end: it stays round however the picture is stretched.
-        d = "".join(f"M{a} {b}h0" for a, b in zip(across, down, strict=True))
-    else:
-        d = path(across, down) + ("z" if " band" in line.kind else "")
-    return el("path", d=d, class_=line.kind, data_name=line.name)
+        return "".join(f"M{a} {b}h0" for a, b in zip(across, down, strict=True))
+    return path(across, down) + ("z" if " band" in line.kind else "")
 
 
 def path(across: np.ndarray, down: np.ndarray) -> str:

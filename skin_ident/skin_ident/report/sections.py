@@ -4,17 +4,17 @@ import numpy as np
 
 from skin_ident.criticism.outcome import Outcome, Trace
 from skin_ident.report.bars import error_table, parameter_table, ranking
-from skin_ident.report.charts import KEY, KEY_LEFT, against_frequency, against_motion, overlay, scan_left, scan_panels
+from skin_ident.report.charts import against_frequency, against_motion, key, key_left, overlay, scan_left, scan_panels
 from skin_ident.report.focus import Focus, by_fall
 from skin_ident.report.markup import Safe, el, join, table
 from skin_ident.report.numbers import amount, plain, span
 from skin_ident.report.story import amounts_line, unit_of
 from skin_ident.report.view import Finding, View, mapping, text
-from skin_ident.report.words import advice, capital, cause_at, channel, meaning, sentence, spoken
+from skin_ident.report.words import advice, capital, cause_at, channel, meaning, sentence, short, spoken
 
 MOST_SESSIONS = 6
 MOST_CHANNELS = 4
-MOST_LINES_POINTS = 160_000  # points in all charts together: about 1 MB of text
+MOST_POINTS = 160_000  # points in all charts together: about 1 MB of text
 
 
 def section(identity: str, title: str, *content) -> Safe:
@@ -27,12 +27,19 @@ def measured(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     table_ = [el("p", _error_note(v), class_="note"), error_table(v.errors)] if v.errors else []
     if seen is None and not outcome.scans:
         return section("measured", "Measured against simulated", table_) if table_ else None
-    return section("measured", "Measured against simulated", table_, KEY, _sessions(outcome, v, seen), _scans(outcome))
+    return section(
+        "measured",
+        "Measured against simulated",
+        table_,
+        key(seen.trace if seen else outcome.scans[0]),
+        _sessions(outcome, v, seen),
+        _scans(outcome),
+    )
 
 
 def _error_note(v: View) -> str:
     held = any(None not in e.held_out for e in v.errors)
-    where = "sessions that were not used for fitting" if held else "the same data that the model was fitted to: no second session was given"
+    where = "data that were not used for fitting" if held else "the same data that the model was fitted to: no second session was given"
     return f"Typical error (root mean square of measured minus simulated) on {where}. The tick on the bars is what noise alone leaves."
 
 
@@ -42,7 +49,7 @@ def _sessions(outcome: Outcome, v: View, seen: Focus | None) -> list[Safe]:
     ordered = [seen.trace, *(t for t in sorted(outcome.traces, key=lambda t: not t.held_out) if t is not seen.trace and t.t.size > 1)]
     shown = ordered[:MOST_SESSIONS]
     charts = sum(min(len(t.channels), MOST_CHANNELS) for t in shown)
-    buckets = int(np.clip(MOST_LINES_POINTS / (10 * max(charts, 1)), 250, 1500))
+    buckets = int(np.clip(MOST_POINTS / (10 * max(charts, 1)), 250, 1500))
     blocks = [_session(t, v, buckets, i == 0) for i, t in enumerate(shown)]
     left = len(ordered) - len(shown)
     return [*blocks, el("p", f"{left} more sessions are in traces.npz.", class_="note")] if left else blocks
@@ -51,7 +58,7 @@ def _sessions(outcome: Outcome, v: View, seen: Focus | None) -> list[Safe]:
 def _session(trace: Trace, v: View, buckets: int, is_open: bool) -> Safe:
     rows = by_fall(trace)[:MOST_CHANNELS]
     role = "not used for fitting" if trace.held_out else "used for fitting"
-    head = el("summary", el("b", trace.session), f" – {role}, {plain(trace.t[-1] - trace.t[0])} s")
+    head = el("summary", el("b", short(trace.session, 72), title=trace.session), f" – {role}, {plain(trace.t[-1] - trace.t[0])} s")
     charts = [
         el("h4", capital(channel(trace.channels[r]))) + overlay(trace, r, unit_of(v, trace.channels[r]), slice(None), buckets) for r in rows
     ]
@@ -73,16 +80,19 @@ def left(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
         for row in by_fall(seen.trace)[:3]:
             unit = unit_of(v, seen.trace.channels[row])
             panels = [p for p in (*against_motion(seen.trace, row, unit), against_frequency(seen.trace, row, unit)) if p]
-            blocks.append(el("h4", f"{capital(channel(seen.trace.channels[row]))}, {seen.trace.session}"))
+            blocks.append(el("h4", capital(channel(seen.trace.channels[row]))))
             blocks.append(el("div", panels, class_="grid"))
     blocks += [el("div", el("h4", s.session), el("div", scan_left(s), class_="grid")) for s in outcome.scans]
     if not blocks:
         return None
     note = (
-        "What the simulation misses. A model that lacks nothing leaves flat lines around zero, and the same noise at every frequency; a lean, a step "
-        "or a hump says when the model fails. Against depth the lines are medians; against speed the shade holds the middle 80 % of the samples."
+        "What the simulation misses. A model that lacks nothing leaves flat lines around zero, and the same noise at every frequency; "
+        "a lean, a step or a hump says when the model fails."
     )
-    return section("left", "What is left: against depth, speed and frequency", el("p", note, class_="note"), KEY_LEFT, blocks)
+    if seen is not None:
+        note += f" Medians, with the middle 80 % of the samples shaded against speed; session {short(seen.trace.session)}."
+    title = "What is left: against depth, speed and frequency" if seen is not None else "What is left"
+    return section("left", title, el("p", note, class_="note"), key_left(seen.trace if seen else outcome.scans[0]), blocks)
 
 
 def evidence(outcome: Outcome, v: View) -> Safe | None:
@@ -103,7 +113,7 @@ def _card(f: Finding, number: int) -> Safe:
     rows = [
         ("What it means", sentence(meaning(f.cause))),
         ("Seen in", ", ".join(channel(c) for c in f.channels)),
-        ("Size", amounts_line(f.amounts)),
+        ("Size", el("div", [el("div", line) for line in amounts_line(f.amounts, 12).split("; ")])),
     ]
     g = f.gain
     if g.before is not None and g.after is not None:

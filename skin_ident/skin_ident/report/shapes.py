@@ -1,6 +1,7 @@
 """The shape of a residual: thinned out for drawing, and against depth, speed and frequency."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.signal import welch
@@ -29,22 +30,22 @@ def thinned(x: np.ndarray, y: np.ndarray, buckets: int) -> tuple[np.ndarray, np.
         return x, y
     edges = np.linspace(0, y.size, buckets + 1).astype(int)
     picked = []
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         part = y[start:stop]
         picked += sorted({start + int(np.argmin(part)), start + int(np.argmax(part))})
     return x[picked], y[picked]
 
 
 def binned(quantity: np.ndarray, residual: np.ndarray, low: float, high: float, bins: int = BINS) -> Binned:
-    """Residual in even bins of `quantity` between `low` and `high`; bins with too few samples are left out."""
+    """Residual in even bins of `quantity` between `low` and `high`; NaN in bins with too few samples."""
     edges = np.linspace(low, high, bins + 1)
     which = np.digitize(quantity, edges[1:-1])
     rows = []
     for i in range(bins):
         inside = residual[(which == i) & np.isfinite(residual) & (quantity >= low) & (quantity <= high)]
-        if inside.size >= FEWEST:
-            rows.append((0.5 * (edges[i] + edges[i + 1]), *np.percentile(inside, [50.0, 10.0, 90.0])))
-    return Binned(*np.array(rows).reshape(-1, 4).T)
+        spread = np.percentile(inside, [50.0, 10.0, 90.0]) if inside.size >= FEWEST else np.full(3, np.nan)
+        rows.append((0.5 * (edges[i] + edges[i + 1]), *spread))
+    return Binned(*np.array(rows).T)
 
 
 def span_of(quantity: np.ndarray) -> tuple[float, float] | None:

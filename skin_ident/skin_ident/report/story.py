@@ -6,13 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.outcome import Outcome, Round
+from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, next_steps, rebuild_answer, sure
 from skin_ident.report.focus import Focus, focus, rms
-from skin_ident.report.numbers import amount, percent, plain, span
-from skin_ident.report.view import Amount, ChannelError, Finding, View, view
-from skin_ident.report.words import advice, capital, cause_at, channel, meaning, place, rebuild, sentence, spoken
+from skin_ident.report.gains import Figure, better
+from skin_ident.report.numbers import amount, plain
+from skin_ident.report.shapes import residuals
+from skin_ident.report.view import Amount, Finding, View, view
+from skin_ident.report.words import capital, cause_at, meaning, sentence, signal, spoken
 
-NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
-MOST_AMOUNTS = 4
+MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
+MOST_SIZES = 3  # findings whose sizes fit on the first screen
 
 
 @dataclass(frozen=True)
@@ -25,12 +28,12 @@ class Headline:
 
 
 @dataclass(frozen=True)
-class Figure:
-    """How much better the model is: a number that stands out, and the sentences that hold it."""
+class Wrong:
+    """One thing that is wrong: its name, what that means, and its size; or a sentence alone."""
 
-    number: str
-    caption: str
-    sentences: tuple[str, ...]
+    name: str
+    means: str
+    size: str = ""
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class Story:
     """Everything the first screen says. Lists hold sentences."""
 
     headline: Headline
-    wrong: tuple[str, ...]
+    wrong: tuple[Wrong, ...]
     why: tuple[str, ...]
     better: Figure
     sure: str
@@ -52,10 +55,14 @@ def story(outcome: Outcome, v: View | None = None) -> Story:
     """Tell an outcome."""
     v = v or view(outcome.findings)
     seen = focus(outcome.traces, v)
-    sure, because = _sure(v)
-    answer, reason = _rebuild(v)
     return Story(
-        _headline(v), tuple(_wrong(v, seen)), tuple(_why(v, outcome.rounds)), _better(v), sure, because, answer, reason, tuple(_next(v))
+        _headline(v),
+        tuple(_wrong(v, seen)),
+        tuple(_why(v, seen, outcome.rounds)),
+        better(v),
+        *sure(v),
+        *rebuild_answer(v),
+        tuple(next_steps(v)),
     )
 
 
@@ -77,40 +84,41 @@ def _names(v: View) -> str:
     said = [cause_at(f.cause, f.where) for f in v.findings]
     if not said:
         return "no single cause"
+    if len(said) == 1 and v.findings[0].alternatives:
+        return " or ".join([*said, *(cause_at(c, w) for c, w, _ in v.findings[0].alternatives[:2])])
     return said[0] if len(said) == 1 else f"{said[0]}, and {len(said) - 1} more" if len(said) > 2 else " and ".join(said)
 
 
-def _wrong(v: View, seen: Focus | None) -> Iterator[str]:
-    """One sentence for each finding, then what they amount to in newtons."""
+def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
+    """Each finding, then what they amount to in newtons."""
     for f in v.findings:
-        sizes = amounts_line(f.amounts)
-        rivals = "".join(f", or {cause_at(c, w)}" for c, w, _ in f.alternatives)
-        means = f" – {meaning(f.cause)}" if meaning(f.cause) else ""
-        yield sentence(f"{cause_at(f.cause, f.where)}{rivals}{means}" + (f": {sizes}" if sizes else ""))
-    if not v.findings:
-        yield (
-            "No departure from the model could be named with confidence."
-            if v.verdict != NOTHING
-            else ("Nothing that these data can show. The causes that were ruled out, and those that could not be tested, are listed below.")
-        )
-    elif seen is not None:
-        yield _in_newtons(seen, v)
+        size = amounts_line(f.amounts) if len(v.findings) <= MOST_SIZES else ""
+        yield Wrong(capital(cause_at(f.cause, f.where)), sentence(meaning(f.cause)), size)
+        for cause, where, _ in f.alternatives[:3]:
+            yield Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)) + " These data fit it almost as well.")
+    if v.findings and seen is not None:
+        yield Wrong("", _in_newtons(seen, v))
+    elif not v.findings and v.verdict == NOTHING:
+        yield Wrong("", "Nothing that these data can show. What was ruled out, and what could not be tested, is listed below.")
+    elif not v.findings:
+        yield Wrong("", "No departure from the model could be named with confidence.")
 
 
-def amounts_line(amounts: tuple[Amount, ...]) -> str:
-    """Sizes in words: `relaxation time 0.800 s, …`; parameters that are zero are left out."""
+def amounts_line(amounts: tuple[Amount, ...], most: int = MOST_AMOUNTS) -> str:
+    """Sizes in words: `relaxation time 0.800 s; …`; parameters that are zero are left out."""
     shown = [a for a in amounts if a.value]
-    more = f", and {len(shown) - MOST_AMOUNTS} more" if len(shown) > MOST_AMOUNTS else ""
-    return ", ".join(f"{a.words} {amount(a.value, a.unit, a.std)}" for a in shown[:MOST_AMOUNTS]) + more
+    more = f"; and {len(shown) - most} more" if len(shown) > most else ""
+    return "; ".join(f"{a.words} {amount(a.value, a.unit, a.std)}" for a in shown[:most]) + more
 
 
 def _in_newtons(seen: Focus, v: View) -> str:
     change = seen.trace.extended[seen.row] - seen.trace.baseline[seen.row]
     peak = float(np.nanmax(np.abs(change), initial=0.0))
     top = float(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0))
-    unit = unit_of(v, seen.channel)
+    unit, name = unit_of(v, seen.channel), signal(seen.channel)
+    adding = "Adding it changes" if len(v.findings) == 1 else "Adding them changes"
     return (
-        f"The correction moves the simulated {channel(seen.channel)} by up to {amount(peak, unit)} (typically {amount(rms(change), unit)}) "
+        f"{adding} the simulated {name} by up to {amount(peak, unit, like=[top])}, typically {amount(rms(change), unit, like=[top])}, "
         f"where the measurement reaches {amount(top, unit)}."
     )
 
@@ -120,12 +128,12 @@ def unit_of(v: View, name: str) -> str:
     return next((e.unit for e in v.errors if e.channel == name), "N")
 
 
-def _why(v: View, rounds: tuple[Round, ...]) -> Iterator[str]:
+def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str]:
     yield from (s for s in (_against_rivals(f, rounds) for f in v.findings[:2]) if s)
     if len(v.findings) > 2:
         yield f"The other {len(v.findings) - 2} were accepted in the same way, one after the other."
     if v.findings:
-        yield "The picture shows it: the gap between measured and simulated that the old model leaves, and what the new one leaves."
+        yield _in_the_picture(seen, v) if seen is not None else "The picture shows what the model misses without it, and with it."
         return
     tested = {c for r in rounds for c, _, _ in r.ranked}
     if tested and v.verdict == NOTHING:
@@ -134,9 +142,25 @@ def _why(v: View, rounds: tuple[Round, ...]) -> Iterator[str]:
         yield f"{len(tested)} causes were tried on these data, and none predicts sessions that were not used for fitting reliably better."
 
 
+def _in_the_picture(seen: Focus, v: View) -> str:
+    cut = slice(seen.start, seen.stop)
+    worst = [float(np.nanpercentile(np.abs(r[cut]), 99.0)) for r in residuals(seen.trace, seen.row)]
+    unit = unit_of(v, seen.channel)
+    few = "this" if len(v.findings) == 1 else "these"
+    return (
+        f"The picture: without {few} the simulated {signal(seen.channel)} strays from the measured one by up to "
+        f"{amount(worst[0], unit, like=worst)}, with {few} by up to {amount(worst[1], unit, like=worst)}."
+    )
+
+
+def named_cause(named: str) -> str:
+    """The cause in what a round named: `hysteresis`, or `hysteresis skin`."""
+    return named.split(" ")[0].split(".")[0]
+
+
 def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
     """How far ahead of the next cause it was when it was named."""
-    ranked = next((r.ranked for r in rounds if r.named and r.named.split(" ")[0].split(".")[0] == f.cause), ())
+    ranked = next((r.ranked for r in rounds if r.named and named_cause(r.named) == f.cause), ())
     own = next((g for c, w, g in ranked if (c, w) == (f.cause, f.where)), None)
     rival = next(((c, w, g) for c, w, g in ranked if c != f.cause and g > 0), None)
     if own is None:
@@ -150,131 +174,3 @@ def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
     return (
         f"{name} and {cause_at(rival[0], rival[1])} explain about as much; {spoken(f.cause)} was kept after both had been fitted in full."
     )
-
-
-def _better(v: View) -> Figure:
-    told = [e for e in v.errors if None not in e.pair and e.pair[0]]
-    named = [f.gain.channel for f in v.findings]
-    if not told:
-        return Figure("–", "no error known", ())
-    if not v.findings:
-        return Figure("0" + "\u00a0%", "nothing to gain", tuple(_floor_line(e) for e in told[:3]))
-    best = next((e for e in told if named and e.channel == named[0]), None) or max(told, key=fall)
-    return _gain_figure(best, v)
-
-
-def _gain_figure(e: ChannelError, v: View) -> Figure:
-    before, after = e.pair
-    tested = "held-out" if e.pair == e.held_out else "training"
-    caption = f"{'less' if fall(e) >= 0 else 'more'} error in {channel(e.channel)}, on {'data not used for fitting' if tested == 'held-out' else 'the data it was fitted to'}"
-    said = [f"Typical error: {amount(before, e.unit, like=e.pair)} before, {amount(after, e.unit, like=e.pair)} after."]
-    interval = _interval(v, e)
-    said += [interval] if interval else []
-    said.append(_floor_line(e))
-    return Figure(percent(abs(fall(e))), caption, tuple(s for s in said if s))
-
-
-def _interval(v: View, e: ChannelError) -> str:
-    gains = [f.gain for f in v.findings if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
-    if not gains:
-        return ""
-    if len(v.findings) == 1:
-        return f"The fall is {span(gains[0].low, gains[0].high, gains[0].unit)} with 95 % confidence."
-    return f"The first step's share of the fall is {span(gains[0].low, gains[0].high, gains[0].unit)} with 95 % confidence."
-
-
-def fall(e: ChannelError) -> float:
-    """Relative fall of a channel's error, on held-out data where it is known."""
-    before, after = e.pair
-    return 1.0 - after / before if before and after is not None else 0.0
-
-
-def _floor_line(e: ChannelError) -> str:
-    if e.floor is None:
-        return ""
-    after = e.pair[1] if e.pair[1] is not None else e.pair[0]
-    near = after is not None and after < 1.15 * e.floor
-    return f"Noise alone leaves {amount(e.floor, e.unit)} in {channel(e.channel)}" + (
-        ": there is nothing more to gain." if near else "; no model can do better than that."
-    )
-
-
-def _sure(v: View) -> tuple[str, tuple[str, ...]]:
-    """How sure, in a word or two, and why."""
-    tested = any(e.held_out[0] is not None for e in v.errors)
-    clear = [f for f in v.findings if f.gain.low is not None and f.gain.low > 0]
-    rivals = [f for f in v.findings if f.alternatives]
-    because = [_on_held_out(v, tested, len(clear))]
-    if rivals:
-        because.append(f"{len(rivals)} of the {len(v.findings)} named causes cannot be told from a rival on these data." if len(v.findings) > 1
-                       else "These data cannot tell it from the rival named beside it.")  # fmt: skip
-    if v.verdict in (PARTLY, UNEXPLAINED):
-        because.append("Something is left that is not noise.")
-    if v.untestable:
-        because.append(f"{len(v.untestable)} causes could not be tested, because nothing in these data excites them.")
-    return _grade(v, tested, bool(rivals), len(clear)), tuple(b for b in because if b)
-
-
-def _grade(v: View, tested: bool, rivals: bool, clear: int) -> str:
-    if not tested:
-        return "Not proven"
-    if v.verdict == NOTHING:
-        return "Sure, for what could be tested"
-    if v.verdict == UNEXPLAINED or not v.findings:
-        return "Sure that something is wrong, not what"
-    if rivals:
-        return "Sure of the gain, not of the name"
-    if clear < len(v.findings):
-        return "Fairly sure"
-    return "Sure" if v.verdict == EXPLAINED else "Sure of what is named; more is left"
-
-
-def _on_held_out(v: View, tested: bool, clear: int) -> str:
-    if not tested:
-        return "There was no second session to test it on: the model was judged on the data it was fitted to. Record one more."
-    if not v.findings:
-        return "Checked on a session that was not used for fitting."
-    if clear == len(v.findings):
-        return (
-            "A session that was not used for fitting is predicted better, and chance does not explain it (the 95 % interval excludes zero)."
-        )
-    return f"{clear} of {len(v.findings)} findings improve the prediction of unused data beyond chance (95 % interval)."
-
-
-def _rebuild(v: View) -> tuple[str, str]:
-    """Must a sensor be rebuilt? The gravest answer among the findings."""
-    if not v.findings:
-        return (
-            ("No", "nothing in these data speaks against the sensor")
-            if v.verdict == NOTHING
-            else ("Not on this evidence", "no cause could be named")
-        )
-    answers = [rebuild(f.cause, f.where) for f in v.findings]
-    for grave in ("yes", "perhaps", "cannot say"):
-        for a in answers:
-            if a.answer == grave:
-                return capital(grave), a.because
-    if any(rebuild(c, w).answer != "no" for f in v.findings for c, w, _ in f.alternatives):
-        return "Not before the next experiment", "one of the rival names would put the fault in the sensor"
-    return "No", "; ".join(dict.fromkeys(a.because for a in answers))
-
-
-def _next(v: View) -> Iterator[str]:
-    for f in v.findings:
-        if f.separating:
-            yield sentence(f"To tell {cause_at(f.cause, f.where)} from {_either(f)}, run: {f.separating}")
-    for f in v.findings:
-        if advice(f.cause) and not f.alternatives:
-            yield sentence(f"{place(f.where)}: {advice(f.cause)}")
-    if v.findings:
-        yield "Use model.yaml, beside this report: the simulated skin loads it, with everything named here in it."
-    if v.verdict in (PARTLY, UNEXPLAINED):
-        yield "See which way the remaining error leans (below: against time, depth, speed, frequency), and record what the table of untested causes asks for."
-    if not any(e.held_out[0] is not None for e in v.errors) and v.errors:
-        yield "Record a second session and give it with --hold-out: it costs minutes, and turns a guess into a test."
-    if v.verdict == NOTHING and v.untestable:
-        yield "If you doubt one of the untested causes, record what its row asks for."
-
-
-def _either(f: Finding) -> str:
-    return " or ".join(cause_at(c, w) for c, w, _ in f.alternatives) or "its rivals"

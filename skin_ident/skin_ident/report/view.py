@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from skin_ident.report.numbers import finite, plain
-from skin_ident.report.words import effect_words, parameter_words, spoken
+from skin_ident.report.words import cause_at, effect_words, parameter_words, spoken
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ def view(findings: dict[str, Any]) -> View:
         recordings=tuple(sequence(findings.get("recordings"))),
         findings=tuple(_finding(mapping(f), baseline) for f in sequence(findings.get("findings"))),
         errors=_errors(mapping(baseline.get("rmse")), mapping(extended.get("rmse")), mapping(findings.get("noise_floor"))),
-        before=_amounts(baseline.get("parameters"), parameter_label),
-        after=_amounts(extended.get("parameters"), parameter_label),
+        before=_model_amounts(baseline.get("parameters")),
+        after=_model_amounts(extended.get("parameters")),
         excluded=tuple(mapping(e) for e in sequence(findings.get("excluded"))),
         untestable=tuple(mapping(e) for e in sequence(findings.get("untestable"))),
         warnings=tuple(text(w) for w in sequence(findings.get("warnings"))),
@@ -128,37 +128,44 @@ def text(thing: Any) -> str:
 
 
 def parameter_label(name: str) -> str:
-    """Words for `k1`, `share_2` or `stress_relaxation.skin.tau`."""
-    if name.count(".") == 2:
-        cause, where, short = name.split(".")
-        return f"{spoken(cause)}: {effect_words(cause, where, short) or spoken(short)}"
+    """Words for `k1` or `share_2`."""
     if name.startswith("share_"):
         return f"share of the sensed force that reaches taxel {name[6:]}"
     return parameter_words(name) or spoken(name)
 
 
-def _amounts(entries: Any, label) -> tuple[Amount, ...]:
-    return tuple(_amount(str(name), entry, label) for name, entry in mapping(entries).items())
+def _model_amounts(entries: Any) -> tuple[Amount, ...]:
+    """Parameters of a model: its own (`k1`), and those of its effects (`stress_relaxation.skin.tau`)."""
+    entries = {str(name): entry for name, entry in mapping(entries).items()}
+    parts: dict[tuple[str, str], list[str]] = {}
+    for name in entries:
+        if name.count(".") == 2:
+            cause, where, short = name.split(".")
+            parts.setdefault((cause, where), []).append(short)
+    words = {
+        f"{cause}.{where}.{short}": f"{cause_at(cause, where)}: {effect_words(cause, where, tuple(names)).get(short) or spoken(short)}"
+        for (cause, where), names in parts.items()
+        for short in names
+    }
+    return tuple(_amount(name, entry, words.get(name) or parameter_label(name)) for name, entry in entries.items())
 
 
-def _amount(name: str, entry: Any, label) -> Amount:
+def _amount(name: str, entry: Any, words: str) -> Amount:
     entry = entry if isinstance(entry, dict) else {"value": entry}
-    return Amount(name, label(name), finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")))
+    return Amount(name, words, finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")))
 
 
 def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
     cause, where = text(f.get("cause")), text(f.get("where"))
     channels = tuple(text(c) for c in sequence(f.get("channels")))
 
-    def label(name: str) -> str:
-        short = name.rpartition(".")[2]
-        return effect_words(cause, where, short) or spoken(short)
-
+    sizes = {str(name).rpartition(".")[2]: entry for name, entry in mapping(f.get("parameters")).items()}
+    words = effect_words(cause, where, tuple(sizes))
     return Finding(
         cause,
         where,
         channels,
-        _amounts(f.get("parameters"), label),
+        tuple(_amount(name, entry, words.get(name) or spoken(name)) for name, entry in sizes.items()),
         tuple(mapping(f.get("evidence")).items()),
         _gain(mapping(f.get("gain")), channels, baseline),
         tuple(_alternative(a) for a in sequence(f.get("alternatives"))),

@@ -1,5 +1,6 @@
 """Words for a reader who has never seen findings.json: places, channels, causes, verdicts, and whether a sensor must be rebuilt."""
 
+import re
 from dataclasses import dataclass
 from functools import cache
 
@@ -12,7 +13,7 @@ PLACES = {
     "skin": "the skin",
     "rig": "the rig",
     "load_cell": "the load cell",
-    "taxel": "the taxels, all alike",
+    "taxel": "all taxels alike",
     "clock": "the clock",
     "clock_taxels": "the clock of the taxels",
     "clock_depth": "the clock of the encoder",
@@ -37,9 +38,23 @@ def channel(name: str) -> str:
     return "force (load cell)" if name == "force" else spoken(name)
 
 
+def signal(name: str) -> str:
+    """A channel inside a sentence: `the simulated force`, `the simulated signal of taxel 0`."""
+    return "force" if name == "force" else f"signal of {spoken(name)}"
+
+
 def cause_at(cause: str, where: str) -> str:
-    """`stress relaxation in the skin`."""
-    return f"{spoken(cause)} in {place(where)}" if where else spoken(cause)
+    """`stress relaxation in the skin`, `time shift of the clock`, `dead taxel 3`."""
+    if cause == "dead_taxel" and where.startswith("taxel_"):
+        return f"dead {spoken(where)}"
+    if cause == "parameters":
+        return "wrong parameters of the model"
+    return f"{spoken(cause)} {'of' if where.startswith('clock') else 'in'} {place(where)}" if where else spoken(cause)
+
+
+def short(name: str, most: int = 48) -> str:
+    """A long name with its middle left out."""
+    return name if len(name) <= most else f"{name[: most // 2]}…{name[-most // 2 + 1 :]}"
 
 
 def meaning(cause: str) -> str:
@@ -69,19 +84,37 @@ def parameter_words(name: str) -> str:
     return {p.name: p.doc for p in parameters_of(Dispersion)}.get(name, "")
 
 
+# A symbol of the effect's equation right after the word it stands for: "bias F", "time t0, counted from …".
+_SYMBOL = re.compile(r"(?<!of)(?<!is)(?<!per) (?:[A-Za-z]|tau|v_s|x0|x1|t0)(?=$|[ ,:;])")
+
+
+def _without_symbols(doc: str) -> str:
+    """A parameter's description for someone who does not look at the equation."""
+    for sign, said in (("of x^2", "of depth squared"), ("of x^3", "of depth cubed"), ("of x v", "of depth times speed")):
+        doc = doc.replace(sign, said)
+    plain = _SYMBOL.sub("", doc.partition(";")[0], count=1)
+    for word, said in ((", sensed", " (felt by taxels)"), (", dispersed", " (not felt by taxels)")):
+        plain = plain[: -len(word)] + said if plain.endswith(word) else plain
+    return plain
+
+
 @cache
-def effect_words(cause: str, where: str, name: str) -> str:
-    """What a parameter of an effect is, from the effect's own declaration; an arm's number (`tau_2`) is kept."""
+def effect_words(cause: str, where: str, names: tuple[str, ...]) -> dict[str, str]:
+    """What the parameters `names` of an effect are, from its own declaration; an arm's number (`tau_2`) is kept. Unknown ones are absent.
+
+    Where a cause has several forms, the form that declares most of the names is meant.
+    """
     word = "taxel" if where.startswith("taxel") else where
+    forms = [{p.name: _without_symbols(p.doc) for p in parameters_of(c)} for c in effects() if c.cause == cause and word in c.places]
+    said = [{name: words for name in names if (words := _of(docs, name))} for docs in forms]
+    return max(said, key=len, default={})
+
+
+def _of(docs: dict[str, str], name: str) -> str:
     stem, _, number = name.rpartition("_")
-    for cls in effects():
-        if cls.cause == cause and word in cls.places:
-            docs = {p.name: p.doc for p in parameters_of(cls)}
-            if name in docs:
-                return docs[name]
-            if number.isdigit() and stem in docs:
-                return f"{docs[stem]}, number {number}"
-    return ""
+    if name in docs:
+        return docs[name]
+    return f"{docs[stem]}, number {number}" if number.isdigit() and stem in docs else ""
 
 
 @dataclass(frozen=True)
@@ -99,7 +132,7 @@ def rebuild(cause: str, where: str) -> Rebuild:
     """Does this finding call for rebuilding a sensor?"""
     on_taxel = where.startswith("taxel")
     if cause == "dead_taxel":
-        return Rebuild("yes", f"{place(where)} no longer answers")
+        return Rebuild("yes", f"{place(where)} no longer answers: {advice(cause)}")
     if cause == "data_error":
         return Rebuild("cannot say", "the record itself is wrong, so it proves nothing about the sensor")
     if on_taxel and cause in _DISTORTING:

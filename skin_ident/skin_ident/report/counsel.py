@@ -1,0 +1,116 @@
+"""How sure we are, whether a sensor must be rebuilt, and what to do next: the part of the story that a decision hangs on."""
+
+from collections.abc import Iterator
+
+from skin_ident.report.view import Finding, View
+from skin_ident.report.words import advice, capital, cause_at, place, rebuild, sentence
+
+NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
+MOST_ADVICE = 4
+DIRECT = {"quantization", "saturation", "outliers", "dead_taxel", "noise", "data_error"}  # can be seen without any model
+
+
+def sure(v: View) -> tuple[str, tuple[str, ...]]:
+    """How sure, in a word or two, and why."""
+    rivals = sum(bool(f.alternatives) for f in v.findings)
+    because = [*_on_held_out(v)]
+    if rivals and len(v.findings) > 1:
+        because.append(f"{rivals} of the {len(v.findings)} named causes cannot be told from a rival on these data.")
+    elif rivals:
+        because.append("These data cannot tell it from the other names beside it.")
+    if v.untestable:
+        because.append(f"{_count(len(v.untestable), 'cause')} could not be tested: nothing in these data brings them out.")
+    return _grade(v, rivals > 0), tuple(because)
+
+
+def _tested(v: View) -> bool:
+    return any(e.held_out[0] is not None for e in v.errors)
+
+
+def _count(n: int, word: str) -> str:
+    return f"{n} {word}{'' if n == 1 else 's'}"
+
+
+def _judged(v: View) -> tuple[Finding, ...]:
+    """Findings that stand on a better simulation; the others are seen in the record itself, before any model."""
+    return tuple(f for f in v.findings if f.gain.before is not None or f.cause not in DIRECT)
+
+
+def _clear(v: View) -> int:
+    return sum(f.gain.low is not None and f.gain.low > 0 for f in v.findings)
+
+
+def _grade(v: View, rivals: bool) -> str:
+    if v.findings and not _judged(v) and v.verdict == EXPLAINED:
+        return "Seen directly in the record"
+    if not _tested(v):
+        return "Not proven"
+    if v.verdict == NOTHING:
+        return "Sure, for what could be tested"
+    if v.verdict == UNEXPLAINED or not v.findings:
+        return "Sure that something is wrong, not what"
+    if rivals:
+        return "Sure of the gain, not of the name"
+    if _clear(v) < len(_judged(v)):
+        return "Fairly sure"
+    return "Sure" if v.verdict == EXPLAINED else "Sure of what is named; more is left"
+
+
+def _on_held_out(v: View) -> Iterator[str]:
+    direct = len(v.findings) - len(_judged(v))
+    if direct and _tested(v):
+        yield f"{_count(direct, 'finding')} can be seen in the record itself, whatever the model."
+    if not _tested(v):
+        yield "There was no second session to test it on: the model was judged on the data it was fitted to."
+    elif not v.findings:
+        yield "Checked on a session that was not used for fitting."
+    elif _judged(v) and _clear(v) == len(_judged(v)):
+        yield "Data not used for fitting are predicted better, beyond chance (the 95 % interval excludes zero)."
+    elif _judged(v):
+        yield f"{_clear(v)} of {_count(len(_judged(v)), 'finding')} improve the prediction of unused data beyond chance (95 % interval)."
+
+
+def rebuild_answer(v: View) -> tuple[str, str]:
+    """Must a sensor be rebuilt? The gravest answer among the findings, and a reason that follows "because"."""
+    if not v.findings and v.verdict == NOTHING:
+        return "No", "nothing in these data speaks against the sensor"
+    if not v.findings:
+        return "Not on this evidence", "no cause could be named"
+    answers = [rebuild(f.cause, f.where) for f in v.findings]
+    for grave in ("yes", "perhaps", "cannot say"):
+        for a in answers:
+            if a.answer == grave:
+                return capital(grave), a.because
+    if any(rebuild(c, w).answer != "no" for f in v.findings for c, w, _ in f.alternatives):
+        return "Not before the next experiment", "one of the rival names would put the fault in the sensor"
+    return "No", "; ".join(dict.fromkeys(a.because for a in answers))
+
+
+def next_steps(v: View) -> Iterator[str]:
+    """What to do, the most pressing first."""
+    for f in v.findings:
+        if f.separating:
+            yield sentence(f"To tell {cause_at(f.cause, f.where)} from {_rivals(f)}, run: {f.separating}")
+    yield from _advice(v)
+    if v.findings:
+        yield "Load model.yaml, beside this report, into the simulated skin: everything named here is in it."
+    if v.verdict in (PARTLY, UNEXPLAINED):
+        yield "See below which way the remaining error leans, and record what the untested causes need."
+    if v.errors and not _tested(v):
+        yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
+    if v.verdict == NOTHING:
+        yield "Keep the model." + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")
+
+
+def _advice(v: View) -> Iterator[str]:
+    """Advice on each finding, what touches hardware first; more than a few are left to the cards below."""
+    order = ["yes", "perhaps", "cannot say", "no"]
+    clear = [f for f in v.findings if advice(f.cause) and not f.alternatives]
+    ranked = sorted(clear, key=lambda f: (order.index(rebuild(f.cause, f.where).answer), f.where == "skin"))
+    yield from dict.fromkeys(sentence(f"{place(f.where)}: {advice(f.cause)}") for f in ranked[:MOST_ADVICE])
+    if len(ranked) > MOST_ADVICE:
+        yield f"For the other {len(ranked) - MOST_ADVICE}, see the cards under Evidence."
+
+
+def _rivals(f: Finding) -> str:
+    return " or ".join(cause_at(c, w) for c, w, _ in f.alternatives) or "its rivals"
