@@ -10,6 +10,8 @@ from typing import Any
 
 from skin_motion_profiles.errors import ProfileError
 
+NUMERIC = ("number", "whole", "numbers")
+
 
 def number(doc: str, default: Any = ..., *, lower: float = -math.inf, upper: float = math.inf) -> Any:
     """A number within [lower, upper]. With `...` as its default it must be given; `None` makes it optional."""
@@ -34,6 +36,21 @@ def flag(doc: str, default: Any = ...) -> Any:
 def text(doc: str, default: Any = ...) -> Any:
     """Words."""
     return _declared("text", doc, default, -math.inf, math.inf)
+
+
+def another(doc: str, default: Any = ...) -> Any:
+    """Another entry."""
+    return _declared("entry", doc, default, -math.inf, math.inf)
+
+
+def several(doc: str, default: Any = ...) -> Any:
+    """A list of other entries."""
+    return _declared("entries", doc, default, -math.inf, math.inf)
+
+
+def names(doc: str, default: Any = None) -> Any:
+    """Names and the numbers that they stand for."""
+    return _declared("names", doc, default, -math.inf, math.inf)
 
 
 def _declared(kind: str, doc: str, default: Any, lower: float, upper: float) -> Any:
@@ -108,4 +125,11 @@ def _text(value: Any, f: Any, label: str) -> str:
     return value
 
 
-_KINDS = {"number": _number, "whole": _whole, "numbers": _numbers, "flag": _flag, "text": _text}
+def _as_is(value: Any, f: Any, label: str) -> Any:
+    return value
+
+
+_KINDS = {
+    "number": _number, "whole": _whole, "numbers": _numbers, "flag": _flag, "text": _text,
+    "entry": _as_is, "entries": _as_is, "names": _as_is,
+}  # fmt: skip

@@ -1,10 +1,11 @@
-"""From profiles to one motion: a smooth approach to where each profile begins, and the names of the stretches for the feedback."""
+"""From entries to what a server does: stages, and for each row of profiles one motion with a smooth approach to every one of them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from skin_motion_profiles.entry import Entry, leaves
 from skin_motion_profiles.limits import Limits
 from skin_motion_profiles.moves import brake, brake_end, line
 from skin_motion_profiles.profile import Profile
@@ -32,25 +33,76 @@ class Motion:
     begins: tuple[float, ...]
 
     def name_at(self, t: float) -> str:
-        """Name of the stretch that runs at time `t`."""
+        """Name of the stretch that runs at time `t` (s)."""
         return self.names[max(int(np.searchsorted(self.begins, t, side="right")) - 1, 0)]
 
 
-def motion(profiles: Iterable[Profile], start: float, travel: Travel) -> Motion:
-    """The profiles one after the other from rest at depth `start` (m), each approached from where the last one ended.
+@dataclass(frozen=True)
+class Stage:
+    """A row of profiles that make one motion, or one entry that does not: an action or a controlled motion."""
 
-    Raises `ProfileError` for a profile that neither moves nor lasts.
+    entries: tuple[Entry, ...]
+    names: tuple[str, ...]
+
+    @property
+    def is_motion(self) -> bool:
+        """Whether `motion` can be asked for."""
+        return isinstance(self.entries[0], Profile)
+
+    def motion(self, start: float, travel: Travel) -> Motion:
+        """The profiles one after the other from rest at depth `start` (m), each approached from where the last one ended.
+
+        Raises `ProfileError` for a profile that neither moves nor lasts.
+        """
+        pieces, begins, here, now = [], [], start, 0.0
+        for profile in self.entries:
+            own = profile.trajectory(here)
+            approach = line(here, own.start, travel.speed, travel.acceleration)
+            pieces += [*approach, *own.pieces]
+            begins.append(now)
+            now += own.duration + sum(p.duration for p in approach)
+            here = own.end
+        return Motion(Trajectory(tuple(pieces)), self.names, tuple(begins))
+
+
+def stages(entry: Entry) -> tuple[Stage, ...]:
+    """What is to be done, in order. Names count the entries of a battery: "3/12 sine"."""
+    parts = list(leaves(entry))
+    names = [f"{i}/{len(parts)} {p.label}" if len(parts) > 1 else p.label for i, p in enumerate(parts, 1)]
+    return tuple(_rows(zip(parts, names, strict=True)))
+
+
+def _rows(named: Iterable[tuple[Entry, str]]) -> Iterator[Stage]:
+    row: list[tuple[Entry, str]] = []
+    for entry, name in named:
+        if isinstance(entry, Profile):
+            row.append((entry, name))
+            continue
+        if row:
+            yield Stage(*zip(*row, strict=True))
+        row = []
+        yield Stage((entry,), (name,))
+    if row:
+        yield Stage(*zip(*row, strict=True))
+
+
+def rehearse(plan: Iterable[Stage], start: float, travel: Travel, limits: Limits) -> tuple[float, ...]:
+    """Go through all stages from depth `start` (m) without moving anything; gives how long each will take (s), 0 where nobody knows.
+
+    Raises `ProfileError` naming the first profile that leaves a limit, and the limit.
     """
-    pieces, names, begins, here, now = [], [], [], start, 0.0
-    for profile in profiles:
-        own = profile.trajectory(here)
-        approach = line(here, own.start, travel.speed, travel.acceleration)
-        pieces += [*approach, *own.pieces]
-        names.append(profile.kind)
-        begins.append(now)
-        now += own.duration + sum(p.duration for p in approach)
-        here = own.end
-    return Motion(Trajectory(tuple(pieces)), tuple(names), tuple(begins))
+    durations, here = [], start
+    for stage in plan:
+        durations.append(0.0)
+        if not stage.is_motion:
+            continue
+        for profile, name in zip(stage.entries, stage.names, strict=True):
+            own = profile.trajectory(here)
+            limits.check(own, name)
+            here = own.end
+        durations[-1] = stage.motion(start, travel).trajectory.duration
+        start = here
+    return tuple(durations)
 
 
 def stop(state: State, limits: Limits, retract_to: float | None, travel: Travel) -> Trajectory | None:

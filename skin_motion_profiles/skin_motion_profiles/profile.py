@@ -9,10 +9,11 @@ A new profile is one new file in `skin_motion_profiles.profiles`: a final frozen
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
+from skin_motion_profiles.entry import Entry
 from skin_motion_profiles.errors import ProfileError
-from skin_motion_profiles.fields import check_values, number
+from skin_motion_profiles.fields import number
 from skin_motion_profiles.moves import hold, line
 from skin_motion_profiles.trajectory import Piece, State, Trajectory
 
@@ -20,17 +21,8 @@ MM = 1e-3
 
 
 @dataclass(frozen=True)
-class Profile(ABC):
-    """One motion with its parameters. `kind` is the word after `type:` in YAML. Raises `ProfileError` for a parameter out of range."""
-
-    kind: ClassVar[str]
-
-    def __post_init__(self) -> None:
-        check_values(self, self.kind)
-        self.check()
-
-    def check(self) -> None:  # noqa: B027  (most profiles have nothing to add)
-        """Raise `ProfileError` where parameters contradict each other."""
+class Profile(Entry, ABC):
+    """A motion that is known before it begins."""
 
     @abstractmethod
     def pieces(self, start: float) -> Iterable[Piece]:

@@ -3,7 +3,8 @@
     python fake_driver.py --scale 10 --retracted -0.002
 
 It publishes encoder, force and driver_state, follows command, and breaks in the ways that the topic `break` asks for:
-mute_encoder, mute_force, nan_force, stick (the stage no longer follows), block (force rises to 500 N), stop (a safety stop), mend.
+mute_encoder, mute_force, nan_force, stick (the stage no longer follows), block (force rises to 500 N), stop (a safety stop),
+no_surface (zero fails), mend.
 """
 
 import argparse
@@ -25,6 +26,7 @@ from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
 from skin_testbed_msgs.msg import DriverState
+from skin_testbed_msgs.srv import Tare, Zero
 
 STIFFNESS = 12000.0  # N/m
 PERIOD = 0.01  # s
@@ -59,7 +61,7 @@ class Path:
 
 class FakeDriver(Node):
     def __init__(self, options: argparse.Namespace) -> None:
-        super().__init__("fake_driver")
+        super().__init__("testbed_driver")
         self.options, self.lock, self.broken = options, threading.Lock(), set()
         self.depth = options.retracted
         self.path = Path(self.depth)
@@ -69,6 +71,8 @@ class FakeDriver(Node):
         self.state = self.create_publisher(DriverState, "driver_state", QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self.create_subscription(JointTrajectory, "command", self.on_command, 50)
         self.create_subscription(String, "break", self.on_break, 10)
+        self.create_service(Zero, "~/zero", self.on_zero)
+        self.create_service(Tare, "~/tare", self.on_tare)
         self.begin, self.origin = time.monotonic(), time.time()
         self.announce(DriverState.READY)
         threading.Thread(target=self.tick_forever, daemon=True).start()
@@ -100,6 +104,16 @@ class FakeDriver(Node):
             self.announce(DriverState.STOPPED, "somebody pressed the button")
         else:
             self.broken.add(message.data)
+
+    def on_zero(self, request: Zero.Request, response: Zero.Response) -> Zero.Response:
+        self.depth = 0.0  # the plunger is set down on the surface at once
+        self.path = Path(0.0)
+        response.success, response.message = "no_surface" not in self.broken, "no contact within 10 mm"
+        return response
+
+    def on_tare(self, request: Tare.Request, response: Tare.Response) -> Tare.Response:
+        response.success = True
+        return response
 
     def tick_forever(self) -> None:
         i = 0

@@ -23,7 +23,6 @@ from skin_testbed_msgs.msg import DriverState
 JOINT = "indentation"
 _LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _COMMANDS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
-KNOT_PERIOD = 0.02  # s; a cubic between such knots misses a 10 Hz sine of 1 mm by 0.007 um
 
 
 @dataclass(frozen=True)

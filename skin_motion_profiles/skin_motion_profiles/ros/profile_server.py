@@ -13,6 +13,7 @@ from rclpy.task import Future
 from skin_models.ros.node import run
 from skin_models.ros.parameters import Parameters
 
+from skin_motion_profiles.ros.asking import Asking
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.run import Run
 from skin_motion_profiles.ros.settings import Settings
@@ -28,6 +29,7 @@ class ProfileServer(Node):
         super().__init__("profile_server")
         self.settings = Parameters(self, Settings)
         self.link = DriverLink(self)
+        self.asking = Asking(self, self.settings.now)
         self.running = threading.Lock()
         self.leaving = threading.Event()
         self.worker: threading.Thread | None = None
@@ -53,7 +55,7 @@ class ProfileServer(Node):
         def cancelled() -> bool:
             return handle.is_cancel_requested or self.leaving.is_set()
 
-        goal = Run(handle.request, self.link, self.settings.now, cancelled, handle.publish_feedback)
+        goal = Run(handle.request, self.link, self.asking, self.settings.now, cancelled, handle.publish_feedback)
         future = Future()
 
         def work() -> None:

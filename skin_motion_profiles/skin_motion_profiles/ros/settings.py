@@ -17,3 +17,7 @@ class Settings:
     depth_tolerance: float = setting(0.0003, "m, largest distance between planned and measured depth", lower=1e-6, upper=0.1)
     depth_patience: float = setting(0.25, "s, how long that distance may be larger", lower=0.0, upper=60.0)
     settle_time: float = setting(1.0, "s, how long the stage may take to come to rest at the end", lower=0.0, upper=60.0)
+    action_timeout: float = setting(600.0, "s, longest wait for zero, tare, or somebody at the x-y stage", lower=1.0, upper=1e5)
+    stage_tolerance: float = setting(5e-5, "m, how near stage_position must come to stage_target", lower=1e-6, upper=0.01)
+    driver_name: str = setting("testbed_driver", "name of the driver node, whose services zero and tare are called", fixed=True)
+    skin_frame: str = setting("skin", "frame of stage_target", fixed=True)

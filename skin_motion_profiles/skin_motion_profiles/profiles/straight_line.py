@@ -1,0 +1,28 @@
+"""A straight line with a trapezoid of speed, to a depth or by a way (the thesis's straight-line move, section 3.2.2)."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skin_motion_profiles.errors import ProfileError
+from skin_motion_profiles.profile import MM, Moving, depth, speed
+from skin_motion_profiles.trajectory import Piece
+
+
+@dataclass(frozen=True)
+class StraightLine(Moving):
+    """From where the plunger is: absolute with `to_mm`, relative with `by_mm`."""
+
+    kind: ClassVar[str] = "straight_line"
+
+    to_mm: float | None = depth("depth to go to")
+    by_mm: float | None = depth("way to go, positive into the skin")
+    speed_mm_s: float = speed("mm/s, cruising speed")
+
+    def check(self) -> None:
+        if (self.to_mm is None) == (self.by_mm is None):
+            raise ProfileError(f"{self.label} needs either to_mm (absolute) or by_mm (relative), and not both")
+
+    def pieces(self, start: float) -> Iterable[Piece]:
+        here = start / MM
+        return self.line(here, here + self.by_mm if self.to_mm is None else self.to_mm, self.speed_mm_s)

@@ -1,0 +1,16 @@
+"""Take the present mean of the unloaded sensors as their zero, with the driver's service. Only where a battery says so, never by itself."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skin_motion_profiles.entry import Action
+from skin_motion_profiles.profile import seconds
+
+
+@dataclass(frozen=True)
+class Tare(Action):
+    """To be done in free air."""
+
+    kind: ClassVar[str] = "tare"
+
+    duration_s: float = seconds("over which to average; 0: the driver's own", 0.0)

@@ -1,0 +1,99 @@
+"""What ends a goal before its time, each with its code and a sentence."""
+
+from collections.abc import Callable
+
+from skin_motion_profiles.entry import Action
+from skin_motion_profiles.profiles.place import Place
+from skin_motion_profiles.profiles.tare import Tare
+from skin_motion_profiles.ros.driver_link import DriverLink
+from skin_motion_profiles.ros.settings import Settings
+from skin_motion_profiles.ros.streaming import Stream
+from skin_testbed_msgs.action import ExecuteProfile
+from skin_testbed_msgs.msg import DriverState
+
+Result = ExecuteProfile.Result
+_CLOCK_SLACK = 1.0  # s by which the clocks of driver and server may differ
+
+
+class Ended(Exception):
+    """The goal cannot go on: a code of the action's result and a sentence."""
+
+    def __init__(self, code: int, sentence: str) -> None:
+        super().__init__(sentence)
+        self.code = code
+
+
+class Watch:
+    """Looks at driver and client on behalf of one goal. Everything but `arrived` and `alive` raises `Ended` or does nothing."""
+
+    def __init__(self, link: DriverLink, settings: Settings, max_force: float, cancelled: Callable[[], bool]) -> None:
+        self.link, self.settings, self.max_force, self.cancelled = link, settings, max_force, cancelled
+
+    def before_moving(self) -> None:
+        """Is the driver there, ready, and on the same clock?"""
+        if self.link.state is None:
+            raise Ended(Result.DRIVER_FAULT, "no driver has announced itself on the topic driver_state: start driver_node")
+        self._driver()
+        self._samples()
+        ahead = (self.link.depth.stamp - self.link.now()) * 1e-9
+        if abs(ahead) > _CLOCK_SLACK * self.link.rate:
+            raise Ended(
+                Result.NO_FEEDBACK,
+                f"the stamps of encoder differ by {ahead:+.1f} s from this node's clock: set use_sim_time as the driver does",
+            )
+
+    def may_ask(self, action: Action) -> None:
+        """May the x-y stage move now, may the sensors be tared?"""
+        if isinstance(action, (Place, Tare)) and self.link.depth.value > 0.0:
+            where = f"{self.link.depth.value * 1e3:.3f} mm in the skin"
+            raise Ended(Result.INVALID_PROFILE, f"{action.label} needs the plunger in the air, but it is {where}: put free_air before it")
+
+    def check(self, stream: Stream | None) -> None:
+        """May the goal go on? `stream` is the motion under way, if there is one."""
+        if self.cancelled():
+            raise Ended(Result.CANCELLED, "cancelled")
+        if self.link.peak_load > self.max_force:
+            raise Ended(Result.OVER_FORCE, f"the force reached {self.link.peak_load:.2f} N, more than the allowed {self.max_force:g} N")
+        self._driver()
+        self._samples()
+        if stream is not None:
+            self._depth(stream)
+
+    def arrived(self, stream: Stream) -> bool:
+        """Whether the stage rests where the motion ends."""
+        trajectory, depth = stream.motion.trajectory, self.link.depth
+        t = (depth.stamp - stream.base) * 1e-9
+        if t < trajectory.duration:
+            return False
+        if abs(depth.value - trajectory.end) <= self.settings.depth_tolerance:
+            return True
+        if t > trajectory.duration + self.settings.settle_time:
+            where = f"{depth.value * 1e3:.3f} mm instead of {trajectory.end * 1e3:.3f} mm"
+            raise Ended(Result.DEPTH_ERROR, f"the stage rests at {where}, {self.settings.settle_time:g} s after the end of the motion")
+        return False
+
+    def alive(self) -> bool:
+        """Whether the driver still reports and has not stopped."""
+        return self.link.state.state != DriverState.STOPPED and not self.link.silent(2.0 * self.settings.feedback_timeout)
+
+    def _driver(self) -> None:
+        state = self.link.state
+        if state.state == DriverState.STOPPED:
+            raise Ended(Result.DRIVER_FAULT, f"the driver has stopped: {state.reason or 'it gives no reason'}; call its service reset")
+        if state.state == DriverState.INACTIVE:
+            raise Ended(Result.DRIVER_FAULT, "the driver is not active: activate it")
+
+    def _samples(self) -> None:
+        if silent := self.link.silent(self.settings.feedback_timeout):
+            raise Ended(Result.NO_FEEDBACK, f"no valid sample on {' and '.join(silent)} for {self.settings.feedback_timeout:g} s")
+
+    def _depth(self, stream: Stream) -> None:
+        depth = self.link.depth
+        planned = stream.planned(depth.stamp)
+        if abs(depth.value - planned) <= self.settings.depth_tolerance:
+            stream.off_since = None
+            return
+        stream.off_since = stream.off_since or depth.stamp
+        if (depth.stamp - stream.off_since) * 1e-9 > self.settings.depth_patience:
+            where = f"{depth.value * 1e3:.3f} mm where {planned * 1e3:.3f} mm were asked for"
+            raise Ended(Result.DEPTH_ERROR, f"the stage does not follow: it is at {where}")
