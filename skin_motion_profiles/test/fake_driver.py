@@ -22,11 +22,10 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from std_msgs.msg import String
-from trajectory_msgs.msg import JointTrajectory
-
 from skin_testbed_msgs.msg import DriverState
 from skin_testbed_msgs.srv import Tare, Zero
+from std_msgs.msg import String
+from trajectory_msgs.msg import JointTrajectory
 
 STIFFNESS = 12000.0  # N/m
 PERIOD = 0.01  # s

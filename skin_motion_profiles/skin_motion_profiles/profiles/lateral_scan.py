@@ -26,7 +26,7 @@ class LateralScan(Group):
     clearance_mm: float = number("mm, height above the surface while moving sideways", 1.0, lower=0.01, upper=150.0)
     settle_s: float = seconds("in the air before every depression", 1.0)
     depth_mm: float | None = depth("depth of a step at every point, instead of a profile")
-    profile: Entry | None = another("what to do at every point", None)
+    profile: Entry | None = another("what to do at every point", None)  # noqa: RUF009  (it is a field)
 
     def check(self) -> None:
         if (self.profile is None) == (self.depth_mm is None):

@@ -11,7 +11,9 @@ from typing import Any
 
 from geometry_msgs.msg import PointStamped
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.qos import qos_profile_sensor_data
+from skin_testbed_msgs.srv import Tare as TareService
+from skin_testbed_msgs.srv import Zero as ZeroService
 from std_srvs.srv import Trigger
 
 from skin_motion_profiles.entry import Action
@@ -19,11 +21,8 @@ from skin_motion_profiles.profile import MM
 from skin_motion_profiles.profiles.place import Place
 from skin_motion_profiles.profiles.tare import Tare
 from skin_motion_profiles.profiles.zero import Zero
+from skin_motion_profiles.ros.driver_link import LATCHED
 from skin_motion_profiles.ros.settings import Settings
-from skin_testbed_msgs.srv import Tare as TareService
-from skin_testbed_msgs.srv import Zero as ZeroService
-
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class Asking:
         self.zero = node.create_client(ZeroService, f"{settings.driver_name}/zero")
         self.tare = node.create_client(TareService, f"{settings.driver_name}/tare")
         self.halt = node.create_client(Trigger, f"{settings.driver_name}/stop")
-        self.target = node.create_publisher(PointStamped, "stage_target", _LATCHED)
+        self.target = node.create_publisher(PointStamped, "stage_target", LATCHED)
         self.position: PointStamped | None = None
         self.proceeded = False
         node.create_subscription(PointStamped, "stage_position", self._on_position, qos_profile_sensor_data)

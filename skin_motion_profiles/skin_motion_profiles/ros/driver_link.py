@@ -14,14 +14,14 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profi
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
+from skin_testbed_msgs.msg import DriverState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from skin_motion_profiles.limits import Limits
 from skin_motion_profiles.trajectory import Trajectory
-from skin_testbed_msgs.msg import DriverState
 
 JOINT = "indentation"
-_LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _COMMANDS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 
 
@@ -49,7 +49,7 @@ class DriverLink:
         subscribe = node.create_subscription
         subscribe(JointState, "encoder", self._on_encoder, qos_profile_sensor_data, qos_overriding_options=policies)
         subscribe(WrenchStamped, "force", self._on_force, qos_profile_sensor_data, qos_overriding_options=policies)
-        subscribe(DriverState, "driver_state", self._on_state, _LATCHED)
+        subscribe(DriverState, "driver_state", self._on_state, LATCHED)
         self._commands = node.create_publisher(JointTrajectory, "command", _COMMANDS, qos_overriding_options=policies)
 
     def now(self) -> int:

@@ -10,14 +10,15 @@ from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.task import Future
+from skin_testbed_msgs.action import ExecuteProfile
+from std_msgs.msg import String
+
 from skin_models.ros.node import run
 from skin_models.ros.parameters import Parameters
-
 from skin_motion_profiles.ros.asking import Asking
-from skin_motion_profiles.ros.driver_link import DriverLink
+from skin_motion_profiles.ros.driver_link import LATCHED, DriverLink
 from skin_motion_profiles.ros.run import Run
 from skin_motion_profiles.ros.settings import Settings
-from skin_testbed_msgs.action import ExecuteProfile
 
 Result = ExecuteProfile.Result
 
@@ -30,6 +31,7 @@ class ProfileServer(Node):
         self.settings = Parameters(self, Settings)
         self.link = DriverLink(self)
         self.asking = Asking(self, self.settings.now)
+        self.executed = self.create_publisher(String, "executed_profile", LATCHED)  # what a recording needs to be repeated
         self.running = threading.Lock()
         self.leaving = threading.Event()
         self.worker: threading.Thread | None = None
@@ -55,7 +57,7 @@ class ProfileServer(Node):
         def cancelled() -> bool:
             return handle.is_cancel_requested or self.leaving.is_set()
 
-        goal = Run(handle.request, self.link, self.asking, self.settings.now, cancelled, handle.publish_feedback)
+        goal = Run(handle.request, self.link, self.asking, self.settings.now, cancelled, handle.publish_feedback, self._announce)
         future = Future()
 
         def work() -> None:
@@ -69,6 +71,9 @@ class ProfileServer(Node):
         self.worker = threading.Thread(target=work, name="goal", daemon=True)
         self.worker.start()
         return future
+
+    def _announce(self, text: str) -> None:
+        self.executed.publish(String(data=text))
 
     def destroy_node(self) -> None:
         """Let a running goal brake and retract or hold before the node goes."""

@@ -8,17 +8,17 @@ import time
 from collections.abc import Callable
 
 from rclpy.time import Time
+from skin_testbed_msgs.action import ExecuteProfile
 
 from skin_motion_profiles.entry import Action, Entry
 from skin_motion_profiles.errors import ProfileError
 from skin_motion_profiles.plan import Motion, Stage, Travel, rehearse, stages, stop
-from skin_motion_profiles.profile_file import entry_from_text
+from skin_motion_profiles.profile_file import entry_from_text, entry_to_text
 from skin_motion_profiles.ros.asking import Asking
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.settings import Settings
 from skin_motion_profiles.ros.streaming import HEAD_START, REACTION, Stream
 from skin_motion_profiles.ros.watching import Ended, Watch
-from skin_testbed_msgs.action import ExecuteProfile
 
 Result = ExecuteProfile.Result
 _LOOK = 0.02  # s between two looks at the driver; messages wake it earlier
@@ -31,9 +31,10 @@ class Run:
 
     def __init__(
         self, goal: ExecuteProfile.Goal, link: DriverLink, asking: Asking, settings: Settings,
-        cancelled: Callable[[], bool], publish: Callable[[ExecuteProfile.Feedback], None],
+        cancelled: Callable[[], bool], publish: Callable[[ExecuteProfile.Feedback], None], announce: Callable[[str], None],
     ) -> None:  # fmt: skip
-        self.goal, self.link, self.asking, self.settings, self.publish = goal, link, asking, settings, publish
+        self.goal, self.link, self.asking, self.settings = goal, link, asking, settings
+        self.publish, self.announce = publish, announce
         self.watch = Watch(link, settings, goal.max_force or settings.max_force, cancelled)
         self.stream: Stream | None = None
         self.started: int | None = None
@@ -60,6 +61,7 @@ class Run:
         plan = stages(entry)
         durations = rehearse(plan, self.link.depth.value, self.travel(), self.link.limits)
         self.whole = sum(durations)
+        self.announce(entry_to_text(entry))
         for stage, duration in zip(plan, durations, strict=True):
             if stage.is_motion:
                 self.follow(stage.motion(self.link.depth.value, self.travel()))
@@ -153,7 +155,7 @@ class Run:
                 segment=segment,
                 depth=self.link.depth.value,
                 force=self.link.force.value,
-                peak_force=self.link.peak_force,
+                peak_force=max(self.link.peak_force, self.link.force.value),
             )
         )
 

@@ -2,14 +2,15 @@
 
 from collections.abc import Callable
 
+from skin_testbed_msgs.action import ExecuteProfile
+from skin_testbed_msgs.msg import DriverState
+
 from skin_motion_profiles.entry import Action
 from skin_motion_profiles.profiles.place import Place
 from skin_motion_profiles.profiles.tare import Tare
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.settings import Settings
 from skin_motion_profiles.ros.streaming import Stream
-from skin_testbed_msgs.action import ExecuteProfile
-from skin_testbed_msgs.msg import DriverState
 
 Result = ExecuteProfile.Result
 _CLOCK_SLACK = 1.0  # s by which the clocks of driver and server may differ

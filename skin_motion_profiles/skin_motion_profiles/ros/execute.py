@@ -1,0 +1,150 @@
+"""Execute one profile or battery from the command line.
+
+    ros2 run skin_motion_profiles execute full depth_mm=0.8 seed=3
+    ros2 run skin_motion_profiles execute '{type: sine, amplitude_mm: 0.3, frequency_hz: 0.5}' --max-force 20 --hold
+    ros2 run skin_motion_profiles execute my_profile.yaml
+
+Exit status: 0 the profile was executed, 1 it was not (the sentence says why), 2 the input cannot be used. Ctrl-C cancels the goal and
+waits for the plunger to retract or hold.
+"""
+
+import argparse
+import signal
+import sys
+import time
+from typing import Any
+
+import rclpy
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from rclpy.utilities import remove_ros_args
+from skin_testbed_msgs.action import ExecuteProfile
+
+from skin_models.errors import SkinError
+from skin_motion_profiles.profile_file import entry_from_words, entry_to_text
+from skin_motion_profiles.ros.progress import ProgressLine
+
+_PATIENCE = 10.0  # s to find the server
+_SILENCE = 3.0  # s without feedback after which a server that is no longer there is given up
+
+
+class Client(Node):
+    """One goal and its end."""
+
+    def __init__(self, show: ProgressLine) -> None:
+        super().__init__("execute")
+        self.client = ActionClient(self, ExecuteProfile, "execute_profile")
+        self.show, self.heard, self.cancel_wanted = show, time.monotonic(), False
+        self.spinner = SingleThreadedExecutor()
+        self.spinner.add_node(self)
+
+    def execute(self, goal: ExecuteProfile.Goal) -> ExecuteProfile.Result:
+        """Send the goal and wait for its result. Raises `SkinError` where there is no server, or no longer."""
+        self._until(self.client.server_is_ready, _PATIENCE, "there is no server of the action execute_profile: start profile_server")
+        handle = self._answer(self.client.send_goal_async(goal, feedback_callback=self._on_feedback))
+        if not handle.accepted:
+            raise SkinError("the profile server did not accept the goal")
+        result, cancelling = handle.get_result_async(), False
+        while not result.done():
+            self.spinner.spin_once(timeout_sec=0.1)
+            if self.cancel_wanted and not cancelling:
+                cancelling = True
+                handle.cancel_goal_async()
+            self._still_there()
+        return result.result().result
+
+    def _answer(self, future: Future) -> Any:
+        self._until(future.done, _PATIENCE, "the profile server does not answer")
+        return future.result()
+
+    def _until(self, condition: Any, patience: float, complaint: str) -> None:
+        end = time.monotonic() + patience
+        while not condition():
+            if time.monotonic() > end or self.cancel_wanted:
+                raise SkinError(complaint if not self.cancel_wanted else "interrupted before the goal was accepted")
+            self.spinner.spin_once(timeout_sec=0.1)
+        self.heard = time.monotonic()
+
+    def _still_there(self) -> None:
+        if time.monotonic() - self.heard > _SILENCE and not self.client.server_is_ready():
+            raise SkinError("the profile server has gone: the driver stops the plunger by itself")
+
+    def _on_feedback(self, message: Any) -> None:
+        self.heard = time.monotonic()
+        self.show.update(message.feedback)
+
+
+def main() -> None:
+    """Entry point."""
+    sys.exit(_status(sys.argv))
+
+
+def _status(argv: list[str]) -> int:
+    options = _options(remove_ros_args(argv)[1:])
+    try:
+        goal = ExecuteProfile.Goal(
+            profile=entry_to_text(entry_from_words(options.profile, options.settings)),
+            max_force=options.max_force,
+            on_stop=ExecuteProfile.Goal.HOLD if options.hold else ExecuteProfile.Goal.RETRACT,
+        )
+    except SkinError as error:
+        return _complain(error, 2)
+    rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
+    show = ProgressLine(sys.stdout)
+    client = Client(show)
+    signal.signal(signal.SIGINT, lambda *_: _interrupt(client))
+    signal.signal(signal.SIGTERM, lambda *_: _interrupt(client))
+    try:
+        result = client.execute(goal)
+    except SkinError as error:
+        show.close()
+        return _complain(error, 1)
+    show.close()
+    return _report(result)
+
+
+def _interrupt(client: Client) -> None:
+    if client.cancel_wanted:
+        sys.exit(1)  # the second time: do not wait
+    client.cancel_wanted = True
+
+
+def _options(arguments: list[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="execute", description="Execute a profile or a battery on the testbed.")
+    parser.add_argument("profile", help="a YAML file, the name of a battery, or YAML text such as '{type: step, depth_mm: 1}'")
+    parser.add_argument("settings", nargs="*", metavar="key=value", help="arguments of a battery, parameters of a profile")
+    parser.add_argument("--max-force", type=_force, default=0.0, metavar="N", help="end the goal above this; default: the server's limit")
+    parser.add_argument("--hold", action="store_true", help="on cancel, over-force or a fault stay where you are; default: retract")
+    return parser.parse_args(arguments)
+
+
+def _force(word: str) -> float:
+    value = float(word)
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{word} must be a positive number of newtons")
+    return value
+
+
+def _report(result: ExecuteProfile.Result) -> int:
+    numbers = f"{result.duration:.1f} s, peak {result.peak_force:.2f} N at most {result.peak_depth * 1e3:.3f} mm deep"
+    if result.error_code == ExecuteProfile.Result.SUCCESS:
+        print(f"{result.error_string}: {numbers}", flush=True)
+        return 0
+    name = next(n for n in _CODES if getattr(ExecuteProfile.Result, n) == result.error_code)
+    print(f"execute: {name}: {result.error_string}" + (f" ({numbers})" if result.duration > 0.0 else ""), file=sys.stderr, flush=True)
+    return 2 if result.error_code == ExecuteProfile.Result.INVALID_PROFILE else 1
+
+
+_CODES = ("INVALID_PROFILE", "BUSY", "CANCELLED", "OVER_FORCE", "NO_FEEDBACK", "DRIVER_FAULT", "DEPTH_ERROR")
+
+
+def _complain(error: Exception, status: int) -> int:
+    print(f"execute: {' '.join(str(error).split())}", file=sys.stderr, flush=True)
+    return status
+
+
+if __name__ == "__main__":
+    main()
