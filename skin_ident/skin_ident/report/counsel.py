@@ -2,12 +2,18 @@
 
 from collections.abc import Iterator
 
-from skin_ident.report.view import Finding, View
+from skin_ident.report.numbers import percent
+from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
 from skin_ident.report.words import advice, capital, cause_at, place, rebuild, sentence
 
 NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
+TESTED = {
+    HELD_OUT: "data not used for fitting",
+    STRETCHES: "stretches of the session not used for fitting",
+    IN_TURN: "sessions held out in turn",
+    UNTESTED: "the data it was fitted to",
+}
 MOST_ADVICE = 4
-DIRECT = {"quantization", "saturation", "outliers", "dead_taxel", "noise", "data_error"}  # can be seen without any model
 
 
 def sure(v: View) -> tuple[str, tuple[str, ...]]:
@@ -18,32 +24,25 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
         because.append(f"{rivals} of the {len(v.findings)} named causes cannot be told from a rival on these data.")
     elif rivals:
         because.append("These data cannot tell it from the other names beside it.")
+    if v.verdict in (PARTLY, UNEXPLAINED) and v.rest:
+        because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
     if v.untestable:
-        because.append(f"{_count(len(v.untestable), 'cause')} could not be tested: nothing in these data brings them out.")
+        because.append(f"{_count(len(v.untestable), 'cause')} could not be tested with these data.")
     return _grade(v, rivals > 0), tuple(because)
-
-
-def _tested(v: View) -> bool:
-    return any(e.held_out[0] is not None for e in v.errors)
 
 
 def _count(n: int, word: str) -> str:
     return f"{n} {word}{'' if n == 1 else 's'}"
 
 
-def _judged(v: View) -> tuple[Finding, ...]:
-    """Findings that stand on a better simulation; the others are seen in the record itself, before any model."""
-    return tuple(f for f in v.findings if f.gain.before is not None or f.cause not in DIRECT)
-
-
 def _clear(v: View) -> int:
-    return sum(f.gain.low is not None and f.gain.low > 0 for f in v.findings)
+    return sum(f.gain.low is not None and f.gain.low > 0 for f in v.judged)
 
 
 def _grade(v: View, rivals: bool) -> str:
-    if v.findings and not _judged(v) and v.verdict == EXPLAINED:
+    if v.findings and not v.judged and v.verdict == EXPLAINED:
         return "Seen directly in the record"
-    if not _tested(v):
+    if v.tested == UNTESTED:
         return "Not proven"
     if v.verdict == NOTHING:
         return "Sure, for what could be tested"
@@ -51,23 +50,24 @@ def _grade(v: View, rivals: bool) -> str:
         return "Sure that something is wrong, not what"
     if rivals:
         return "Sure of the gain, not of the name"
-    if _clear(v) < len(_judged(v)):
+    if _clear(v) < len(v.judged) or v.tested == STRETCHES:
         return "Fairly sure"
     return "Sure" if v.verdict == EXPLAINED else "Sure of what is named; more is left"
 
 
 def _on_held_out(v: View) -> Iterator[str]:
-    direct = len(v.findings) - len(_judged(v))
-    if direct and _tested(v):
+    if direct := len(v.findings) - len(v.judged):
         yield f"{_count(direct, 'finding')} can be seen in the record itself, whatever the model."
-    if not _tested(v):
+    if v.tested == UNTESTED and v.judged:
         yield "There was no second session to test it on: the model was judged on the data it was fitted to."
-    elif not v.findings:
-        yield "Checked on a session that was not used for fitting."
-    elif _judged(v) and _clear(v) == len(_judged(v)):
-        yield "Data not used for fitting are predicted better, beyond chance (the 95 % interval excludes zero)."
-    elif _judged(v):
-        yield f"{_clear(v)} of {_count(len(_judged(v)), 'finding')} improve the prediction of unused data beyond chance (95 % interval)."
+    elif not v.findings and v.tested != UNTESTED:
+        yield f"Checked on {TESTED[v.tested]}."
+    elif v.judged and _clear(v) == len(v.judged):
+        yield f"The prediction of {TESTED[v.tested]} improves beyond chance (the 95 % interval excludes zero)."
+    elif v.judged:
+        yield f"{_clear(v)} of {_count(len(v.judged), 'finding')} improve the prediction of {TESTED[v.tested]} beyond chance."
+    if v.tested == STRETCHES:
+        yield "There is only one session: a second one would be a harder test."
 
 
 def rebuild_answer(v: View) -> tuple[str, str]:
@@ -96,7 +96,7 @@ def next_steps(v: View) -> Iterator[str]:
         yield "Load model.yaml, beside this report, into the simulated skin: everything named here is in it."
     if v.verdict in (PARTLY, UNEXPLAINED):
         yield "See below which way the remaining error leans, and record what the untested causes need."
-    if v.errors and not _tested(v):
+    if v.errors and v.tested in (UNTESTED, STRETCHES):
         yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
     if v.verdict == NOTHING:
         yield "Keep the model." + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
+from skin_ident.report.counsel import PARTLY, TESTED, UNEXPLAINED
 from skin_ident.report.numbers import amount, percent, span
-from skin_ident.report.view import ChannelError, View
+from skin_ident.report.view import IN_TURN, ChannelError, View
 from skin_ident.report.words import signal
 
 
@@ -17,14 +18,14 @@ class Figure:
 
 
 def better(v: View) -> Figure:
-    """The gain in the channel that the first finding names, or in the one that gained most."""
+    """The gain in the channel that the first judged finding names, or in the one that gained most."""
     told = [e for e in v.errors if None not in e.pair and e.pair[0]]
     if not told:
-        return Figure("Not measured", "", ("No simulation was compared with these data.",) if not v.errors else ())
-    if not v.findings or not any(f.gain.before is not None or abs(fall(e)) > 1e-3 for f in v.findings for e in told):
+        return Figure("Not measured", "", () if v.errors else ("No simulation was compared with these data.",))
+    if not v.judged:
         return _no_gain(v, told)
-    named = [f.gain.channel for f in v.findings if f.gain.before is not None]
-    return _gain(next((e for e in told if named and e.channel == named[0]), None) or max(told, key=fall), v)
+    named = v.judged[0].gain.channel
+    return _gain(next((e for e in told if e.channel == named), None) or max(told, key=fall), v)
 
 
 def fall(e: ChannelError) -> float:
@@ -47,29 +48,35 @@ def _floor(e: ChannelError) -> str:
 
 
 def _gain(e: ChannelError, v: View) -> Figure:
-    before, after = e.pair
-    tested = None not in e.held_out
-    where = "data not used for fitting" if tested else "the data it was fitted to"
-    caption = f"{'less' if fall(e) >= 0 else 'more'} error in the {signal(e.channel)}, on {where}"
+    before, after = pair = _tested_pair(e, v)
+    share = 1.0 - after / before
+    caption = f"{'less' if share >= 0 else 'more'} error in the {signal(e.channel)}, on {TESTED[v.tested]}"
     said = [
-        f"Typical error: {amount(before, e.unit, like=e.pair)} before, {amount(after, e.unit, like=e.pair)} after.",
+        f"Typical error: {amount(before, e.unit, like=pair)} before, {amount(after, e.unit, like=pair)} after.",
         _interval(v, e),
-        _bound(e),
+        _bound(e, after, v),
     ]
-    return Figure(percent(abs(fall(e))), caption, tuple(s for s in said if s))
+    return Figure(percent(abs(share)), caption, tuple(s for s in said if s))
+
+
+def _tested_pair(e: ChannelError, v: View) -> tuple[float, float]:
+    """Error before and after on data that test it. With sessions held out in turn, only the findings carry it."""
+    steps = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.before and f.gain.after is not None]
+    return (steps[0].before, steps[-1].after) if v.tested == IN_TURN and steps else e.pair
 
 
 def _interval(v: View, e: ChannelError) -> str:
-    gains = [f.gain for f in v.findings if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
+    gains = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
     if not gains:
         return ""
-    step = "The fall is" if len(v.findings) == 1 else "The first cause alone is worth"
+    step = "The fall is" if len(v.judged) == 1 else "The first cause alone is worth"
     return f"{step} {span(gains[0].low, gains[0].high, gains[0].unit)} with 95 % confidence."
 
 
-def _bound(e: ChannelError) -> str:
+def _bound(e: ChannelError, after: float, v: View) -> str:
     if e.floor is None:
         return ""
-    near = e.pair[1] is not None and e.pair[1] < 1.15 * e.floor
-    rest = "there is nothing more to gain." if near else "no model can do better than that."
-    return f"Noise alone leaves {amount(e.floor, e.unit, like=[*e.pair, e.floor])}: {rest}"
+    floor = amount(e.floor, e.unit, like=[*e.pair, e.floor])
+    if v.verdict in (PARTLY, UNEXPLAINED):
+        return f"What no named cause explains is {floor}: the noise, and what is still missing."
+    return f"Noise alone leaves {floor}: " + ("there is nothing more to gain." if after < 1.15 * e.floor else "no model can do better.")

@@ -1,10 +1,13 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
 from skin_ident.criticism.outcome import Outcome
+from skin_ident.report.appendix import bound
 from skin_ident.report.gains import fall
 from skin_ident.report.numbers import UNKNOWN, amount, percent
+from skin_ident.report.reading import recording_name, view
 from skin_ident.report.story import Wrong, story
-from skin_ident.report.view import Amount, View, mapping, text, view
+from skin_ident.report.tolerant import text
+from skin_ident.report.view import Amount, View
 from skin_ident.report.words import capital, cause_at, channel, sentence
 
 
@@ -74,7 +77,7 @@ def _parameters(v: View) -> list[str]:
 
 
 def _excluded(v: View) -> list[str]:
-    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), amount(e.get("below"), text(e.get("unit")))] for e in v.excluded]
+    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), bound(e)] for e in v.excluded]
     return _rows("Ruled out", ["cause", "smaller than"], rows)
 
 
@@ -84,6 +87,6 @@ def _untestable(v: View) -> list[str]:
 
 
 def _recordings(v: View) -> list[str]:
-    names = [f"- {text(mapping(r).get('name')) or text(r)}" for r in v.recordings]
+    names = [f"- {recording_name(r)}" for r in v.recordings]
     warned = [f"- Warning: {sentence(w)}" for w in v.warnings]
     return ["## Recordings", "", *names, *warned] if names or warned else []

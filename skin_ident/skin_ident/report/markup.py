@@ -44,3 +44,8 @@ def table(head: list[str], rows: list[list[Any]], numeric: tuple[int, ...] = (),
         el("tr", [el("td", cell, data_label=head[i], class_="num" if i in numeric else None) for i, cell in enumerate(row)]) for row in rows
     ]
     return el("table", el("thead", top), el("tbody", body), class_=class_ or None)
+
+
+def section(identity: str, title: str, *content: Any) -> Safe:
+    """One section of the page, with an anchor."""
+    return el("section", el("h2", title), content, id=identity)

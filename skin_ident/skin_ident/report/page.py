@@ -3,13 +3,15 @@
 from importlib.resources import files
 
 from skin_ident.criticism.outcome import Outcome
-from skin_ident.report import sections
+from skin_ident.report import appendix, sections
 from skin_ident.report.charts import key, overlay, scan_picture
+from skin_ident.report.evidence import evidence
 from skin_ident.report.focus import Focus, focus
 from skin_ident.report.markup import Safe, el
 from skin_ident.report.numbers import plain
+from skin_ident.report.reading import recording_name, view
 from skin_ident.report.story import Story, Wrong, story, unit_of
-from skin_ident.report.view import View, mapping, text, view
+from skin_ident.report.view import View
 from skin_ident.report.words import sentence, short
 
 SIGNS = {"good": "✓", "found": "!", "part": "~", "bad": "?"}
@@ -22,12 +24,12 @@ def page(outcome: Outcome) -> str:
     parts = [
         sections.measured(outcome, v, seen),
         sections.left(outcome, v, seen),
-        sections.evidence(outcome, v),
-        sections.parameters(v),
-        sections.excluded(v),
-        sections.untestable(v),
-        sections.recordings(v),
-        sections.reading(),
+        evidence(outcome, v),
+        appendix.parameters(v),
+        appendix.excluded(v),
+        appendix.untestable(v),
+        appendix.recordings(v),
+        appendix.reading(),
     ]
     main = el("main", _first_screen(told, outcome, v, seen), _contents([p for p in parts if p]), [p for p in parts if p])
     head = el(
@@ -49,7 +51,7 @@ def _asset(name: str) -> str:
 
 
 def _names(v: View) -> str:
-    names = [text(mapping(r).get("name") or mapping(r).get("session") or mapping(r).get("path") or r) for r in v.recordings]
+    names = [recording_name(r) for r in v.recordings]
     shown = ", ".join(short(name) for name in names[:3])
     return shown + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 

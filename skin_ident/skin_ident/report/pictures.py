@@ -10,9 +10,10 @@ from skin_ident.criticism.outcome import Outcome, ScanTrace
 from skin_ident.report.charts import simulations
 from skin_ident.report.focus import Focus, focus
 from skin_ident.report.numbers import scale
+from skin_ident.report.reading import view
 from skin_ident.report.shapes import residuals, spectrum, thinned
 from skin_ident.report.story import named_cause, story, unit_of
-from skin_ident.report.view import View, view
+from skin_ident.report.view import View
 from skin_ident.report.words import capital, cause_at, channel, short
 
 COLOURS = {"measured": "#9aa0aa", "before": "#c8500a", "after": "#0068b0"}

@@ -10,8 +10,9 @@ from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, n
 from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, plain
+from skin_ident.report.reading import view
 from skin_ident.report.shapes import residuals
-from skin_ident.report.view import Amount, Finding, View, view
+from skin_ident.report.view import Amount, Finding, View
 from skin_ident.report.words import capital, cause_at, meaning, sentence, signal, spoken
 
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
@@ -159,7 +160,9 @@ def named_cause(named: str) -> str:
 
 
 def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
-    """How far ahead of the next cause it was when it was named."""
+    """What the finding says itself, or how far ahead of the next cause it was when it was named."""
+    if f.why:
+        return sentence(f.why)
     ranked = next((r.ranked for r in rounds if r.named and named_cause(r.named) == f.cause), ())
     own = next((g for c, w, g in ranked if (c, w) == (f.cause, f.where)), None)
     rival = next(((c, w, g) for c, w, g in ranked if c != f.cause and g > 0), None)

@@ -117,6 +117,17 @@ def _of(docs: dict[str, str], name: str) -> str:
     return f"{docs[stem]}, number {number}" if number.isdigit() and stem in docs else ""
 
 
+EVIDENCE = {
+    "likelihood_gain": "Explains, in units of the noise",
+    "held_out_fall_of_mean_square": "Fall of the squared error on unused data",
+    "held_out": "Tested on",
+    "forms": "Form",
+    "explained_share": "Share of the mismatch explained",
+    "log_likelihood_ratio": "Log likelihood ratio",
+}
+SHARES = {"held_out_fall_of_mean_square", "explained_share"}
+
+
 @dataclass(frozen=True)
 class Rebuild:
     """Whether a finding asks for new hardware: `answer` is yes, perhaps or no."""

@@ -1,5 +1,7 @@
 """Outcomes of every sort, made by simulating two models and calling the richer one the truth."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from skin_ident.criticism.outcome import Outcome, Round, ScanTrace, Trace
@@ -87,8 +89,8 @@ EXCLUDED = [
     {"cause": "nonlinear_stiffness", "where": "skin", "below": 3.2e8, "unit": "N/m^3"},
 ]  # fmt: skip
 UNTESTABLE = [
-    {"cause": "off_centre", "where": "rig", "because": "there is only one taxel", "needs": "three or more taxels with known positions, or a lateral scan"},
-    {"cause": "mount_compliance", "where": "rig", "because": "from depth and force alone it equals a lower stiffness", "needs": "a press on a rigid target"},
+    {"cause": "off_centre", "where": "rig", "because": "there is only one taxel", "needs": "three or more taxels, or a lateral scan"},
+    {"cause": "mount_compliance", "where": "rig", "because": "it equals a lower stiffness", "needs": "a press on a rigid target"},
 ]  # fmt: skip
 
 
@@ -143,7 +145,7 @@ def ambiguous() -> Outcome:
     traces = [trace("triangles_a", False, truth, before, truth, seed=4), trace("triangles_b", True, truth, before, truth, seed=5)]
     b, a = errors(traces, "baseline")["taxel_0"], errors(traces, "extended")["taxel_0"]
     rivals = [{"cause": "stress_relaxation", "where": "skin", "short_by": 3.2}, {"cause": "lag", "where": "taxel", "short_by": 7.9}]
-    run = "hold at 0.8 mm for 10 s after a 4 mm/s ramp (profile `hold`, battery file separating.yaml); expected log-likelihood ratio 240 after one run"
+    run = "hold at 0.8 mm for 10 s after a 4 mm/s ramp (battery separating.yaml); expected log-likelihood ratio 240"
     f = finding(loop, b["held_out"], a["held_out"], ("taxel_0", "force"), rivals, run)
     ranked = (("hysteresis", "skin", 5210.0), ("stress_relaxation", "skin", 5207.0), ("lag", "taxel", 5202.0), ("friction", "rig", 900.0))
     return outcome("partly_explained", traces, [f], before, truth, (Round(ranked, "hysteresis"), LAST_ROUND))
@@ -207,22 +209,61 @@ def spread_scan() -> Outcome:
     before, after = kernel(4.9e-3, 2.0), kernel(5.2e-3, 2.3)
     s = ScanTrace(scan.name, scan.depth, scan.distance, scan.force, before, after)
     sizes = [float(np.sqrt(np.nanmean((scan.force - y) ** 2))) for y in (before, after)]
+    fall = sizes[0] - sizes[1]
     rmse = [{"taxel_0": {"train": 0.9 * v, "held_out": v, "unit": "N"}} for v in sizes]
     f = {
         "cause": "spread_shape", "where": "skin", "channels": ["taxel_0"],
         "parameters": {"width": {"value": 5.2e-3, "unit": "m", "std": 5e-5}, "power": {"value": 2.3, "unit": "1", "std": 0.05}},
         "evidence": {"held_out_by": "depth, each in turn"},
-        "gain": {"held_out_rmse_before": sizes[0], "held_out_rmse_after": sizes[1], "ci95": [0.5 * (sizes[0] - sizes[1]), 1.5 * (sizes[0] - sizes[1])]},
+        "gain": {"held_out_rmse_before": sizes[0], "held_out_rmse_after": sizes[1], "ci95": [0.5 * fall, 1.5 * fall]},
         "alternatives": [], "separating_experiment": None,
     }  # fmt: skip
     content = {
-        "schema": 1, "recordings": [scan.name], "baseline": {"model": "gaussian", "parameters": {"c": {"value": 5.25e-3, "unit": "m"}}, "rmse": rmse[0]},
-        "findings": [f], "excluded": [], "untestable": [{"cause": "anisotropy", "because": "one direction", "needs": "lateral scans in x and in y"}],
+        "schema": 1, "recordings": [scan.name],
+        "baseline": {"model": "gaussian", "parameters": {"c": {"value": 5.25e-3, "unit": "m"}}, "rmse": rmse[0]},
+        "findings": [f], "excluded": [],
+        "untestable": [{"cause": "anisotropy", "because": "one direction", "needs": "lateral scans in x and in y"}],
         "extended": {"model": "gaussian", "parameters": {}, "rmse": rmse[1]}, "noise_floor": {"taxel_0": 0.01}, "verdict": "partly_explained",
     }  # fmt: skip
     return Outcome(content, scans=(s,))
 
 
+def seen_in_the_record() -> Outcome:
+    """A dead taxel and coarse steps: faults that need no model, in sessions held out in turn."""
+    truth = Model(SILICONE, (1.0, 0.4))
+    traces = [trace(f"press_{i}", False, truth, truth, truth, 30.0, seed=i) for i in range(2)]
+
+    def symptom(cause: str, where: str, channel: str, why: str, **more) -> dict:
+        gain = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": [0.0, 0.0], "channel": channel, "unit": "N"}
+        return {"cause": cause, "where": where, "channels": [channel], "parameters": more, "evidence": {"why": why, "stuck": True}, "gain": gain,
+                "alternatives": [], "separating_experiment": ""}  # fmt: skip
+
+    found = [
+        symptom("dead_taxel", "taxel_1", "taxel_1", "taxel_1 holds one value throughout"),
+        symptom(
+            "quantization",
+            "load_cell",
+            "force",
+            "the levels of force are 5.0 times as far apart as declared",
+            step={"value": 0.05, "unit": "N"},
+        ),
+    ]
+    result = outcome("explained", traces, found, truth, truth, (LAST_ROUND,))
+    arm = {
+        "cause": "stress_relaxation",
+        "where": "skin",
+        "parameter": "k_sensed",
+        "below": 41.0,
+        "unit": "N/m",
+        "at": {"tau": {"value": 0.5, "unit": "s"}},
+    }
+    seen = {"cause": "outliers", "below": None, "unit": "", "because": "looked for and not seen"}
+    return replace(result, findings={**result.findings, "excluded": [arm, seen] * 9})
+
+
 EXAMPLES = {
-    f.__name__: f for f in (explained, nothing_wrong, ambiguous, unexplained, one_session_material_test, six_findings, spread_scan)
+    f.__name__: f
+    for f in (
+        explained, nothing_wrong, ambiguous, unexplained, one_session_material_test, six_findings, spread_scan, seen_in_the_record,
+    )
 }  # fmt: skip

@@ -168,14 +168,29 @@ def test_nothing_is_left_behind_when_drawing_fails(rendered, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["report.html.partial"]
 
 
-@pytest.mark.parametrize("findings", [
+SPARSE = [
     {"schema": 1, "verdict": "nothing_wrong"},
     {"schema": 1, "verdict": "something_new", "findings": [{}], "baseline": None, "excluded": [{}], "untestable": [{}], "recordings": None},
-    {"schema": 1, "verdict": "explained", "findings": [{"cause": "future_cause", "where": "moon", "parameters": {"q": 1.0, "r": {"value": float("nan")}},
-                                                       "gain": {"held_out_rmse_before": 0.0, "held_out_rmse_after": float("inf"), "ci95": [None, None]},
-                                                       "alternatives": ["lag"], "separating_experiment": {"profile": "hold", "depth_mm": 0.8}}]},
-])  # fmt: skip
+    {
+        "schema": 1, "verdict": "explained",
+        "findings": [
+            {"cause": "future_cause", "where": "moon", "parameters": {"q": 1.0, "r": {"value": float("nan")}},
+             "gain": {"held_out_rmse_before": 0.0, "held_out_rmse_after": float("inf"), "ci95": [None, None]},
+             "alternatives": ["lag"], "separating_experiment": {"profile": "hold", "depth_mm": 0.8}},
+        ],
+    },
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("findings", SPARSE)
 def test_sparse_and_unheard_of_findings_are_reported_without_a_crash(tmp_path, findings):
     write_report(Outcome(findings), tmp_path)
     words = " ".join(read(tmp_path / "report.html").words)
     assert not re.search(r"\b(nan|inf|None)\b", words)
+
+
+def test_faults_of_the_record_are_said_to_need_no_model(rendered):
+    text = (rendered["seen_in_the_record"][1] / "report.md").read_text(encoding="utf-8")
+    assert "**Seen directly in the record.**" in text and "**No change** the named faults are in the record" in text
+    assert "Taxel 1 holds one value throughout." in text and "dead taxel 1 and quantization in the load cell" in text
+    assert "41.0\u00a0N/m – stiffness of the relaxing arm (felt by taxels), at relaxation time 0.500\u00a0s" in text

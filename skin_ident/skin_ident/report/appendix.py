@@ -1,0 +1,127 @@
+"""The tables at the end: parameters, what was ruled out, what could not be tested, the recordings, and how to read it all."""
+
+from collections.abc import Iterator
+
+from skin_ident.report.bars import parameter_table
+from skin_ident.report.markup import Safe, el, join, section, table
+from skin_ident.report.numbers import amount, finite
+from skin_ident.report.reading import recording_name
+from skin_ident.report.tolerant import mapping, sequence, text
+from skin_ident.report.view import View
+from skin_ident.report.words import capital, cause_at, effect_words, meaning, sentence, spoken
+
+MOST_ROWS = 15  # of a table, before it is folded
+
+
+def parameters(v: View) -> Safe | None:
+    """Before and after."""
+    if not v.before and not v.after:
+        return None
+    note = (
+        "When an effect is missing, the fit bends the other parameters to make up for it. Those that moved by more than three "
+        "standard errors (and 5 %) are where it was hiding: their old values were wrong."
+    )
+    return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v))
+
+
+def excluded(v: View) -> Safe | None:
+    """Causes that would have been seen."""
+    if not v.excluded:
+        return None
+    rows = [[_name(e), bound(e), sentence(meaning(text(e.get("cause"))))] for e in v.excluded]
+    note = "These were tested and not found. If one were there above the size given, these data would have shown it."
+    body = table(["cause", "smaller than", "what it would mean"], rows, class_="plain")
+    return section("excluded", "Ruled out", el("p", note, class_="note"), _folded(body, len(rows)))
+
+
+def bound(e: dict) -> str:
+    """How small an excluded cause must be, in words."""
+    if finite(e.get("below")) is None:
+        return text(e.get("because")) or "not seen"
+    cause, where, name = (text(e.get(k)) for k in ("cause", "where", "parameter"))
+    words = effect_words(cause, where, (name,)).get(name) or spoken(name)
+    at = {k: mapping(q) for k, q in mapping(e.get("at")).items()}
+    labels = effect_words(cause, where, tuple(at))
+    shape = ", ".join(f"{labels.get(k) or spoken(k)} {amount(q.get('value'), text(q.get('unit')))}" for k, q in at.items())
+    size = amount(e.get("below"), text(e.get("unit")))
+    return size + (f" – {words}{', at ' + shape if shape else ''}" if words else "")
+
+
+def _folded(body: Safe, rows: int) -> Safe:
+    """A long table behind a click."""
+    return body if rows <= MOST_ROWS else el("details", el("summary", f"All {rows}"), body)
+
+
+def _name(e: dict) -> str:
+    return capital(cause_at(text(e.get("cause")), text(e.get("where"))))
+
+
+def untestable(v: View) -> Safe | None:
+    """Causes that these data could not show."""
+    if not v.untestable:
+        return None
+    rows = [[_name(e), sentence(text(e.get("because"))), sentence(text(e.get("needs")))] for e in v.untestable]
+    note = "Nothing can be said about these, for or against: the data never excite them."
+    return section(
+        "untestable", "Could not be tested", el("p", note, class_="note"), table(["cause", "because", "would need"], rows, (), "plain")
+    )
+
+
+def recordings(v: View) -> Safe | None:
+    """What was read, and what was odd about it."""
+    said = set(v.warnings)
+    items = [el("li", _recording(r, said)) for r in v.recordings]
+    warned = [el("p", el("b", "Warnings")), el("ul", [el("li", sentence(w)) for w in v.warnings])] if v.warnings else []
+    rest = [[el("dt", spoken(k)), el("dd", text(x))] for k, x in v.other.items() if x not in (None, "", [], {})]
+    more = el("details", el("summary", "More from findings.json"), el("dl", rest)) if rest else None
+    return section("recordings", "Recordings", el("ul", items), warned, more) if items or warned or more else None
+
+
+def _recording(r, said: set[str]) -> Safe:
+    name = recording_name(r)
+    facts = [*_facts(mapping(r))]
+    warnings = [w for w in map(text, sequence(mapping(r).get("warnings"))) if w not in said and f"{name}: {w}" not in said]
+    return join(
+        [
+            el("b", name),
+            f" – {', '.join(facts)}" if facts else "",
+            el("ul", [el("li", sentence(w)) for w in warnings]) if warnings else None,
+        ]
+    )
+
+
+def _facts(r: dict) -> Iterator[str]:
+    """What is known of a recording, in words."""
+    known = {"name", "session", "path", "warnings", "seconds", "samples", "rate_hz", "held_out"}
+    if r.get("seconds") is not None:
+        yield amount(r["seconds"], "s")
+    if r.get("samples") is not None:
+        yield f"{text(r['samples'])} samples" + (f" at {amount(r['rate_hz'], 'Hz')}" if r.get("rate_hz") is not None else "")
+    if isinstance(r.get("held_out"), bool):
+        yield "not used for fitting" if r["held_out"] else "used for fitting"
+    yield from (f"{spoken(k)} {text(x)}" for k, x in r.items() if k not in known and x not in (None, "", [], {}))
+
+
+def reading() -> Safe:
+    """A glossary."""
+    words = (
+        ("before, after", "the simulation without and with the causes named here, both fitted to the same data"),
+        ("measured − simulated", "what the simulation misses; zero is perfect"),
+        ("typical error", "root mean square of measured − simulated"),
+        ("data not used for fitting", "a session kept aside: a model that merely memorised the other sessions would fail on it"),
+        ("95 % interval", "repeat the experiment, and the fall of the error lies in it 19 times out of 20; found by redrawing stretches"),
+        ("noise alone", "the error that would remain with a perfect model, because sensors are noisy"),
+        ("ruled out", "tested and not found; would have been seen above the size given"),
+        ("could not be tested", "the motion never brought it out, so the data are silent"),
+        ("where", "skin: the material; taxel: a sensor in it; load cell: the reference; rig: mount and stage; clock: timing of a channel"),
+    )  # fmt: skip
+    files = (
+        "Beside this file: findings.json (everything here, for programs), model.yaml (the extended model), "
+        "report.md and pictures (for a mail), traces.npz (the curves)."
+    )
+    return section(
+        "reading",
+        "How to read this",
+        el("dl", [[el("dt", k), el("dd", sentence(w))] for k, w in words], class_="gloss"),
+        el("p", files, class_="note"),
+    )

@@ -1,0 +1,59 @@
+"""The evidence: a card for each finding, and how the causes compare in every round."""
+
+import re
+
+from skin_ident.criticism.outcome import Outcome
+from skin_ident.report.bars import ranking
+from skin_ident.report.markup import Safe, el, join, section
+from skin_ident.report.numbers import amount, percent, span
+from skin_ident.report.story import amounts_line
+from skin_ident.report.tolerant import sequence, text
+from skin_ident.report.view import Finding, View
+from skin_ident.report.words import EVIDENCE, SHARES, advice, capital, cause_at, channel, meaning, sentence, signal, spoken
+
+
+def evidence(outcome: Outcome, v: View) -> Safe | None:
+    """Each finding on a card, then the ranking of every round."""
+    cards = [_card(f, i + 1) for i, f in enumerate(v.findings)]
+    rounds = [ranking(r, i + 1) for i, r in enumerate(outcome.rounds)]
+    if not cards and not rounds:
+        return None
+    note = (
+        "The longer the bar, the more of the mismatch that cause alone would explain (fall of the squared error, in units of the noise). "
+        "The model's own parameters were free to explain it first. The blue bar was named; a name also had to predict unused data better."
+    )
+    ranks = [el("h3", "How the causes compare"), el("p", note, class_="note"), el("div", rounds, class_="grid wide")] if rounds else None
+    return section("evidence", "The evidence", el("div", cards, class_="cards"), ranks)
+
+
+def _card(f: Finding, number: int) -> Safe:
+    rows = [
+        ("What it means", sentence(meaning(f.cause))),
+        ("Seen in", ", ".join(channel(c) for c in f.channels)),
+        ("Size", el("div", [el("div", line) for line in amounts_line(f.amounts, 12).split("; ")])),
+        ("Why", sentence(f.why)),
+        *_gain_rows(f),
+        *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k != "why"),
+        *(("Could also be", join([cause_at(c, w), f" ({why})" if why else ""])) for c, w, why in f.alternatives),
+        ("Would tell them apart", sentence(f.separating)),
+        ("What to do", sentence(advice(f.cause))),
+    ]
+    entries = [[el("dt", k), el("dd", value)] for k, value in rows if value]
+    return el("article", el("h3", f"{number}. {capital(cause_at(f.cause, f.where))}"), el("dl", entries), class_="card")
+
+
+def _gain_rows(f: Finding) -> list[tuple[str, str]]:
+    g = f.gain
+    if f.direct or g.before is None or g.after is None:
+        return []
+    both = " → ".join(amount(value, g.unit, like=[g.before, g.after]) for value in (g.before, g.after))
+    rows = [("Error on unused data", f"{both} in the {signal(g.channel)}")]
+    return rows + ([("Fall, 95 % interval", span(g.low, g.high, g.unit))] if g.low is not None and g.high is not None else [])
+
+
+def _evidence_text(key: str, value) -> str:
+    if key in SHARES:
+        return percent(value)
+    if key == "forms":
+        return ", ".join(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text(form)).lower() for form in sequence(value))
+    return text(value)

@@ -1,0 +1,131 @@
+"""Reads findings.json into a `View`, forgiving about what an older or newer writer left out or added."""
+
+from typing import Any
+
+from skin_ident.report.numbers import finite, plain
+from skin_ident.report.tolerant import mapping, sequence, text
+from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
+from skin_ident.report.words import cause_at, effect_words, parameter_words, spoken
+
+_KNOWN = {
+    "schema",
+    "recordings",
+    "baseline",
+    "findings",
+    "excluded",
+    "untestable",
+    "extended",
+    "noise_floor",
+    "verdict",
+    "warnings",
+    "systematic_rest",
+}
+
+
+def view(findings: dict[str, Any]) -> View:
+    """Read the content of findings.json (schema 1)."""
+    baseline, extended = mapping(findings.get("baseline")), mapping(findings.get("extended"))
+    return View(
+        verdict=text(findings.get("verdict")) or "unknown",
+        model=text(baseline.get("model")),
+        recordings=tuple(sequence(findings.get("recordings"))),
+        findings=tuple(_finding(mapping(f), baseline) for f in sequence(findings.get("findings"))),
+        errors=_errors(mapping(baseline.get("rmse")), mapping(extended.get("rmse")), mapping(findings.get("noise_floor"))),
+        before=_model_amounts(baseline.get("parameters")),
+        after=_model_amounts(extended.get("parameters")),
+        excluded=tuple(mapping(e) for e in sequence(findings.get("excluded"))),
+        untestable=tuple(mapping(e) for e in sequence(findings.get("untestable"))),
+        warnings=tuple(text(w) for w in sequence(findings.get("warnings"))),
+        rest=finite(mapping(findings.get("systematic_rest")).get("fall_of_mean_square")),
+        band_hz=next(
+            (b for f in mapping(findings.get("noise_floor")).values() if (b := finite(mapping(f).get("band_hz"))) is not None), None
+        ),
+        other={k: v for k, v in findings.items() if k not in _KNOWN},
+    )
+
+
+def recording_name(r: Any) -> str:
+    """The name of an entry of `recordings`."""
+    entry = mapping(r)
+    return text(entry.get("name") or entry.get("session") or entry.get("path")) or text(r) or "recording"
+
+
+def parameter_label(name: str) -> str:
+    """Words for `k1` or `share_2`."""
+    if name.startswith("share_"):
+        return f"share of the sensed force that reaches taxel {name[6:]}"
+    return parameter_words(name) or spoken(name)
+
+
+def _model_amounts(entries: Any) -> tuple[Amount, ...]:
+    """Parameters of a model: its own (`k1`), and those of its effects (`stress_relaxation.skin.tau`)."""
+    entries = {str(name): entry for name, entry in mapping(entries).items()}
+    parts: dict[tuple[str, str], list[str]] = {}
+    for name in entries:
+        if name.count(".") == 2:
+            cause, where, short = name.split(".")
+            parts.setdefault((cause, where), []).append(short)
+    words = {
+        f"{cause}.{where}.{short}": f"{cause_at(cause, where)}: {effect_words(cause, where, tuple(names)).get(short) or spoken(short)}"
+        for (cause, where), names in parts.items()
+        for short in names
+    }
+    return tuple(_amount(name, entry, words.get(name) or parameter_label(name)) for name, entry in entries.items())
+
+
+def _amount(name: str, entry: Any, words: str) -> Amount:
+    entry = entry if isinstance(entry, dict) else {"value": entry}
+    return Amount(name, words, finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")))
+
+
+def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
+    cause, where = text(f.get("cause")), text(f.get("where"))
+    channels = tuple(text(c) for c in sequence(f.get("channels")))
+
+    sizes = {str(name).rpartition(".")[2]: entry for name, entry in mapping(f.get("parameters")).items()}
+    words = effect_words(cause, where, tuple(sizes))
+    return Finding(
+        cause,
+        where,
+        channels,
+        tuple(_amount(name, entry, words.get(name) or spoken(name)) for name, entry in sizes.items()),
+        tuple(mapping(f.get("evidence")).items()),
+        _gain(mapping(f.get("gain")), channels, baseline, mapping(f.get("evidence")).get("held_out")),
+        tuple(_alternative(a) for a in sequence(f.get("alternatives"))),
+        text(f.get("separating_experiment")),
+    )
+
+
+def _gain(g: dict[str, Any], channels: tuple[str, ...], baseline: dict[str, Any], held_out: Any) -> Gain:
+    low, high = (*map(finite, sequence(g.get("ci95"))), None, None)[:2]
+    channel = text(g.get("channel")) or (channels[0] if channels else "")
+    unit = text(g.get("unit")) or text(mapping(mapping(baseline.get("rmse")).get(channel)).get("unit")) or "N"
+    return Gain(
+        finite(g.get("held_out_rmse_before")),
+        finite(g.get("held_out_rmse_after")),
+        low,
+        high,
+        channel,
+        unit,
+        text(g.get("held_out") or held_out),
+    )
+
+
+def _alternative(a: Any) -> tuple[str, str, str]:
+    if not isinstance(a, dict):
+        return text(a), "", ""
+    less = finite(a.get("explains_less_by", a.get("short_by")))
+    rest = {k: v for k, v in a.items() if k not in ("cause", "where", "explains_less_by", "short_by")}
+    said = [f"explains {plain(less)} less, in units of the noise"] if less is not None else []
+    return text(a.get("cause")), text(a.get("where")), "; ".join([*said, *([text(rest)] if rest else [])])
+
+
+def _errors(before: dict, after: dict, floor: dict) -> tuple[ChannelError, ...]:
+    return tuple(_error(c, mapping(before.get(c)), mapping(after.get(c)), floor.get(c)) for c in dict.fromkeys([*before, *after]))
+
+
+def _error(channel: str, before: dict, after: dict, floor: Any) -> ChannelError:
+    if isinstance(floor, dict):
+        floor = next((v for v in (finite(floor.get(k)) for k in ("rms", "value", "rmse", "std")) if v is not None), None)
+    pairs = [(finite(before.get(k)), finite(after.get(k))) for k in ("train", "held_out")]
+    return ChannelError(channel, text(before.get("unit") or after.get("unit")) or "N", *pairs, finite(floor))

@@ -1,0 +1,31 @@
+"""Reading JSON that someone else wrote, without stumbling over what is missing."""
+
+from typing import Any
+
+from skin_ident.report.numbers import amount, plain
+from skin_ident.report.words import spoken
+
+
+def mapping(thing: Any) -> dict[str, Any]:
+    """`thing` where it is a mapping, else an empty one."""
+    return thing if isinstance(thing, dict) else {}
+
+
+def sequence(thing: Any) -> list[Any]:
+    """`thing` as a list; a single value is a list of one."""
+    return list(thing) if isinstance(thing, (list, tuple)) else [] if thing is None else [thing]
+
+
+def text(thing: Any) -> str:
+    """`thing` as a line of text: mappings become `key: value` pairs, numbers have three digits and quantities their unit."""
+    if isinstance(thing, bool):
+        return "yes" if thing else "no"
+    if isinstance(thing, float):
+        return plain(thing)
+    if isinstance(thing, dict) and set(thing) == {"value", "unit"}:
+        return amount(thing["value"], str(thing["unit"]))
+    if isinstance(thing, dict):
+        return "; ".join(f"{spoken(k)}: {text(v)}" for k, v in thing.items())
+    if isinstance(thing, (list, tuple)):
+        return ", ".join(text(v) for v in thing)
+    return "" if thing is None else str(thing)
