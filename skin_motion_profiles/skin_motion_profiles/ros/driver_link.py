@@ -21,6 +21,7 @@ from skin_motion_profiles.limits import Limits
 from skin_motion_profiles.trajectory import Trajectory
 
 JOINT = "indentation"
+_TIMING = 0.2  # s of samples that tell how quick the node's clock is
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _COMMANDS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 
@@ -44,7 +45,7 @@ class DriverLink:
         self.state: DriverState | None = None
         self.forget_peaks()
         self._clock = node.get_clock()
-        self._recent: deque[Heard] = deque(maxlen=200)
+        self._recent: deque[Heard] = deque(maxlen=1000)
         policies = QoSOverridingOptions.with_default_policies()
         subscribe = node.create_subscription
         subscribe(JointState, "encoder", self._on_encoder, qos_profile_sensor_data, qos_overriding_options=policies)
@@ -65,15 +66,24 @@ class DriverLink:
     @property
     def rate(self) -> float:
         """Seconds of node time per second, from the stamps of the last encoder samples; at least 1."""
-        recent = list(self._recent)
-        if len(recent) < 2 or recent[-1].arrival - recent[0].arrival < 0.1:
-            return 1.0
-        return max((recent[-1].stamp - recent[0].stamp) * 1e-9 / (recent[-1].arrival - recent[0].arrival), 1.0)
+        first, last = self._recent[0], self._recent[-1]
+        passed = last.arrival - first.arrival
+        return max((last.stamp - first.stamp) * 1e-9 / passed, 1.0) if passed > 0.0 else 1.0
+
+    @property
+    def timed(self) -> bool:
+        """Whether `rate` rests on samples enough."""
+        return len(self._recent) > 1 and self._recent[-1].arrival - self._recent[0].arrival >= _TIMING
 
     def silent(self, patience: float) -> list[str]:
         """The topics on which no number came for `patience` seconds."""
         late = time.monotonic() - patience
         return [name for name, heard in (("encoder", self.depth), ("force", self.force)) if heard is None or heard.arrival < late]
+
+    @property
+    def heeded(self) -> bool:
+        """Whether a driver listens to commands: a piece sent before it does is lost."""
+        return self._commands.get_subscription_count() > 0
 
     def forget_peaks(self) -> None:
         """Begin to look for the greatest compression (N), load of either sign (N) and depth (m) anew."""

@@ -72,7 +72,7 @@ class Run:
     def meet_driver(self) -> None:
         """Give a driver that has just been started a moment to be heard."""
         patience = time.monotonic() + _MEETING
-        while (self.link.state is None or self.link.silent(_MEETING)) and time.monotonic() < patience and not self.watch.cancelled():
+        while not self.watch.met() and time.monotonic() < patience and not self.watch.cancelled():
             self.wait()
 
     def checked_entry(self) -> Entry:

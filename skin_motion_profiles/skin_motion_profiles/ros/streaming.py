@@ -8,7 +8,7 @@ import numpy as np
 from skin_motion_profiles.plan import Motion
 from skin_motion_profiles.ros.driver_link import DriverLink
 
-HEAD_START = 0.1  # s from a decision to the first moment of motion
+HEAD_START = 0.2  # s from a decision to the first moment of motion
 REACTION = 0.02  # s from a reason to stop to the moment from which the motion is replaced
 _LOOKAHEAD = 0.5  # s of motion that the driver has in hand
 _RENEWAL = 0.1  # s between two pieces

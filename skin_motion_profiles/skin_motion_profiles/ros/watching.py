@@ -25,10 +25,15 @@ class Ended(Exception):
 
 
 class Watch:
-    """Looks at driver and client on behalf of one goal. Everything but `arrived` and `alive` raises `Ended` or does nothing."""
+    """Looks at driver and client on behalf of one goal. Everything but `met`, `arrived` and `alive` raises `Ended` or does nothing."""
 
     def __init__(self, link: DriverLink, settings: Settings, max_force: float, cancelled: Callable[[], bool]) -> None:
         self.link, self.settings, self.max_force, self.cancelled = link, settings, max_force, cancelled
+
+    def met(self) -> bool:
+        """Whether everything of the driver has been discovered, and its clock timed."""
+        link = self.link
+        return link.state is not None and link.heeded and link.timed and not link.silent(self.settings.feedback_timeout)
 
     def before_moving(self) -> None:
         """Is the driver there, ready, and on the same clock?"""
@@ -36,6 +41,8 @@ class Watch:
             raise Ended(Result.DRIVER_FAULT, "no driver has announced itself on the topic driver_state: start driver_node")
         self._driver()
         self._samples()
+        if not self.link.heeded:
+            raise Ended(Result.DRIVER_FAULT, "nobody listens on the topic command: check the names and namespaces of driver and server")
         ahead = (self.link.depth.stamp - self.link.now()) * 1e-9
         if abs(ahead) > _CLOCK_SLACK * self.link.rate:
             raise Ended(
