@@ -54,6 +54,7 @@ class Effect(ABC):
     cause: ClassVar[str]
     places: ClassVar[Mapping[str, Place]]
     source: ClassVar[str]  # where in the literature the form comes from
+    linear: ClassVar[bool] = False  # in its amplitudes: then `regressors` gives what each of them multiplies
     form: ClassVar[str] = ""  # tells several forms of one cause at one place apart; the plainest has none
 
     where: str
@@ -111,6 +112,16 @@ class Effect(ABC):
         """An example of ordinary size, for pictures, tests and the start of a fit."""
         usual = {p.name: p.typical for p in parameters_of(cls) if not np.isnan(p.typical)}
         return cls(where=where, **{**usual, **values})
+
+    def regressors(self, y: np.ndarray, s: Motion) -> dict[str, np.ndarray]:
+        """What each amplitude multiplies, by name, at the present shape: `batch(y, s)` = y + sum of amplitude times regressor.
+
+        Shapes as `y`. Raises `ModelError` for an effect that is not linear in its amplitudes.
+        """
+        if not self.linear:
+            raise ModelError(f"{self.cause} is not linear in its size, so it has no regressors")
+        absent, sizes = self.absent(), {p.name: p.typical for p in parameters_of(self) if p.role == AMPLITUDE}
+        return {name: (absent.with_values(**{name: size}).batch(y, s) - y) / size for name, size in sizes.items()}
 
     @classmethod
     def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:

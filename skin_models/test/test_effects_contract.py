@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from skin_models.catalogue import effect_class, effects
 from skin_models.dispersion import Dispersion
 from skin_models.effect import Place
@@ -147,6 +148,25 @@ def _slope(e, p, y, s, share):
 
 def _norm(a):
     return float(np.sqrt(np.mean(np.square(a))))
+
+
+@where_it_holds(lambda c, w: c.linear)
+def test_its_regressors_add_up_to_it(cls, where):
+    e, y, s = typical(cls, where)
+    parts = e.regressors(y, s)
+    amplitudes = {p.name: p.value for p in parameters_of(e) if p.role == AMPLITUDE}
+    assert parts.keys() == amplitudes.keys()
+    half = e.with_values(**{name: 0.5 * value for name, value in amplitudes.items()})
+    for share, effect in ((1.0, e), (0.5, half)):
+        whole = y + share * sum(amplitudes[name] * parts[name] for name in parts)
+        assert np.max(np.abs(run(effect, y, s) - whole)) <= 1e-12 * max(1.0, np.max(np.abs(y)))
+
+
+@where_it_holds(lambda c, w: not c.linear)
+def test_it_says_that_it_has_no_regressors(cls, where):
+    e, y, s = typical(cls, where)
+    with pytest.raises(ModelError, match="not linear"):
+        e.regressors(y, s)
 
 
 @every_effect

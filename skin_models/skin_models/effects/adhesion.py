@@ -28,6 +28,7 @@ class Adhesion(Dynamic):
     cause: ClassVar[str] = "adhesion"
     places: ClassVar = {"skin": Place.SURFACE}
     source: ClassVar[str] = "after Johnson, Kendall and Roberts 1971; Maugis 1992"
+    linear: ClassVar[bool] = True
 
     pull_sensed: float = quantity("N", 0.0, lower=0.0, typical=0.8, doc="greatest pull F on the sensed branch")
     pull_dispersed: float = quantity("N", 0.0, lower=0.0, typical=0.4, doc="greatest pull F on the dispersed branch")

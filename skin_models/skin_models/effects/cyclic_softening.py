@@ -28,6 +28,7 @@ class CyclicSoftening(Dynamic):
     cause: ClassVar[str] = "cyclic_softening"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Ogden and Roxburgh 1999"
+    linear: ClassVar[bool] = True
 
     softening: float = quantity("1", 0.0, lower=0.0, upper=0.95, typical=0.2, doc="greatest share s of the force that is lost")
     length: float = quantity(

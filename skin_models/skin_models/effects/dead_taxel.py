@@ -19,6 +19,7 @@ class DeadTaxel(Memoryless):
     cause: ClassVar[str] = "dead_taxel"
     places: ClassVar = {"taxel": Place.TAXEL}
     source: ClassVar[str] = "Isermann 2006, stuck-at fault"
+    linear: ClassVar[bool] = True
 
     lost: float = quantity("1", 0.0, lower=0.0, upper=1.0, typical=1.0, doc="share d of the signal that is lost")
     level: float = quantity("N", 0.0, role=SHAPE, typical=0.0, scan=(0.0,), doc="reading L at which it is stuck")

@@ -28,6 +28,7 @@ class LinearDrift(Elapsed):
     cause: ClassVar[str] = "drift"
     places: ClassVar = SENSORS
     source: ClassVar[str] = "first-order drift of zero"
+    linear: ClassVar[bool] = True
 
     rate: float = quantity("N/s", 0.0, lower=-10.0, upper=10.0, typical=0.01, doc="rate d")
 
@@ -43,6 +44,7 @@ class LogDrift(Elapsed):
     form: ClassVar[str] = "log"
     places: ClassVar = SENSORS
     source: ClassVar[str] = "FlexiForce A201 data sheet"
+    linear: ClassVar[bool] = True
 
     per_decade: float = quantity("N", 0.0, lower=-100.0, upper=100.0, typical=0.2, doc="change A per decade of time")
     tau: float = quantity(
@@ -61,6 +63,7 @@ class LinearGainDrift(Elapsed):
     form: ClassVar[str] = "gain"
     places: ClassVar = SENSORS
     source: ClassVar[str] = "first-order drift of span"
+    linear: ClassVar[bool] = True
 
     rate: float = quantity("1/s", 0.0, lower=-1.0, upper=1.0, typical=2e-3, doc="relative rate d")
 
@@ -76,6 +79,7 @@ class LogGainDrift(Elapsed):
     form: ClassVar[str] = "gain_log"
     places: ClassVar = SENSORS
     source: ClassVar[str] = "FlexiForce A201 data sheet"
+    linear: ClassVar[bool] = True
 
     per_decade: float = quantity("1", 0.0, lower=-1.0, upper=1.0, typical=0.04, doc="relative change A per decade of time")
     tau: float = quantity(

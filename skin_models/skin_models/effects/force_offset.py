@@ -19,6 +19,7 @@ class ForceOffset(Memoryless):
     cause: ClassVar[str] = "force_offset"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "zero balance of load cells"
+    linear: ClassVar[bool] = True
 
     offset: float = quantity("N", 0.0, lower=-1e3, upper=1e3, typical=0.3, doc="bias F")
 

@@ -23,6 +23,7 @@ class Friction(Memoryless):
     cause: ClassVar[str] = "friction"
     places: ClassVar = {"rig": Place.LOAD_CELL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Armstrong-Hélouvry et al. 1994"
+    linear: ClassVar[bool] = True
 
     force: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="sliding friction F")
     speed: float = quantity(

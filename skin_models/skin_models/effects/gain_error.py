@@ -25,6 +25,7 @@ class GainError(Memoryless):
     cause: ClassVar[str] = "gain_error"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "thesis 3.3.1"
+    linear: ClassVar[bool] = True
 
     gain: float = quantity("1", 0.0, lower=-0.95, upper=10.0, typical=0.15, doc="relative error g")
 
@@ -40,6 +41,7 @@ class GainStep(Elapsed):
     form: ClassVar[str] = "step"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "thesis 3.3.1"
+    linear: ClassVar[bool] = True
 
     gain: float = quantity("1", 0.0, lower=-0.95, upper=10.0, typical=0.15, doc="relative error g")
     after: float = quantity("s", 10.0, lower=0.0, role=SHAPE, typical=10.0, doc="time t0, counted from the first sample")

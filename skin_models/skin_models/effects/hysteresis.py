@@ -33,6 +33,7 @@ class SkinHysteresis(Dynamic):
     cause: ClassVar[str] = "hysteresis"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Prandtl-Ishlinskii; Krejčí 1996"
+    linear: ClassVar[bool] = True
 
     k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness before it yields, sensed")
     k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness before it yields, dispersed")
@@ -60,6 +61,7 @@ class BoucWenHysteresis(Dynamic):
     form: ClassVar[str] = "bouc_wen"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Bouc-Wen, n = 1; Ikhouane and Rodellar 2007; Dahl 1968"
+    linear: ClassVar[bool] = True
 
     k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness after a turning point, sensed")
     k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness after a turning point, dispersed")
@@ -94,6 +96,7 @@ class SensorHysteresis(Dynamic):
     cause: ClassVar[str] = "hysteresis"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Prandtl-Ishlinskii; Kuhnen 2003"
+    linear: ClassVar[bool] = True
 
     relative: float = quantity("1", 0.0, lower=-1.0, upper=1.0, typical=0.1, doc="share a of the reading that lags; the loop is 2 a r high")
     threshold: float = quantity(

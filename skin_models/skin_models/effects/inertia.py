@@ -19,6 +19,7 @@ class Inertia(Memoryless):
     cause: ClassVar[str] = "inertia"
     places: ClassVar = {"rig": Place.LOAD_CELL}
     source: ClassVar[str] = "Newton's second law"
+    linear: ClassVar[bool] = True
 
     mass: float = quantity("kg", 0.0, lower=0.0, upper=50.0, typical=0.3, doc="moving mass M")
 

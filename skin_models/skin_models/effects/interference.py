@@ -22,6 +22,7 @@ class Interference(Elapsed):
     cause: ClassVar[str] = "interference"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Ott 2009"
+    linear: ClassVar[bool] = True
 
     sine: float = quantity("N", 0.0, lower=-1e3, upper=1e3, typical=0.15, doc="amplitude S")
     cosine: float = quantity("N", 0.0, lower=-1e3, upper=1e3, typical=0.15, doc="amplitude C")

@@ -31,6 +31,7 @@ class PolynomialStiffness(Memoryless):
     cause: ClassVar[str] = "nonlinear_stiffness"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Taylor series of any smooth force-depth curve"
+    linear: ClassVar[bool] = True
 
     square_sensed: float = quantity("N/m^2", 0.0, typical=1e6, doc="factor of x^2, sensed")
     square_dispersed: float = quantity("N/m^2", 0.0, typical=5e5, doc="factor of x^2, dispersed")
@@ -51,6 +52,7 @@ class PowerStiffness(Memoryless):
     form: ClassVar[str] = "power"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Johnson 1985, ch. 4"
+    linear: ClassVar[bool] = True
 
     reference: ClassVar[float] = 1e-3  # m
 
@@ -73,6 +75,7 @@ class Densification(Memoryless):
     form: ClassVar[str] = "densification"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Gibson and Ashby 1997, ch. 5, as a hinge"
+    linear: ClassVar[bool] = True
 
     k_sensed: float = quantity("N/m", 0.0, typical=6000.0, doc="stiffness added beyond the onset, sensed")
     k_dispersed: float = quantity("N/m", 0.0, typical=2000.0, doc="stiffness added beyond the onset, dispersed")
@@ -94,6 +97,7 @@ class Plateau(Memoryless):
     form: ClassVar[str] = "plateau"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Avalle et al. 2001, first term"
+    linear: ClassVar[bool] = True
 
     k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness lost on the plateau, sensed")
     k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=1000.0, doc="stiffness lost on the plateau, dispersed")
@@ -111,6 +115,7 @@ class Foam(Memoryless):
     form: ClassVar[str] = "foam"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Avalle et al. 2001; Gibson and Ashby 1997, ch. 5"
+    linear: ClassVar[bool] = True
 
     lost_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=5000.0, doc="stiffness lost on the plateau, sensed")
     lost_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness lost on the plateau, dispersed")

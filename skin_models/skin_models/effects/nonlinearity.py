@@ -26,6 +26,7 @@ class Nonlinearity(Memoryless):
     cause: ClassVar[str] = "nonlinearity"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "thesis 3.3.1 and 3.3.3"
+    linear: ClassVar[bool] = True
 
     deviation: float = quantity("1", 0.0, lower=-0.2, upper=0.2, typical=0.03, doc="deviation d at half capacity, relative to the capacity")
     capacity: float = quantity("N", 111.2, lower=1e-3, upper=1e5, role=SHAPE, typical=20.0, doc="capacity R")

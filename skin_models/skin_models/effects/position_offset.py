@@ -19,6 +19,7 @@ class PositionOffset(Memoryless):
     cause: ClassVar[str] = "position_offset"
     places: ClassVar = {"rig": Place.DEPTH}
     source: ClassVar[str] = "geometry"
+    linear: ClassVar[bool] = True
 
     offset: float = quantity("m", 0.0, lower=-0.02, upper=0.02, typical=0.15e-3, doc="tip depth minus encoder depth")
 

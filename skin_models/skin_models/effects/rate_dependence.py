@@ -24,6 +24,7 @@ class PowerDamping(Memoryless):
     cause: ClassVar[str] = "rate_dependence"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "power law; Bird, Armstrong and Hassager 1987, ch. 4"
+    linear: ClassVar[bool] = True
 
     reference: ClassVar[float] = 0.01  # m/s
 
@@ -46,6 +47,7 @@ class HuntCrossley(Memoryless):
     form: ClassVar[str] = "hunt_crossley"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Hunt and Crossley 1975"
+    linear: ClassVar[bool] = True
 
     c_sensed: float = quantity("N*s/m^2", 0.0, lower=0.0, typical=4e5, doc="factor of x v, sensed")
     c_dispersed: float = quantity("N*s/m^2", 0.0, lower=0.0, typical=2e5, doc="factor of x v, dispersed")

@@ -30,6 +30,7 @@ class StressRelaxation(Dynamic):
     cause: ClassVar[str] = "stress_relaxation"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Tschoegl 1989, ch. 3; thesis eqs 6, 8"
+    linear: ClassVar[bool] = True
 
     k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness of the relaxing arm, sensed")
     k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=1500.0, doc="stiffness of the relaxing arm, dispersed")

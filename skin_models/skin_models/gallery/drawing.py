@@ -67,7 +67,7 @@ def _trace(axis, p: Picture, labelled: bool = True) -> None:
     if labelled:
         axis.set_xlabel("time (s)")
         axis.set_ylabel(f"{p.channel} (N)")
-        axis.legend(frameon=False, loc="upper left", fontsize=8)
+        axis.legend(frameon=False, fontsize=8)
 
 
 def _loop(axis, p: Picture) -> None:

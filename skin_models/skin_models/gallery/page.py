@@ -52,7 +52,7 @@ def _section(cause: str, group: list[Picture]) -> str:
 
 
 def _row(p) -> str:
-    cells = (p.name, f"{p.value:g} {p.unit}", f"{p.lower:g} … {p.upper:g}", p.role, p.doc)
+    cells = (p.name, f"{p.value:g} {'' if p.unit == '1' else p.unit}", f"{p.lower:g} … {p.upper:g}", p.role, p.doc)
     return "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
 
 
