@@ -1,0 +1,158 @@
+"""A rosbag2 directory with one MCAP file, written so that a crash costs at most the last moments.
+
+Every `flush` ends a chunk and hands it to the operating system: after `kill -9` a streaming reader gets everything up to the last one.
+metadata.yaml is there from the first topic on, and final after `close`.
+"""
+
+import errno
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+from mcap.writer import CompressionType, Writer
+
+from skin_models.errors import SkinError
+
+_METADATA_VERSION = 9  # of rosbag2 in Jazzy
+# rosbag2 reads lz4 and zstd; at these sizes both are quick, and zstd gets by with half the disk.
+_COMPRESSION = CompressionType.ZSTD
+
+
+class BagError(SkinError):
+    """The recording cannot be begun or continued."""
+
+
+@dataclass(frozen=True)
+class TopicInfo:
+    """What a bag says of a topic. `qos` is a list of mappings in rosbag2's form, `type_hash` REP-2016's RIHS01 string or empty."""
+
+    name: str
+    type: str
+    definition: str
+    qos: tuple[dict[str, Any], ...] = ()
+    type_hash: str = ""
+
+
+class BagWriter:
+    """Writes messages that are serialised already. One thread at a time. Every method raises `BagError` when the disk refuses."""
+
+    def __init__(self, directory: str | os.PathLike) -> None:
+        """Create `directory`, which must not exist."""
+        self.directory = Path(directory)
+        if self.directory.exists():
+            raise BagError(f"{self.directory} exists already: choose another name, a recording is never overwritten")
+        try:
+            self.directory.mkdir(parents=True)
+            self._path = self.directory / f"{self.directory.name}_0.mcap"
+            self._file = self._path.open("xb")
+        except OSError as error:
+            raise BagError(f"cannot begin a recording in {self.directory}: {error.strerror}") from error
+        self._writer = Writer(self._file, compression=_COMPRESSION, enable_data_crcs=False)
+        self._schemas: dict[str, int] = {}
+        self._topics: list[TopicInfo] = []
+        self.counts: list[int] = []
+        self._first, self._last = 2**63 - 1, 0
+        self._stale = True  # a topic that metadata.yaml does not have yet
+        self._guarded(self._writer.start, profile="ros2", library="skin_testbed_driver recorder")
+        self.flush()
+
+    def add_topic(self, topic: TopicInfo) -> int:
+        """Announce a topic; gives its index for `write`."""
+        if topic.type not in self._schemas:
+            encoding = "ros2msg" if topic.definition else ""
+            definition = topic.definition.encode()
+            self._schemas[topic.type] = self._guarded(self._writer.register_schema, topic.type, encoding, definition)
+        profiles = _yaml(list(topic.qos)) if topic.qos else ""
+        metadata = {"offered_qos_profiles": profiles, "topic_type_hash": topic.type_hash}
+        # Channels are numbered from 1, in the order of their registration.
+        self._guarded(self._writer.register_channel, topic.name, "cdr", self._schemas[topic.type], metadata)
+        self._topics.append(topic)
+        self.counts.append(0)
+        self._stale = True
+        return len(self._topics) - 1
+
+    def write(self, topic: int, data: bytes, log_time: int, publish_time: int) -> None:
+        """One message; times in ns. `topic` is what `add_topic` gave."""
+        self.counts[topic] += 1
+        self._first, self._last = min(self._first, log_time), max(self._last, log_time)
+        self._guarded(self._writer.add_message, topic + 1, log_time, data, publish_time, self.counts[topic])
+
+    def attach(self, name: str, media_type: str, data: bytes, time: int) -> None:
+        """Put a file inside the recording; `time` in ns."""
+        self._guarded(self._writer.add_attachment, time, time, name, media_type, data)
+
+    def note(self, name: str, entries: dict[str, str]) -> None:
+        """Put named texts inside the recording."""
+        self._guarded(self._writer.add_metadata, name, entries)
+
+    def flush(self) -> None:
+        """Make everything so far survive the end of this process."""
+        self._guarded(self._writer.flush)
+        if self._stale:
+            self._guarded(self._write_metadata)
+        if not os.fstat(self._file.fileno()).st_nlink:
+            raise BagError(f"{self._path} was deleted while it was being recorded")
+
+    def close(self) -> None:
+        """Finish the file and its metadata."""
+        try:
+            self.note("rosbag2", {"serialized_metadata": _yaml(self._information())})
+            self._guarded(self._writer.finish)
+            self._guarded(self._write_metadata)
+        finally:
+            self._guarded(self._file.close)
+
+    def _guarded(self, action, *args, **kwargs):
+        try:
+            return action(*args, **kwargs)
+        except OSError as error:
+            words = "the disk is full" if error.errno == errno.ENOSPC else (error.strerror or str(error))
+            raise BagError(f"recording to {self.directory} ended: {words}; what was written before stays readable") from error
+
+    def _write_metadata(self) -> None:
+        content = _yaml({"rosbag2_bagfile_information": self._information()})
+        partial = self.directory / "metadata.yaml.partial"
+        partial.write_text(content, encoding="utf-8")
+        partial.replace(self.directory / "metadata.yaml")
+        self._stale = False
+
+    def _information(self) -> dict[str, Any]:
+        count = sum(self.counts)
+        start, end = (self._first, self._last) if count else (0, 0)
+
+        def span() -> dict[str, Any]:  # made twice: YAML writes what it meets again as a reference
+            return {
+                "starting_time": {"nanoseconds_since_epoch": start},
+                "duration": {"nanoseconds": end - start},
+                "message_count": count,
+            }
+
+        return {
+            "version": _METADATA_VERSION,
+            "storage_identifier": "mcap",
+            "relative_file_paths": [self._path.name],
+            **span(),
+            "topics_with_message_count": [_topic_entry(t, n) for t, n in zip(self._topics, self.counts, strict=True)],
+            "compression_format": "",
+            "compression_mode": "",
+            "files": [{"path": self._path.name, **span()}],
+            "custom_data": None,
+            "ros_distro": "jazzy",
+        }
+
+
+def _topic_entry(topic: TopicInfo, count: int) -> dict[str, Any]:
+    metadata = {
+        "name": topic.name,
+        "type": topic.type,
+        "serialization_format": "cdr",
+        "offered_qos_profiles": [dict(q) for q in topic.qos],
+        "type_description_hash": topic.type_hash,
+    }
+    return {"topic_metadata": metadata, "message_count": count}
+
+
+def _yaml(content: Any) -> str:
+    return yaml.dump(content, Dumper=getattr(yaml, "CSafeDumper", yaml.SafeDumper), sort_keys=False)

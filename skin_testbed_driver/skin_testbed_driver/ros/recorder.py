@@ -1,0 +1,160 @@
+"""The recorder: everything on the graph, or the topics asked for, into a rosbag2 directory with one MCAP file.
+
+    ros2 run skin_testbed_driver recorder --ros-args -p directory:=session_1
+    ros2 run skin_testbed_driver recorder --ros-args -p "topics:=[force, encoder, taxels]"
+
+Subscriptions take messages as they were sent, without decoding. A thread writes; callbacks only queue. Topics that appear later are
+recorded from then on. The recording ends with SIGINT, SIGTERM or the service `~/stop`.
+"""
+
+import datetime
+import functools
+import importlib
+import importlib.metadata
+import threading
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from skin_models.errors import SkinError
+from skin_models.ros.node import end, run
+from skin_models.ros.parameters import Parameters, setting
+from skin_testbed_driver.bag import BagError, BagWriter, TopicInfo
+from skin_testbed_driver.ros.definitions import DefinitionError, definition
+from skin_testbed_driver.ros.offered_qos import matching, offered
+
+_PERIOD = 0.2  # s, between two looks at the graph, and between two drains of the queue
+_FLUSH = 0.5  # s, between two flushes: half of what a crash may cost
+
+
+@dataclass(frozen=True)
+class RecorderSettings:
+    """Every parameter; all are fixed once the recording runs."""
+
+    directory: str = setting("", "where to record, must not exist; empty: session_<date and time>", fixed=True)
+    topics: tuple[str, ...] = setting((), "topics to record; empty: all that are not hidden", fixed=True)
+    exclude: tuple[str, ...] = setting(("/rosout", "/parameter_events"), "topics to leave out when all are recorded", fixed=True)
+    depth: int = setting(10000, "messages that a queue holds: at 1 kHz a stall of ten seconds", lower=1, upper=1000000, fixed=True)
+    rig_file: str = setting("", "YAML about the rig that is put into the recording and beside it as rig.yaml", fixed=True)
+
+
+class Recorder(Node):
+    """See the module's docstring."""
+
+    def __init__(self) -> None:
+        """Begin to record. Raises `SkinError` when the directory exists or the rig file cannot be read."""
+        super().__init__("recorder")
+        self._settings = Parameters(self, RecorderSettings).now
+        self._wanted = {self.resolve_topic_name(name) for name in self._settings.topics}
+        self._left_out = {self.resolve_topic_name(name) for name in self._settings.exclude}
+        rig = _read_rig(self._settings.rig_file)
+        self._bag = BagWriter(self._settings.directory or datetime.datetime.now().strftime("session_%Y-%m-%d_%H-%M-%S"))
+        self._describe(rig)
+        self._queue: deque[tuple[int, bytes, int, int]] = deque()
+        self._known: dict[str, str] = {}
+        self._ending = threading.Event()
+        self._lock = threading.Lock()  # around the bag: topics are announced from callbacks, messages from the thread
+        self._look()
+        self.create_timer(_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_service(Trigger, "~/stop", self._on_stop)
+        self._thread = threading.Thread(target=self._write, name="writer", daemon=True)
+        self._thread.start()
+        self.get_logger().info(f"recording to {self._bag.directory}")
+
+    def destroy_node(self) -> None:
+        """End the recording, whole."""
+        self._ending.set()
+        self._thread.join()
+        super().destroy_node()
+
+    def _describe(self, rig: bytes | None) -> None:
+        now = self.get_clock().now().nanoseconds
+        self._bag.note("skin_testbed", {"software": "skin_testbed_driver " + importlib.metadata.version("skin-testbed-driver")})
+        if rig is not None:
+            self._bag.attach("rig.yaml", "application/yaml", rig, now)
+            (self._bag.directory / "rig.yaml").write_bytes(rig)
+
+    def _look(self) -> None:
+        """Subscribe to what is new on the graph."""
+        for name, types in self.get_topic_names_and_types():
+            if name not in self._known and self._is_wanted(name) and self.count_publishers(name):
+                self._known[name] = types[0]
+                self._subscribe(name, types[0])
+        missing = self._wanted - set(self._known)
+        if self._wanted and not missing:
+            self._wanted = frozenset()  # said once
+            self.get_logger().info("every topic asked for is being recorded")
+
+    def _is_wanted(self, name: str) -> bool:
+        if self._settings.topics:
+            return name in self._wanted
+        return name not in self._left_out and not any(part.startswith("_") for part in name.split("/"))
+
+    def _subscribe(self, name: str, type_name: str) -> None:
+        infos = self.get_publishers_info_by_topic(name)
+        try:
+            message_class, text = _message_class(type_name), definition(type_name)
+        except (DefinitionError, ImportError, AttributeError) as error:
+            self.get_logger().warning(f"{name} is not recorded: {error}")
+            return
+        type_hash = str(infos[0].topic_type_hash) if infos and hasattr(infos[0], "topic_type_hash") else ""
+        with self._lock:
+            index = self._bag.add_topic(TopicInfo(name, type_name, text, offered(infos), type_hash))
+        callback = functools.partial(self._on_message, index)
+        self.create_subscription(message_class, name, callback, matching(infos, self._settings.depth), raw=True)
+
+    def _on_message(self, index: int, data: bytes) -> None:
+        now = self.get_clock().now().nanoseconds
+        self._queue.append((index, data, now, now))
+
+    def _write(self) -> None:
+        try:
+            since_flush = 0.0
+            while not self._ending.wait(_PERIOD):
+                self._drain()
+                since_flush += _PERIOD
+                if since_flush >= _FLUSH:
+                    since_flush = 0.0
+                    with self._lock:
+                        self._bag.flush()
+            self._drain()
+            with self._lock:
+                self._bag.close()
+        except BagError as error:
+            end(error)
+
+    def _drain(self) -> None:
+        with self._lock:
+            for _ in range(len(self._queue)):
+                self._bag.write(*self._queue.popleft())
+
+    def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success, response.message = True, f"{sum(self._bag.counts)} messages in {self._bag.directory}"
+        end()
+        return response
+
+
+def _message_class(type_name: str) -> type:
+    package, kind, name = type_name.split("/")
+    return getattr(importlib.import_module(f"{package}.{kind}"), name)
+
+
+def _read_rig(path: str) -> bytes | None:
+    if not path:
+        return None
+    try:
+        content = Path(path).read_bytes()
+        yaml.safe_load(content)
+        return content
+    except (OSError, yaml.YAMLError) as error:
+        raise SkinError(f"the rig file {path} cannot be used: {' '.join(str(error).split())}") from error
+
+
+def main() -> None:
+    """Run the node until a signal."""
+    run(Recorder)
