@@ -5,13 +5,17 @@ from pathlib import Path
 import numpy as np
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from skin_ident.recordings.recording import Recording
 
 G = 9.80665
-SILICONE = {2: (0.000216, 1330.0, 25042.0, 590.2, 1603.0), 4: (0.000432, 939.5, 9619.0, 629.2, 2766.0), 6: (0.000648, 248.6, 4338.0, 758.3, 5600.0)}
+SILICONE = {
+    2: (0.000216, 1330.0, 25042.0, 590.2, 1603.0),
+    4: (0.000432, 939.5, 9619.0, 629.2, 2766.0),
+    6: (0.000648, 248.6, 4338.0, 758.3, 5600.0),
+}
 START_NS = 1_700_000_000_000_000_000
 OURS = {
     "skin_testbed_msgs/msg/TaxelArray": "std_msgs/Header header\nfloat64[] force\nfloat64[] voltage\nuint8[] status\n",
@@ -77,33 +81,41 @@ def typestore():
     return store
 
 
-KINDS = {"/encoder": "sensor_msgs/msg/JointState", "/force": "geometry_msgs/msg/WrenchStamped", "/taxels": "skin_testbed_msgs/msg/TaxelArray"}
+KINDS = {
+    "/encoder": "sensor_msgs/msg/JointState",
+    "/force": "geometry_msgs/msg/WrenchStamped",
+    "/taxels": "skin_testbed_msgs/msg/TaxelArray",
+}
 
 
-def serialised(r: Recording, stamps_ns=None, log_delay_ns=1500):
-    """Every message of a recording as (topic, log time in ns, bytes)."""
+def serialised(r: Recording, stamps_ns=None, log_delay_ns=1500, change=None):
+    """Every message of a recording as (topic, log time in ns, bytes); `change(store, i, message)` may alter it."""
     store = typestore()
     ns = START_NS + np.rint(r.t * 1e9).astype(np.int64) if stamps_ns is None else stamps_ns
     for i, stamp in enumerate(ns.tolist()):
         for k, (topic, message) in enumerate(messages(store, r, i, stamp).items()):
+            message = message if change is None else change(store, i, message)
             yield topic, stamp + log_delay_ns * (k + 1), bytes(store.serialize_cdr(message, KINDS[topic]))
 
 
-def write_bag(path: Path, r: Recording, storage="mcap", **how):
-    """A rosbag2 directory of the recording with our types, by rosbags' own writer."""
+def write_bag(path: Path, r: Recording, storage="mcap", mode=None, **how):
+    """A rosbag2 directory of the recording with our types, by rosbags' own writer; `mode` compresses whole files or single messages."""
     plugin = StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3
-    with Writer(path, version=9, storage_plugin=plugin) as writer:
+    writer = Writer(path, version=9, storage_plugin=plugin)
+    if mode:
+        writer.set_compression(CompressionMode[mode], CompressionFormat.ZSTD)
+    with writer:
         lines = {topic: writer.add_connection(topic, kind, typestore=typestore()) for topic, kind in KINDS.items()}
         for topic, log_ns, data in serialised(r, **how):
             writer.write(lines[topic], log_ns, data)
     return path
 
 
-def write_mcap(path: Path, r: Recording, compression="NONE", chunk_size=20_000, **how):
+def write_mcap(path: Path, r: Recording, compression="NONE", chunk_size=20_000, use_chunking=True, **how):
     """A bare .mcap of the same, in small chunks, by the mcap library."""
     store = typestore()
     with path.open("wb") as file:
-        writer = McapWriter(file, chunk_size=chunk_size, compression=CompressionType[compression])
+        writer = McapWriter(file, chunk_size=chunk_size, compression=CompressionType[compression], use_chunking=use_chunking)
         writer.start("ros2", "test")
         lines = {}
         for topic, kind in KINDS.items():

@@ -58,7 +58,9 @@ def test_fast_motion_identifies_a_real_mass():
 def test_material_test_gives_the_whole_skin():
     r = recording()
     fit = fit_dispersion([Recording("m", r.t, r.depth, r.force)])
-    assert fit.values["k1"] == pytest.approx(9619 + 2766, rel=0.01) and fit.verdicts["k2"].word == NOT_IDENTIFIABLE and fit.model.shares == ()
+    assert (
+        fit.values["k1"] == pytest.approx(9619 + 2766, rel=0.01) and fit.verdicts["k2"].word == NOT_IDENTIFIABLE and fit.model.shares == ()
+    )
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.9])

@@ -36,7 +36,8 @@ def test_bare_mcap_and_folder_of_sessions(tmp_path):
 
 @pytest.mark.parametrize(
     ("header", "kind"),
-    [("t_s,x_mm,force_n", MATERIAL_TEST), ("t_s,force_N,taxel_0_N", FORCE_TO_FORCE), ("Time (ms),Position [um],F [mN],taxel 3 (V)", DISPLACEMENT),
+    [("t_s,x_mm,force_n", MATERIAL_TEST), ("t_s,force_N,taxel_0_N", FORCE_TO_FORCE),
+     ("Time (ms),Position [um],F [mN],taxel 3 (V)", DISPLACEMENT),
      ("t_s,ai0_V,ai1_V", TAXELS_ONLY)],
 )  # fmt: skip
 def test_headers_say_kind_and_unit(tmp_path, header, kind):
@@ -128,3 +129,75 @@ def test_force_counted_negative_in_compression_is_turned_round(tmp_path):
     r = Recording("a", R.t, R.depth, -R.force, R.taxels)
     read = load(write_table(tmp_path / "a.csv", r))[0]
     assert np.allclose(read.force, R.force, atol=1e-6) and "sign" in " ".join(read.warnings)
+
+
+def records(data):
+    """Opcode, start and size of every record of an MCAP file."""
+    at = 8
+    while at + 9 <= len(data) - 8:
+        op, size = data[at], int.from_bytes(data[at + 1 : at + 9], "little")
+        yield op, at, 9 + size
+        at += 9 + size
+
+
+@pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])
+@pytest.mark.parametrize("share", [0.3, 0.77, 0.98])
+def test_truncated_mcap_gives_what_it_holds(tmp_path, compression, share):
+    data = write_mcap(tmp_path / "a.mcap", R, compression).read_bytes()
+    (tmp_path / "a.mcap").write_bytes(data[: int(share * len(data))])
+    r = load(tmp_path / "a.mcap")[0]
+    assert 0.5 * share * len(R) < len(r) <= len(R) and (len(r) == len(R) or "cut off" in " ".join(r.warnings))
+    assert all(np.array_equal(a[..., : len(r)], b) for a, b in ((R.depth, r.depth), (R.force, r.force), (R.taxels, r.taxels)))
+
+
+def test_mcap_without_summary_or_index_reads_the_same(tmp_path):
+    data = write_mcap(tmp_path / "a.mcap", R, "LZ4").read_bytes()
+    kept = b"".join(data[at : at + size] for op, at, size in records(data) if op not in (7, 8, 11, 14, 2, 10, 13))
+    (tmp_path / "b.mcap").write_bytes(data[:8] + kept)
+    assert same(load(tmp_path / "b.mcap")[0], R, 1e-15)
+
+
+def test_mcap_without_chunks_reads_the_same(tmp_path):
+    r = load(write_mcap(tmp_path / "a.mcap", R, use_chunking=False))[0]
+    assert same(r, R, 1e-15) and r.warnings == ()
+
+
+def test_damaged_chunk_is_left_out_and_counted(tmp_path):
+    data = bytearray(write_mcap(tmp_path / "a.mcap", R).read_bytes())
+    chunks = [(at, size) for op, at, size in records(data) if op == 6]
+    at, size = chunks[len(chunks) - 2]
+    data[at + size // 2] ^= 0x10
+    (tmp_path / "a.mcap").write_bytes(data)
+    said = " ".join(load(tmp_path / "a.mcap")[0].warnings)
+    assert "1 damaged chunk" in said and "lost" in said
+
+
+@pytest.mark.parametrize(("content", "says"), [(b"", "empty"), (b"\x89MCAP0\r\n", "no force"), (b"hello, I am no bag", "not an MCAP file")])
+def test_file_that_is_no_mcap(tmp_path, content, says):
+    (tmp_path / "a.mcap").write_bytes(content)
+    with pytest.raises(RecordingError, match=says):
+        load(tmp_path / "a.mcap")
+
+
+def test_message_and_file_compression(tmp_path):
+    for mode in ("FILE", "MESSAGE"):
+        assert same(load(write_bag(tmp_path / mode, R, "sqlite3", mode=mode))[0], R, 1e-15)
+
+
+def test_bulk_reading_equals_rosbags(tmp_path):
+    """Frames, joints and lengths that change on the way: whatever the fast way cannot read goes the slow way, and none is lost."""
+    from rosbags.highlevel import AnyReader
+
+    def varied(store, i, message):
+        if i % 7 == 3:
+            message.header.frame_id = "another frame"
+        if i % 11 == 5 and hasattr(message, "name"):
+            message.name, message.position = ["other", "indentation"], np.array([7.0, message.position[0]])
+        return message
+
+    path = write_mcap(tmp_path / "a.mcap", R, change=varied)
+    with AnyReader([path]) as bag:
+        slow = [(c.topic, bag.deserialize(raw, c.msgtype)) for c, _, raw in bag.messages()]
+    force = [-m.wrench.force.z for topic, m in slow if topic == "/force"]
+    r = load(path)[0]
+    assert np.array_equal(r.force, force) and same(r, R, 1e-15)

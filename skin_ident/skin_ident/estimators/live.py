@@ -14,7 +14,7 @@ LOST = 10.5  # periods: a longer pause starts the filter anew
 
 @dataclass(frozen=True)
 class Health:
-    """Since the last look: rate (Hz), jitter of the stamps (s, std), samples used, without a partner, not finite, pauses; since ever: used."""
+    """Since the last look: rate (Hz), jitter of the stamps (s, std), samples used, without a partner, not finite; pauses. And used ever."""
 
     rate: float = 0.0
     jitter: float = 0.0

@@ -146,7 +146,9 @@ def estimate(m: Memory, state: State) -> Live | None:
     widened = spread * _widening(ends, state)
     covariance = np.kron(widened, inverse)
     speed, depth = size / np.sqrt(state.rows)
-    return _split(m, beta, covariance, metric_of(inverse), Live(np.empty(0), np.empty(0), state.rows, speed, depth, np.sqrt(np.diag(spread))))
+    return _split(
+        m, beta, covariance, metric_of(inverse), Live(np.empty(0), np.empty(0), state.rows, speed, depth, np.sqrt(np.diag(spread)))
+    )
 
 
 def _widening(ends: np.ndarray, state: State) -> np.ndarray:

@@ -1,12 +1,14 @@
 """From named channels on one clock to a `Recording`: calibration, dead taxels, signs and sizes that cannot be right."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.declared import Calibration, Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.rows import all_finite, extremes
 from skin_ident.recordings.timing import Track, even
 
 FARTHEST = 0.2  # m: no skin is indented so deep
@@ -14,90 +16,105 @@ STRONGEST = 1e5  # N
 
 
 @dataclass(frozen=True)
-class Channel:
-    """One measured row: kind (depth, force, taxel), name, unit (m, N or V), samples (N,)."""
+class Channels:
+    """Measured rows of one kind (depth, force, taxel) and unit (m, N or V): names, samples (R, N)."""
 
     kind: str
-    name: str
+    names: tuple[str, ...]
     unit: str
-    y: np.ndarray
+    rows: np.ndarray
+
+    def only(self, keep: Sequence[bool]) -> "Channels":
+        """Some of the rows."""
+        return replace(self, names=tuple(n for n, k in zip(self.names, keep, strict=True) if k), rows=self.rows[np.asarray(keep, bool)])
 
 
-def assemble(name: str, t: np.ndarray, channels: list[Channel], declared: Declared, warnings: tuple[str, ...] = ()) -> Recording:
+def assemble(name: str, t: np.ndarray, parts: Sequence[Channels], declared: Declared, warnings: tuple[str, ...] = ()) -> Recording:
     """One evenly sampled recording from channels that share the stamps `t` (N,) s. Raises `RecordingError`."""
-    channels, notes = _live(channels)
-    channels, more = _calibrated(t, channels, declared)
-    _no_doubles(name, channels)
-    if not channels:
+    notes: list[str] = [*declared.warnings, *warnings]
+    parts = [p for part in parts for p in _calibrated(t, _live(part, notes), declared, notes) if p.names]
+    _note_unused(declared, parts, notes)
+    if not parts:
         raise RecordingError(f"{name} has neither depth nor force nor taxels")
-    track = even(Track(t, np.array([c.y for c in channels], float)), name, declared.sample_rate_hz)
-    rows = [replace(c, y=y) for c, y in zip(channels, track.rows, strict=True)]
-    taxels = [c for c in rows if c.kind == "taxel"]
+    track = even(Track(t, tuple(p.rows for p in parts)), name, declared.sample_rate_hz)
+    parts = [replace(p, rows=rows) for p, rows in zip(parts, track.blocks, strict=True)]
+    taxels = [p for p in parts if p.kind == "taxel"]
     recording = Recording(
         name=name,
         t=track.t,
-        depth=_only(rows, "depth"),
-        force=_only(rows, "force"),
-        taxels=np.array([c.y for c in taxels]),
-        taxel_names=tuple(c.name for c in taxels),
-        taxel_units=tuple(c.unit for c in taxels),
+        depth=_single(name, parts, "depth"),
+        force=_single(name, parts, "force"),
+        taxels=taxels[0].rows if len(taxels) == 1 else np.concatenate([p.rows for p in taxels]) if taxels else np.empty((0, 0)),
+        taxel_names=tuple(n for p in taxels for n in p.names),
+        taxel_units=tuple(p.unit for p in taxels for _ in p.names),
         declared=declared,
-        warnings=(*declared.warnings, *warnings, *notes, *more, *track.warnings),
+        warnings=(*notes, *track.warnings),
     )
     return _plausible(recording)
 
 
-def _only(rows: list[Channel], kind: str) -> np.ndarray | None:
-    return next((c.y for c in rows if c.kind == kind), None)
+def _single(name: str, parts: list[Channels], kind: str) -> np.ndarray | None:
+    same = [(n, row) for p in parts if p.kind == kind for n, row in zip(p.names, p.rows, strict=True)]
+    if len(same) > 1:
+        raise RecordingError(f"{name} has more than one {kind}: {', '.join(n for n, _ in same)}")
+    return same[0][1] if same else None
 
 
-def _no_doubles(name: str, channels: list[Channel]) -> None:
-    for kind in ("depth", "force"):
-        same = [c.name for c in channels if c.kind == kind]
-        if len(same) > 1:
-            raise RecordingError(f"{name} has more than one {kind}: {', '.join(same)}")
-
-
-def _live(channels: list[Channel]) -> tuple[list[Channel], list[str]]:
+def _live(part: Channels, notes: list[str]) -> Channels:
     """Without taxels that hold hardly a number."""
-    dead = [c for c in channels if c.kind == "taxel" and np.mean(np.isfinite(c.y)) < 0.5]
-    return [c for c in channels if c not in dead], [f"{c.name} left out: most of its samples are no numbers" for c in dead]
+    if part.kind != "taxel" or all_finite(part.rows):
+        return part
+    keep = np.isfinite(part.rows).mean(axis=1) >= 0.5
+    notes += [f"{n} left out: most of its samples are no numbers" for n, k in zip(part.names, keep, strict=True) if not k]
+    return part.only(keep)
 
 
-def _calibrated(t: np.ndarray, channels: list[Channel], declared: Declared) -> tuple[list[Channel], list[str]]:
+def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[str]) -> list[Channels]:
     """Volts to newtons where a slope is declared. Uncalibrated volts stay, with a warning; a force in volts is refused."""
-    notes, out, used = [], [], set()
-    for c in channels:
-        known = declared.calibration.get(c.name)
-        used |= {c.name} & set(declared.calibration)
-        if c.unit == "V" and known is not None:
-            zero = known.zero_v if known.zero_v is not None else float(np.nanmedian(c.y[t <= t[0] + 1.0]))
-            meaning = known.channel or c.name
-            c = Channel("force" if meaning == "force" else "taxel", meaning, "N", known.slope_n_per_v * (c.y - zero))
-            if known.zero_v is None:
-                notes.append(f"{meaning}: zero taken as {zero:.6g} V, the median of the first second; declare zero_v to be sure")
-        elif c.unit == "V" and c.kind == "force":
-            raise RecordingError(f"{c.name} is in volts: declare its slope_n_per_v under calibration in rig.yaml")
-        elif c.unit == "V":
-            notes.append(f"{c.name} is in volts and has no calibration: used as it is, in V")
-        out.append(c)
-    notes += [f"rig.yaml calibrates {name}, which is not a channel in volts here" for name in sorted(set(declared.calibration) - used)]
-    return out, notes
+    if part.unit != "V":
+        return [part]
+    known = {n: c for n in part.names for c in [declared.calibration.get(n) or declared.calibration.get(f"{n}_V")] if c}
+    out = [_in_newtons(t, n, part.rows[part.names.index(n)], c, notes) for n, c in known.items()]
+    rest = part.only([n not in known for n in part.names])
+    if rest.names and rest.kind == "force":
+        raise RecordingError(f"{rest.names[0]} is in volts: declare its slope_n_per_v under calibration in rig.yaml")
+    notes += [f"{n} is in volts and has no calibration: used as it is, in V" for n in rest.names]
+    return [*out, rest]
+
+
+def _in_newtons(t: np.ndarray, name: str, volts: np.ndarray, c: Calibration, notes: list[str]) -> Channels:
+    zero, meaning = c.zero_v, c.channel or name
+    if zero is None:
+        zero = float(np.nanmedian(volts[t <= t[0] + 1.0]))
+        notes.append(f"{meaning}: zero taken as {zero:.6g} V, the median of the first second; declare zero_v to be sure")
+    return Channels("force" if meaning == "force" else "taxel", (meaning,), "N", c.slope_n_per_v * (volts - zero)[None])
+
+
+def _note_unused(declared: Declared, parts: list[Channels], notes: list[str]) -> None:
+    used = {n for p in parts for n in p.names if p.unit == "N"}
+    unused = [n for n, c in declared.calibration.items() if (c.channel or n.removesuffix("_V")) not in used]
+    notes += [f"rig.yaml calibrates {n}, which is not a channel in volts here" for n in unused]
 
 
 def _plausible(r: Recording) -> Recording:
     """Refuse sizes that only a wrong unit can give; turn round a force whose compression was counted negative, and say so."""
     if r.depth is not None and np.ptp(r.depth) > FARTHEST:
         raise RecordingError(f"{r.name}: the depth spans {np.ptp(r.depth):.4g} m, more than any skin; is it in mm?")
-    for label, y in r.channels.items():
-        if np.max(np.abs(y)) > STRONGEST:
-            raise RecordingError(f"{r.name}: {label} reaches {np.max(np.abs(y)):.4g} N, more than any load cell; check its unit")
     if r.depth is not None and r.depth.max() <= 0.0 and r.force is not None:
         r = r.warned("the plunger never goes below the surface (depth > 0): a dispersion model has nothing to be fitted to")
-    still = [label for label, y in r.channels.items() if np.ptp(y) == 0.0]
-    if still:
-        r = r.warned(f"{', '.join(still)}: the value never changes")
+    for names, rows in ((("force",), r.force), (r.taxel_names, r.taxels)):
+        if rows is not None and rows.size:
+            r = _sized(r, names, *extremes(np.atleast_2d(rows)))
     return _turned(r)
+
+
+def _sized(r: Recording, names: Sequence[str], low: np.ndarray, high: np.ndarray) -> Recording:
+    largest = np.maximum(-low, high)
+    if largest.max() > STRONGEST:
+        worst = int(np.argmax(largest))
+        raise RecordingError(f"{r.name}: {names[worst]} reaches {largest[worst]:.4g} N, more than any load cell; check its unit")
+    still = [n for n, a, b in zip(names, low, high, strict=True) if a == b]
+    return r.warned(f"{', '.join(still)}: the value never changes") if still else r
 
 
 def _turned(r: Recording) -> Recording:

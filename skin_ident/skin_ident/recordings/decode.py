@@ -1,6 +1,5 @@
-"""Serialised messages to arrays: what a force, encoder or taxel topic holds, whichever of the known types it has."""
+"""What a force, encoder or taxel topic means: which numbers of which message type, and in which unit."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -9,7 +8,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
 from skin_ident.recordings.errors import RecordingError
-from skin_ident.recordings.storage import RawTopic
+from skin_ident.recordings.gather import Gatherer
 from skin_ident.recordings.timing import counted
 
 FORCE_TYPES = ("geometry_msgs/msg/WrenchStamped", "geometry_msgs/msg/Wrench", "std_msgs/msg/Float64", "std_msgs/msg/Float32")
@@ -17,6 +16,15 @@ DEPTH_TYPES = ("sensor_msgs/msg/JointState", "std_msgs/msg/Float64", "std_msgs/m
 TAXEL_TYPES = ("skin_testbed_msgs/msg/TaxelArray", "std_msgs/msg/Float64MultiArray", "std_msgs/msg/Float32MultiArray")
 LAYOUT_TYPE = "skin_testbed_msgs/msg/TaxelLayout"
 JOINT = "indentation"
+VALUES = {
+    "WrenchStamped": ("wrench.force.z",),
+    "Wrench": ("force.z",),
+    "Float64": ("data",),
+    "Float32": ("data",),
+    "TaxelArray": ("force", "voltage"),
+    "Float64MultiArray": ("data",),
+    "Float32MultiArray": ("data",),
+}
 
 # For bags that bring no definitions along (sqlite3 bags before Jazzy).
 _OURS = {
@@ -27,64 +35,121 @@ _OURS = {
 
 
 @dataclass(frozen=True)
+class Topic:
+    """One topic of a bag: name, type, its definition and how that is written, how many messages."""
+
+    name: str
+    kind: str
+    definition: str
+    encoding: str
+    count: int
+
+    @property
+    def short(self) -> str:
+        """The type without its package."""
+        return self.kind.rpartition("/")[2]
+
+
+@dataclass(frozen=True)
 class Decoded:
-    """One topic as arrays: stamps (N,) ns (log time where the type has no header), rows (R, N), unit, names of the rows."""
+    """One topic as arrays: stamps (N,) ns (log time where the type has no header), rows (R, N), unit."""
 
     topic: str
     stamp_ns: np.ndarray
     stamped: bool
     rows: np.ndarray
     unit: str
-    names: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...]
 
 
-def decode(topic: RawTopic, joint: str = "") -> Decoded:
-    """The samples of a force, encoder or taxel topic. Raises `RecordingError` for a type that is none of these."""
-    readers: dict[str, Callable[[Any], Any]] = {
-        "WrenchStamped": lambda m: [-m.wrench.force.z],
-        "Wrench": lambda m: [-m.force.z],
-        "Float64": lambda m: [m.data],
-        "Float32": lambda m: [m.data],
-        "Float64MultiArray": lambda m: m.data,
-        "Float32MultiArray": lambda m: m.data,
-        "TaxelArray": lambda m: m.force,
-    }
-    name = topic.type.rpartition("/")[2]
-    messages, lost = _deserialised(topic)
-    if name == "JointState":
-        index, label = _joint(topic, messages, joint)
-        readers["JointState"] = lambda m: m.position[index : index + 1]
-    if name not in readers and name != "JointState":
-        raise RecordingError(f"topic {topic.name} has type {topic.type}, which is neither force, encoder nor taxels")
-    rows, keep, warnings = _even_width(topic, [readers[name](m) for m in messages])
-    unit, names = ("m", (label,)) if name == "JointState" else ("", ())
-    if name == "TaxelArray" and not np.isfinite(rows).any() and any(len(m.voltage) for m in messages):
-        (rows, keep, warnings), unit = _even_width(topic, [m.voltage for m in messages]), "V"
-    stamps, stamped = _stamps(topic, messages)
-    return Decoded(topic.name, stamps[keep], stamped, rows, unit, names, (*lost, *warnings))
+@dataclass
+class Reader:
+    """Reads single messages of one topic with rosbags' decoder; see `gather.Reader`."""
+
+    topic: Topic
+    joint: str = ""
+    chosen: str = ""
+
+    def __post_init__(self) -> None:
+        self.store, self.kind = typestore(self.topic), self.topic.kind
+        self.definitions = self.store.fielddefs
+
+    def path(self, raw: bytes) -> str:
+        """Which of the type's fields is meant; a joint by its place. Raises `RecordingError` where the joint is not clear."""
+        message = self.store.deserialize_cdr(raw, self.kind)
+        if self.topic.short == "JointState":
+            return f"position[{list(message.name).index(self._joint(message))}]"
+        filled = [p for p in VALUES[self.topic.short] if _at(message, p).size]
+        numeric = [p for p in filled if np.isfinite(_at(message, p)).any()]
+        self.chosen = (numeric or filled or list(VALUES[self.topic.short]))[0]
+        return self.chosen
+
+    def read(self, raw: bytes) -> tuple[np.ndarray, int]:
+        """Values and stamp of one message."""
+        message = self.store.deserialize_cdr(raw, self.kind)
+        stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec if hasattr(message, "header") else 0
+        if self.topic.short == "JointState":
+            return _at(message, "position")[[list(message.name).index(self._joint(message))]], stamp
+        return _at(message, self.chosen), stamp
+
+    def _joint(self, message: Any) -> str:
+        names = list(message.name)
+        self.joint = self.joint or (JOINT if JOINT in names else names[0] if len(names) == 1 else "")
+        if self.joint not in names:
+            name, held = self.topic.name, ", ".join(names) or "none"
+            raise RecordingError(f"{name} has the joints {held}: say which with --topics encoder={name}:JOINT")
+        return self.joint
 
 
-def layout(topic: RawTopic) -> tuple[tuple[str, ...], tuple[tuple[float, float], ...]]:
-    """Names and positions (mm) of the taxels from the last layout message."""
-    messages, _ = _deserialised(topic)
-    if not messages:
-        return (), ()
-    return tuple(messages[-1].names), tuple((1e3 * p.x, 1e3 * p.y) for p in messages[-1].positions)
+def gatherer(topic: Topic, joint: str = "") -> Gatherer:
+    """What collects the messages of a force, encoder or taxel topic. Raises `RecordingError`."""
+    return Gatherer(Reader(topic, joint), topic.count)
 
 
-def _deserialised(topic: RawTopic) -> tuple[list[Any], tuple[str, ...]]:
-    store = _typestore(topic.type, topic.definition, topic.encoding)
-    messages, log_ns = [], []
-    for stamp, raw in zip(topic.log_ns, topic.messages, strict=True):
+def _at(message: Any, path: str) -> np.ndarray:
+    for name in path.split("."):
+        message = getattr(message, name)
+    return np.atleast_1d(np.asarray(message, float))
+
+
+def messages(topic: Topic, raws: list[bytes]) -> list[Any]:
+    """Whole messages, as rosbags gives them; those that are damaged are left out."""
+    store, out = typestore(topic), []
+    for raw in raws:
         try:
-            messages.append(store.deserialize_cdr(raw, topic.type))
-            log_ns.append(stamp)
-        except Exception:  # the decoder is generated code: damaged bytes can end in any exception
+            out.append(store.deserialize_cdr(raw, topic.kind))
+        except Exception:  # generated code meets damaged bytes
             continue
-    lost = len(topic.messages) - len(messages)
-    topic.log_ns = log_ns
-    return messages, (f"{topic.name}: {counted(lost, 'message')} could not be decoded",) if lost else ()
+    return out
+
+
+def decoded(topic: Topic, g: Gatherer, log_time: bool = False) -> Decoded:
+    """The samples of a topic, forces positive in compression. Raises `RecordingError` where none could be read."""
+    if g.rows is None or not g.size:
+        raise RecordingError(f"topic {topic.name} holds no message that can be decoded")
+    rows = g.rows[: g.size].T
+    warnings = [f"{topic.name}: {counted(g.lost, 'message')} could not be decoded"] if g.lost else []
+    warnings += [f"{topic.name}: {counted(g.odd, 'message')} with another number of values than {len(rows)} dropped"] if g.odd else []
+    if topic.short.startswith("Wrench"):
+        np.negative(rows, out=rows)
+    stamps = g.stamp_ns[: g.size]
+    stamped = bool(stamps.any()) and not log_time
+    return Decoded(
+        topic.name, stamps if stamped else g.log_ns[: g.size], stamped, rows, "V" if g.chosen == "voltage" else "", tuple(warnings)
+    )
+
+
+def layout(topic: Topic, raws: list[bytes]) -> tuple[tuple[str, ...], tuple[tuple[float, float], ...]]:
+    """Names and positions (mm) of the taxels from the last layout message."""
+    found = messages(topic, raws)
+    if not found:
+        return (), ()
+    return tuple(found[-1].names), tuple((1e3 * p.x, 1e3 * p.y) for p in found[-1].positions)
+
+
+def typestore(topic: Topic) -> Any:
+    """rosbags' decoder for a topic's type. Raises `RecordingError` where its definition cannot be understood."""
+    return _typestore(topic.kind, topic.definition, topic.encoding)
 
 
 @cache
@@ -92,41 +157,10 @@ def _typestore(kind: str, definition: str, encoding: str) -> Any:
     store = get_typestore(Stores.ROS2_JAZZY)
     text = definition or _OURS.get(kind, "")
     try:
-        types = get_types_from_idl(text) if encoding.endswith("idl") else get_types_from_msg(text, kind)
+        types = (get_types_from_idl(text) if encoding.endswith("idl") else get_types_from_msg(text, kind)) if text else {}
         store.register({name: fields for name, fields in types.items() if name not in store.fielddefs})
     except Exception as error:
         raise RecordingError(f"the definition of {kind} in the bag cannot be understood: {' '.join(str(error).split())}") from error
     if kind not in store.fielddefs:
         raise RecordingError(f"the bag brings no definition of {kind}")
     return store
-
-
-def _joint(topic: RawTopic, messages: list[Any], wanted: str) -> tuple[int, str]:
-    names = list(messages[0].name) if messages else []
-    choice = wanted or (JOINT if JOINT in names else names[0] if len(names) == 1 else "")
-    if choice not in names:
-        held = ", ".join(names) or "none"
-        raise RecordingError(f"{topic.name} has the joints {held}: say which with --topics encoder={topic.name}:JOINT")
-    return names.index(choice), choice
-
-
-def _even_width(topic: RawTopic, rows: list[Any]) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
-    """Rows (R, N) of the messages that have the usual length, which those are, and a warning about the others."""
-    widths = np.array([len(row) for row in rows], int)
-    if not widths.size:
-        raise RecordingError(f"topic {topic.name} holds no message")
-    usual = int(np.bincount(widths).argmax())
-    keep = widths == usual
-    if keep.mean() < 0.9:
-        raise RecordingError(f"{topic.name}: the number of values changes from message to message")
-    values = np.array([row for row, k in zip(rows, keep, strict=True) if k], float).reshape(-1, usual).T
-    odd = int((~keep).sum())
-    return values, keep, (f"{topic.name}: {counted(odd, 'message')} of another length than {usual} dropped",) if odd else ()
-
-
-def _stamps(topic: RawTopic, messages: list[Any]) -> tuple[np.ndarray, bool]:
-    log_ns = np.array(topic.log_ns, np.int64)
-    if not messages or not hasattr(messages[0], "header"):
-        return log_ns, False
-    stamps = np.array([m.header.stamp.sec * 1_000_000_000 + m.header.stamp.nanosec for m in messages], np.int64)
-    return (stamps, True) if np.any(stamps) else (log_ns, False)

@@ -4,10 +4,11 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from skin_ident.recordings.bag import is_bag, read_bag
+from skin_ident.recordings.bag import read_bag
 from skin_ident.recordings.declared import FILE_NAME, declared_beside
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.spread_table import is_spread_scan, read_spread_scan
+from skin_ident.recordings.storage import is_bag
 from skin_ident.recordings.table import read_table, read_text
 
 TABLES = (".csv", ".tsv", ".txt", ".tab", ".dat")

@@ -6,6 +6,7 @@ import numpy as np
 
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.rows import all_finite
 
 DISPLACEMENT = "displacement"  # depth, and what it does to taxels (and to the load cell, where there is one)
 MATERIAL_TEST = "material_test"  # depth and force, no taxel
@@ -94,8 +95,8 @@ class Recording:
             raise RecordingError(f"{self.name} is not evenly sampled")
         if self.depth is None and self.force is None and not len(self.taxels):
             raise RecordingError(f"{self.name} has neither depth nor force nor taxels")
-        for label, row in (("depth", self.depth), ("force", self.force), *zip(self.taxel_names, self.taxels, strict=True)):
-            if row is not None and (row.shape != (n,) or not np.all(np.isfinite(row))):
+        for label, rows in (("depth", self.depth), ("force", self.force), ("taxels", self.taxels)):
+            if rows is not None and (rows.shape[-1:] != (n,) or rows.ndim != 1 + (label == "taxels") or not all_finite(rows)):
                 raise RecordingError(f"{self.name}: {label} must hold {n} finite samples")
         if len(self.taxel_units) != len(self.taxels) or len(set(self.taxel_names)) != len(self.taxels):
             raise RecordingError(f"{self.name}: every taxel needs a name of its own and a unit")

@@ -1,163 +1,139 @@
-"""Raw messages from a bag's storage files: MCAP (also truncated ones) and sqlite3."""
+"""The storage files of a bag as one: its topics, and their messages handed to whoever collects them."""
 
-import sqlite3
-import struct
-from collections.abc import Callable, Iterator
+import tempfile
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+import yaml
+
+from skin_ident.recordings.decode import Topic
 from skin_ident.recordings.errors import RecordingError
-from skin_ident.recordings.timing import counted
+from skin_ident.recordings.mcap_file import Channel, Survey, survey
+from skin_ident.recordings.mcap_read import Add, read_messages
+from skin_ident.recordings.sqlite_file import read_sqlite, survey_sqlite
 
-MAGIC = b"\x89MCAP0\r\n"
-SCHEMA, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, DATA_END = 0x03, 0x04, 0x05, 0x06, 0x09, 0x0F
+METADATA = "metadata.yaml"
+SUFFIXES = (".mcap", ".db3")
+
+
+def is_bag(path: Path) -> bool:
+    """Whether `path` is a rosbag2 directory or a storage file."""
+    return path.suffix in SUFFIXES if path.is_file() else (path / METADATA).is_file() and bool(_files(path)[0])
+
+
+def _files(folder: Path) -> tuple[list[Path], str]:
+    """The files that the metadata of a bag names, in their order (all there are, where it names none that exists), and how compressed."""
+    try:
+        content = yaml.safe_load((folder / METADATA).read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
+        names = [Path(str(name)).name for name in content["relative_file_paths"]]
+        mode = str(content.get("compression_mode") or "").lower()
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError, AttributeError):
+        names, mode = [], ""
+    named = [folder / name for name in names if (folder / name).is_file()]
+    return named or sorted(p for p in folder.iterdir() if p.suffix in SUFFIXES or p.suffixes[-2:-1] in ([s] for s in SUFFIXES)), mode
 
 
 @dataclass
-class RawTopic:
-    """All messages of one topic: type and definition, log times (ns) and serialised bytes."""
+class File:
+    """One storage file: its channels and counts by id; `survey` for MCAP only."""
 
-    name: str
-    type: str
-    definition: str
-    encoding: str  # of the definition: ros2msg, ros2idl or empty
-    log_ns: list[int] = field(default_factory=list)
-    messages: list[bytes] = field(default_factory=list)
+    path: Path
+    channels: dict[int, Channel]
+    counts: dict[int, int]
+    survey: Survey | None = None
 
 
 @dataclass
-class RawBag:
-    """What one storage file holds."""
+class Storage:
+    """A bag that has been looked into. Use it in a `with` block: unpacked files are temporary."""
 
-    topics: dict[str, RawTopic] = field(default_factory=dict)
-    attachments: dict[str, bytes] = field(default_factory=dict)
+    path: Path
+    files: list[File] = field(default_factory=list)
+    mode: str = ""
     warnings: tuple[str, ...] = ()
+    _stack: ExitStack = field(default_factory=ExitStack)
 
+    def __enter__(self) -> "Storage":
+        """Look into every file. Raises `RecordingError`."""
+        files, self.mode = ([self.path], "") if self.path.is_file() else _files(self.path)
+        try:
+            self.files = [self._open(file) for file in files]
+        except BaseException:
+            self._stack.close()
+            raise
+        return self
 
-def read_mcap(path: Path, wanted: Callable[[str, str], bool]) -> RawBag:
-    """Every message of the topics for which `wanted(name, type)` holds. A file that is cut off gives what it holds, with a warning."""
-    data = path.read_bytes()
-    if data[:8] != MAGIC:
-        raise RecordingError(f"{path} is {'empty' if not data else 'not an MCAP file'}")
-    scan = _Scan(wanted)
-    done = scan.run(data, 8)
-    if done is None:
-        return scan.bag
-    missing = len(data) - done
-    note = f"{path.name} is cut off or damaged after {counted(sum(len(t.messages) for t in scan.bag.topics.values()), 'message')}"
-    scan.bag.warnings = (f"{note}: what comes before was used, the last {missing} bytes are lost",)
-    return scan.bag
+    def __exit__(self, *_: object) -> None:
+        """Remove what was unpacked."""
+        self._stack.close()
 
+    def _open(self, path: Path) -> File:
+        if path.suffix == ".zstd":
+            path = self._unpacked(path)
+        try:
+            if path.suffix == ".db3":
+                return File(path, *survey_sqlite(path))
+            found = survey(path)
+        except OSError as error:
+            raise RecordingError(f"cannot read {path}: {error.strerror}") from error
+        return File(path, found.channels, found.counts, found)
 
-class _Scan:
-    """Walks through the records from the front; needs no index, so a missing one does not matter."""
-
-    def __init__(self, wanted: Callable[[str, str], bool]) -> None:
-        self.wanted, self.bag = wanted, RawBag()
-        self.schemas: dict[int, tuple[str, str, str]] = {}
-        self.channels: dict[int, RawTopic | None] = {}
-
-    def run(self, data: bytes | memoryview, start: int) -> int | None:
-        """None when the end was reached in order, else the offset up to which the records are whole."""
-        view, at = memoryview(data), start
-        while at < len(view):
-            if at + 9 > len(view):
-                return at
-            op, size = view[at], struct.unpack_from("<Q", view, at + 1)[0]
-            if at + 9 + size > len(view):
-                return at
-            if op == DATA_END:
-                return None
-            try:
-                self.record(op, view[at + 9 : at + 9 + size])
-            except (struct.error, ValueError, RuntimeError, IndexError, EOFError):
-                return at
-            at += 9 + size
-        return at if start == 8 else None  # a file ends with a footer, a chunk does not
-
-    def record(self, op: int, body: memoryview) -> None:
-        if op == MESSAGE:
-            channel, _, log_ns = struct.unpack_from("<HIQ", body)
-            topic = self.channels.get(channel)
-            if topic is not None:
-                topic.log_ns.append(log_ns)
-                topic.messages.append(bytes(body[22:]))
-        elif op == CHUNK:
-            name, at = _string(body, 28)
-            size = struct.unpack_from("<Q", body, at)[0]
-            whole = _decompress(name, body[at + 8 : at + 8 + size], struct.unpack_from("<Q", body, 16)[0])
-            if self.run(whole, 0) is not None:
-                raise ValueError("a chunk ends within a record")
-        elif op == SCHEMA:
-            name, at = _string(body, 2)
-            encoding, at = _string(body, at)
-            self.schemas[struct.unpack_from("<H", body)[0]] = (name, encoding, _string(body, at)[0])
-        elif op == CHANNEL:
-            self.channel(body)
-        elif op == ATTACHMENT:
-            name, at = _string(body, 16)
-            at = _string(body, at)[1]
-            size = struct.unpack_from("<Q", body, at)[0]
-            self.bag.attachments[name] = bytes(body[at + 8 : at + 8 + size])
-
-    def channel(self, body: memoryview) -> None:
-        number, schema = struct.unpack_from("<HH", body)
-        name, _ = _string(body, 4)
-        kind, encoding, definition = self.schemas.get(schema, ("", "", ""))
-        if number in self.channels:
-            return
-        wanted = self.wanted(name, kind)
-        self.channels[number] = self.bag.topics.setdefault(name, RawTopic(name, kind, definition, encoding)) if wanted else None
-
-
-def _string(body: memoryview, at: int) -> tuple[str, int]:
-    size = struct.unpack_from("<I", body, at)[0]
-    return bytes(body[at + 4 : at + 4 + size]).decode(), at + 4 + size
-
-
-def _decompress(name: str, data: memoryview, size: int) -> bytes | memoryview:
-    if name == "":
-        return data
-    if name == "zstd":
+    def _unpacked(self, path: Path) -> Path:
         import zstandard
 
-        return zstandard.ZstdDecompressor().decompress(bytes(data), max_output_size=size)
-    if name == "lz4":
-        import lz4.frame
+        folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
+        target = folder / path.stem
+        try:
+            with path.open("rb") as packed, target.open("wb") as plain:
+                zstandard.ZstdDecompressor().copy_stream(packed, plain)
+        except zstandard.ZstdError as error:
+            raise RecordingError(f"{path} cannot be decompressed: {error}") from error
+        return target
 
-        return lz4.frame.decompress(bytes(data))
-    raise RecordingError(f"chunks compressed with {name!r} cannot be read; known are zstd and lz4")
+    @property
+    def attachments(self) -> dict[str, bytes]:
+        """Attached files by name."""
+        return {name: data for file in self.files if file.survey for name, data in file.survey.attachments.items()}
+
+    @property
+    def topics(self) -> dict[str, Topic]:
+        """Topics by name, counts summed over the files."""
+        out: dict[str, Topic] = {}
+        for file in self.files:
+            for number, c in file.channels.items():
+                count = file.counts.get(number, 0) + (out[c.topic].count if c.topic in out else 0)
+                out[c.topic] = Topic(c.topic, c.kind, c.definition, c.encoding, count)
+        return out
+
+    def read(self, takers: dict[str, Add]) -> tuple[str, ...]:
+        """Hand the messages of the named topics over, file by file; returns warnings."""
+        return tuple(w for file in self.files for w in self._read_file(file, takers))
+
+    def _read_file(self, file: File, takers: dict[str, Add]) -> tuple[str, ...]:
+        mine = {number: takers[c.topic] for number, c in file.channels.items() if c.topic in takers}
+        if file.survey is not None:
+            if self.mode == "message":
+                mine = {number: _unpacking(add) for number, add in mine.items()}
+            return read_messages(file.survey, mine)
+        return read_sqlite(file.path, mine, _unpacker() if self.mode == "message" else None)
 
 
-def read_sqlite(path: Path, wanted: Callable[[str, str], bool]) -> RawBag:
-    """The same from a rosbag2 sqlite3 file. Raises `RecordingError` for a file that is none."""
-    bag = RawBag()
-    try:
-        with sqlite3.connect(f"file:{path}?mode=ro&immutable=1", uri=True) as db:
-            definitions = _definitions(db)
-            for number, name, kind in db.execute("SELECT id, name, type FROM topics"):
-                if wanted(name, kind):
-                    definition, encoding = definitions.get(kind, ("", ""))
-                    topic = bag.topics.setdefault(name, RawTopic(name, kind, definition, encoding))
-                    for log_ns, data in _rows(db, number):
-                        topic.log_ns.append(log_ns)
-                        topic.messages.append(data)
-    except sqlite3.DatabaseError as error:
-        if any(topic.messages for topic in bag.topics.values()):
-            bag.warnings = (f"{path.name} is damaged ({error}): what could be read was used",)
-            return bag
-        raise RecordingError(f"{path} cannot be read as a sqlite3 bag: {error}") from error
-    return bag
+def _unpacker() -> Callable[[bytes], bytes]:
+    import zstandard
+
+    return zstandard.ZstdDecompressor().decompress
 
 
-def _rows(db: sqlite3.Connection, topic: int) -> Iterator[tuple[int, bytes]]:
-    return db.execute("SELECT timestamp, data FROM messages WHERE topic_id = ? ORDER BY id", (topic,))
+def _unpacking(add: Add) -> Add:
+    """`add` for messages that are compressed one by one."""
+    from skin_ident.recordings.sqlite_file import hand_over
 
+    unpack = _unpacker()
 
-def _definitions(db: sqlite3.Connection) -> dict[str, tuple[str, str]]:
-    """Definition and encoding by type; older bags hold none."""
-    tables = {row[0] for row in db.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
-    if "message_definitions" not in tables:
-        return {}
-    rows = db.execute("SELECT topic_type, encoded_message_definition, encoding FROM message_definitions")
-    return {kind: (text, encoding) for kind, text, encoding in rows}
+    def taken(buffer: Any, starts, sizes, logs) -> None:
+        hand_over([(log, bytes(buffer[a : a + n])) for a, n, log in zip(starts, sizes, logs, strict=True)], add, unpack)
+
+    return taken

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skin_ident.recordings.assemble import Channel, assemble
+from skin_ident.recordings.assemble import Channels, assemble
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
@@ -75,7 +75,8 @@ def read_table(path: Path, declared: Declared) -> Recording:
     if not times and declared.sample_rate_hz is None:
         raise RecordingError(f"{path} has no time column: add t_s, or declare sample_rate_hz in rig.yaml")
     t = columns[times[0]].factor * values[times[0]] if times else np.arange(values.shape[1]) / declared.sample_rate_hz
-    channels = [Channel(c.kind, c.name, c.unit, c.factor * y) for c, y in zip(columns, values, strict=True) if c.kind != "time"]
+    pairs = zip(columns, values, strict=True)
+    channels = [Channels(c.kind, (c.name,), c.unit, c.factor * y[None]) for c, y in pairs if c.kind != "time"]
     return assemble(path.name, t, channels, declared, warnings)
 
 

@@ -70,7 +70,11 @@ class IdentNode(Node):
 
     def _subscribe(self) -> None:
         policies = QoSOverridingOptions.with_default_policies()
-        pairs = ((JointState, "encoder", self._on_encoder), (WrenchStamped, "force", self._on_force), (TaxelArray, "taxels", self._on_taxels))
+        pairs = (
+            (JointState, "encoder", self._on_encoder),
+            (WrenchStamped, "force", self._on_force),
+            (TaxelArray, "taxels", self._on_taxels),
+        )
         for kind, topic, callback in pairs:
             self.create_subscription(kind, topic, callback, qos_profile_sensor_data, qos_overriding_options=policies)
 

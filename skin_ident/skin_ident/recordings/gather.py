@@ -1,0 +1,153 @@
+"""Messages of one topic to arrays, a chunk at a time: one fancy index per field instead of one call per message."""
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.mcap_chunk import taken
+from skin_ident.recordings.layout import Layout, NotPlain, learn
+
+STAMP = ("header.stamp.sec", "header.stamp.nanosec")
+
+
+class Reader(Protocol):
+    """Decodes single messages: the slow way, by which the fast one is learnt and checked. May raise anything on damaged bytes."""
+
+    definitions: dict
+    kind: str
+
+    def path(self, raw: bytes) -> str:
+        """Where the wanted numbers are in this message, which stands for all."""
+
+    def read(self, raw: bytes) -> tuple[np.ndarray, int]:
+        """The wanted numbers (R,) and the stamp in ns, 0 where there is none."""
+
+
+@dataclass
+class Gatherer:
+    """Collects messages, about `count` of them.
+
+    The first `size` entries hold: stamp_ns (N,), log_ns (N,), rows (N, R). `lost` counts messages that could not be decoded, `odd` those
+    with another number of values.
+    """
+
+    reader: Reader
+    count: int
+    log_ns: np.ndarray = field(init=False)
+    stamp_ns: np.ndarray = field(init=False)
+    rows: np.ndarray | None = None
+    chosen: str = ""
+    layout: Layout | None = None
+    size: int = 0
+    lost: int = 0
+    odd: int = 0
+
+    def __post_init__(self) -> None:
+        self.log_ns = np.empty(self.count, np.int64)
+        self.stamp_ns = np.zeros(self.count, np.int64)
+
+    def add(self, buffer: Any, starts: np.ndarray, sizes: np.ndarray, log_ns: np.ndarray) -> None:
+        """Take in messages that begin at `starts` in a buffer and have `sizes` bytes, in their order."""
+        if self.layout is None and not self._learn(buffer, starts, sizes):
+            self.lost += len(starts)
+            return
+        self._make_room(len(starts))
+        fits = self._fits(buffer, starts, sizes)
+        if fits.all():
+            self._bulk(buffer, starts, log_ns)
+            return
+        for start, size, stamp, fit in zip(starts, sizes, log_ns, fits, strict=True):
+            if fit:
+                self._bulk(buffer, np.array([start]), np.array([stamp]))
+            else:
+                self._single(bytes(buffer[start : start + size]), stamp)
+
+    def _learn(self, buffer: Any, starts: np.ndarray, sizes: np.ndarray) -> bool:
+        """Learn the layout from the first message that can be decoded, and only if both ways of reading it agree."""
+        for start, size in zip(starts.tolist(), sizes.tolist(), strict=True):
+            raw = bytes(buffer[start : start + size])
+            try:
+                self.chosen = self.reader.path(raw)
+                values, stamp = self.reader.read(raw)
+                self.layout = learn(self.reader.definitions, self.reader.kind, raw, (self.chosen, *STAMP))
+            except NotPlain:
+                self.layout = Layout(-1, {}, ())  # fits nothing: every message goes the slow way
+            except RecordingError:
+                raise
+            except Exception:  # generated code meets damaged bytes
+                continue
+            self.rows = np.empty((self.count, values.size))
+            if self.layout.size >= 0 and not self._agrees(raw, values, stamp):
+                self.layout = Layout(-1, {}, ())
+            return True
+        return False
+
+    def _agrees(self, raw: bytes, values: np.ndarray, stamp: int) -> bool:
+        if self.chosen not in self.layout.fields:
+            return False
+        one = Gatherer(self.reader, 1, layout=self.layout, chosen=self.chosen, rows=np.empty((1, values.size)))
+        if self.layout.fields[self.chosen].count != values.size:
+            return False
+        one._bulk(raw, np.zeros(1, np.int64), np.zeros(1, np.int64))
+        return np.array_equal(one.rows[0], values, equal_nan=True) and int(one.stamp_ns[0]) == stamp
+
+    def _make_room(self, more: int) -> None:
+        """The count was a promise of the file's summary, which may be wrong."""
+        need = self.size + more
+        if need > self.count:
+            self.count = max(need, 2 * self.count)
+            for name in ("log_ns", "stamp_ns", "rows"):
+                old = getattr(self, name)
+                new = np.zeros((self.count, *old.shape[1:]), old.dtype)
+                new[: self.size] = old[: self.size]
+                setattr(self, name, new)
+
+    def _fits(self, buffer: Any, starts: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+        """Which messages have the layout: same size, same bytes wherever it says so."""
+        good = sizes == self.layout.size
+        inside = starts[good]
+        same = np.ones(inside.size, bool)
+        for offset, content in self.layout.fixed:
+            same &= taken(buffer, inside + offset, len(content)) == np.frombuffer(content, f"V{len(content)}")
+        good[good] = same
+        return good
+
+    def _bulk(self, buffer: Any, starts: np.ndarray, log_ns: np.ndarray) -> None:
+        at = slice(self.size, self.size + starts.size)
+        if self.layout.fields.keys() >= set(STAMP):
+            sec, nanosec = (self._field(buffer, starts, path) for path in STAMP)
+            np.multiply(sec, 1_000_000_000, out=self.stamp_ns[at], dtype=np.int64)
+            self.stamp_ns[at] += nanosec
+        self.log_ns[at] = log_ns
+        rows = self.rows[at]
+        self._copy(buffer, starts, rows)
+        self.size += starts.size
+
+    def _field(self, buffer: Any, starts: np.ndarray, path: str) -> np.ndarray:
+        """One number of every message."""
+        f = self.layout.fields[path]
+        return np.ascontiguousarray(taken(buffer, starts + f.offset, int(f.code[2:]))).view(f.code)
+
+    def _copy(self, buffer: Any, starts: np.ndarray, rows: np.ndarray) -> None:
+        """The chosen numbers of every message into `rows` (n, R)."""
+        f = self.layout.fields[self.chosen]
+        size = f.count * int(f.code[2:])
+        found = taken(buffer, starts + f.offset, size)
+        if np.dtype(f.code) == rows.dtype and size:
+            rows.view(found.dtype)[:, 0] = found
+        else:
+            rows[...] = np.ascontiguousarray(found).view(f.code).reshape(rows.shape)
+
+    def _single(self, raw: bytes, log_ns: int) -> None:
+        try:
+            row, stamp = self.reader.read(raw)
+        except Exception:  # generated code meets damaged bytes
+            self.lost += 1
+            return
+        if row.size != self.rows.shape[1]:
+            self.odd += 1
+            return
+        self.log_ns[self.size], self.stamp_ns[self.size], self.rows[self.size] = log_ns, stamp, row
+        self.size += 1

@@ -1,0 +1,186 @@
+"""What an MCAP file holds, and where; `mcap_read` then fetches the topics that are wanted.
+
+The summary at the end says what the file holds. Without one (a recorder that was killed, a file cut off) the records are walked through
+from the front, and whatever is whole is used; a chunk that is cut short gives the messages before the cut.
+Source: MCAP specification, mcap.dev/spec.
+"""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO
+
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.mcap_chunk import ChunkError, open_chunk, scan_messages, string
+
+MAGIC = b"\x89MCAP0\r\n"
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, INDEX, CHUNK_INDEX, ATTACHMENT, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 7, 8, 9, 11, 15
+HEAD = struct.Struct("<BQ")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One topic: type, definition and how that is written (ros2msg, ros2idl), message encoding."""
+
+    topic: str
+    kind: str
+    definition: str
+    encoding: str
+    messages: str
+
+
+@dataclass
+class Survey:
+    """What a file holds: channels and message counts by id, where chunks begin and how long they are with their indexes, attachments."""
+
+    path: Path
+    schemas: dict[int, tuple[str, str, str]] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    counts: dict[int, int] = field(default_factory=dict)
+    chunks: list[tuple[int, int]] = field(default_factory=list)
+    attachments: dict[str, bytes] = field(default_factory=dict)
+    indexed: dict[int, int] = field(default_factory=dict)  # messages by channel that the chunks' indexes list
+    loose: bool = False  # messages outside chunks
+    chunk_count: int = 0
+    cut_at: int | None = None  # where the file is broken off
+    size: int = 0
+
+
+def survey(path: Path) -> Survey:
+    """What the file holds. Raises `RecordingError` for one that is no MCAP file."""
+    with path.open("rb", buffering=0) as file:
+        if file.read(8) != MAGIC:
+            raise RecordingError(f"{path} is {'empty' if path.stat().st_size == 0 else 'not an MCAP file'}")
+        found = Survey(path, size=path.stat().st_size)
+        return found if _from_summary(file, found) else _from_front(file, Survey(path, size=found.size))
+
+
+def _from_summary(file: BinaryIO, found: Survey) -> bool:
+    """Read the summary; False where it does not tell everything."""
+    if found.size < 45:
+        return False
+    file.seek(-37, 2)
+    end = file.read(37)
+    if end[-8:] != MAGIC or end[0] != FOOTER:
+        return False
+    start = struct.unpack_from("<Q", end, 9)[0]
+    if not 8 <= start < found.size - 37:
+        return False
+    file.seek(start)
+    summary = file.read(found.size - 37 - start)
+    for op, at, size in records(summary):
+        _note(found, op, summary[at : at + size])
+    _find_attachments(file, found, summary)
+    return bool(found.channels) and bool(found.counts) and len(found.chunks) == found.chunk_count
+
+
+def records(data: bytes) -> Iterator[tuple[int, int, int]]:
+    """Every whole record: opcode, where its content begins, its size."""
+    at = 0
+    while at + 9 <= len(data):
+        op, size = HEAD.unpack_from(data, at)
+        if at + 9 + size > len(data):
+            return
+        yield op, at + 9, size
+        at += 9 + size
+
+
+def _note(found: Survey, op: int, body: bytes) -> None:
+    if op == SCHEMA:
+        name, at = string(body, 2)
+        encoding, at = string(body, at)
+        found.schemas[struct.unpack_from("<H", body)[0]] = (name, encoding, string(body, at)[0])
+    elif op == CHANNEL:
+        number, schema = struct.unpack_from("<HH", body)
+        topic, at = string(body, 4)
+        kind, encoding, definition = found.schemas.get(schema, ("", "", ""))
+        found.channels[number] = Channel(topic, kind, definition, encoding, string(body, at)[0])
+    elif op == CHUNK_INDEX:
+        _note_chunk_index(found, body)
+    elif op == STATISTICS:
+        found.chunk_count = struct.unpack_from("<I", body, 22)[0]
+        found.loose = found.chunk_count == 0
+        size = struct.unpack_from("<I", body, 42)[0]
+        found.counts = dict(struct.iter_unpack("<HQ", body[46 : 46 + size]))
+
+
+def _note_chunk_index(found: Survey, body: bytes) -> None:
+    offset, length = struct.unpack_from("<QQ", body, 16)
+    map_size = struct.unpack_from("<I", body, 32)[0]
+    index_length = struct.unpack_from("<Q", body, 36 + map_size)[0]
+    found.chunks.append((offset, length + index_length))
+    begins = sorted((at, channel) for channel, at in struct.iter_unpack("<HQ", body[36 : 36 + map_size]))
+    ends = [*(at for at, _ in begins[1:]), offset + length + index_length]
+    for (at, channel), end in zip(begins, ends, strict=True):
+        found.indexed[channel] = found.indexed.get(channel, 0) + (end - at - 15) // 16
+
+
+def _find_attachments(file: BinaryIO, found: Survey, summary: bytes) -> None:
+    for op, at, _ in records(summary):
+        if op == 0x0A:
+            offset, length = struct.unpack_from("<QQ", summary, at)
+            file.seek(offset + 9)
+            _attach(found, file.read(length - 9))
+
+
+def _attach(found: Survey, body: bytes) -> None:
+    name, at = string(body, 16)
+    at = string(body, at)[1]
+    size = struct.unpack_from("<Q", body, at)[0]
+    found.attachments[name] = body[at + 8 : at + 8 + size]
+
+
+def _from_front(file: BinaryIO, found: Survey) -> Survey:
+    """Walk through the file without its summary; decompresses every chunk to learn what channels there are."""
+    at = 8
+    while True:
+        file.seek(at)
+        head = file.read(9)
+        if len(head) < 9:
+            found.cut_at = at
+            return found
+        op, size = HEAD.unpack(head)
+        if op in (DATA_END, FOOTER):
+            return found
+        whole = at + 9 + size <= found.size
+        if op == CHUNK:
+            if not _note_chunk(found, file.read(size)):
+                found.cut_at = at
+            found.chunks.append((at, 9 + size + _indexes(file, found, at + 9 + size)))
+        elif not whole:
+            found.cut_at = at
+        elif op in (SCHEMA, CHANNEL):
+            _note(found, op, file.read(size))
+        elif op == MESSAGE:
+            found.loose = True
+            number = struct.unpack("<H", file.read(2))[0]
+            found.counts[number] = found.counts.get(number, 0) + 1
+        elif op == ATTACHMENT:
+            _attach(found, file.read(size))
+        if found.cut_at is not None and not whole:
+            return found
+        at += 9 + size
+
+
+def _indexes(file: BinaryIO, found: Survey, at: int) -> int:
+    """Bytes of message indexes that follow a chunk."""
+    begin = at
+    while at + 9 <= found.size:
+        file.seek(at)
+        op, size = HEAD.unpack(file.read(9))
+        if op != INDEX or at + 9 + size > found.size:
+            break
+        at += 9 + size
+    return at - begin
+
+
+def _note_chunk(found: Survey, body: bytes) -> bool:
+    """Channels and counts within a chunk; False where it is damaged or cut short."""
+    try:
+        chunk, whole = open_chunk(body)
+    except ChunkError:
+        return False
+    for number, starts, _, _ in scan_messages(chunk, lambda op, part: _note(found, op, bytes(part))):
+        found.counts[number] = found.counts.get(number, 0) + starts.size
+    return whole

@@ -1,0 +1,120 @@
+"""The messages of an MCAP file, one chunk at a time, with little more memory than two chunks: one is decoded while the next is read."""
+
+import struct
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import BinaryIO
+
+import numpy as np
+
+from skin_ident.recordings.mcap_chunk import ChunkError, Found, indexed_messages, open_chunk, scan_messages
+from skin_ident.recordings.mcap_file import DATA_END, HEAD, INDEX, Survey, records
+from skin_ident.recordings.timing import counted
+
+
+Add = Callable[[object, np.ndarray, np.ndarray, np.ndarray], None]  # buffer, starts, sizes, log times (ns)
+
+
+def read_messages(found: Survey, takers: dict[int, Add]) -> tuple[str, ...]:
+    """Hand the messages of the channels in `takers` over, chunk by chunk; returns warnings about what is damaged or missing."""
+    damaged, handed = 0, dict.fromkeys(takers, 0)
+    with found.path.open("rb", buffering=0) as file:
+        for body, data in _opened(file, found.chunks):
+            if data is None:
+                damaged += 1
+                continue
+            for channel, starts, sizes, logs in _messages(found, body, data, takers):
+                takers[channel](data, starts, sizes, logs)
+                handed[channel] += starts.size
+        if found.loose:
+            for channel, *rest in _loose(file, found):
+                if channel in takers:
+                    takers[channel](*rest)
+                    handed[channel] += rest[1].size
+    return _warnings(found, damaged, handed)
+
+
+def _warnings(found: Survey, damaged: int, handed: dict[int, int]) -> tuple[str, ...]:
+    notes = []
+    missing = {found.channels[c].topic: found.counts.get(c, 0) - n for c, n in handed.items() if n < found.counts.get(c, 0)}
+    lost = "; ".join(f"{counted(n, 'message')} of {topic} lost" for topic, n in missing.items())
+    if damaged:
+        notes.append(f"{found.path.name}: {counted(damaged, 'damaged chunk')} left out" + (f": {lost}" if lost else ""))
+    elif lost:
+        notes.append(f"{found.path.name}: {lost}")
+    if found.cut_at is not None:
+        rest = found.size - found.cut_at
+        notes.append(f"{found.path.name} is cut off: the last {rest} bytes hold no whole record; what comes before was used")
+    return tuple(notes)
+
+
+def _opened(file: BinaryIO, chunks: list[tuple[int, int]]) -> Iterator[tuple[bytearray, object]]:
+    """Chunk after chunk: its bytes with what follows, and its records or None where it is damaged."""
+
+    def fetch(i: int) -> tuple[bytearray, object]:
+        offset, length = chunks[i]
+        file.seek(offset)
+        body = memoryview(buffers[i % 2])[:length] if length <= size else bytearray(length)
+        got = file.readinto(body)
+        try:
+            return body[:got], open_chunk(body[9:got])[0]
+        except ChunkError:
+            return body[:got], None
+
+    size = max((length for _, length in chunks), default=0)
+    buffers = [bytearray(size), bytearray(size)]
+    with ThreadPoolExecutor(1) as reader:
+        ahead = reader.submit(fetch, 0) if chunks else None
+        for i in range(len(chunks)):
+            now = ahead.result()
+            ahead = reader.submit(fetch, i + 1) if i + 1 < len(chunks) else None
+            yield now
+
+
+def _messages(survey: Survey, body, data, takers) -> Iterator[Found]:
+    """The wanted channels' messages: by the indexes after the chunk where they fit, else by walking through the records."""
+    complete = all(survey.indexed.get(channel, 0) == survey.counts.get(channel, 0) for channel in takers)
+    indexes = _indexes(body) if complete else {}
+    found = [indexed_messages(data, channel, entries) for channel, entries in indexes.items() if channel in takers]
+    if not indexes or any(f is None for f in found):
+        found = [f for f in scan_messages(data) if f[0] in takers]
+    return iter(found)
+
+
+def _indexes(body) -> dict[int, np.ndarray]:
+    """Entries (n, 2) of log time and offset by channel, from the records behind the chunk."""
+    at = 9 + struct.unpack_from("<Q", body, 1)[0]
+    out = {}
+    while at + 9 <= len(body):
+        op, size = HEAD.unpack_from(body, at)
+        if op != INDEX or at + 9 + size > len(body):
+            break
+        channel, length = struct.unpack_from("<HI", body, at + 9)
+        out[channel] = np.frombuffer(body, "<u8", length // 8, at + 15).reshape(-1, 2)
+        at += 9 + size
+    return out
+
+
+def _loose(file: BinaryIO, found: Survey, piece: int = 1 << 20) -> Iterator[tuple]:
+    """Messages outside chunks, a piece of the file at a time: channel, buffer, starts, sizes, log times."""
+    at, ended = 8, False
+    while at < found.size and not ended:
+        file.seek(at)
+        data = file.read(piece)
+        whole, ended = _whole_records(data)
+        if whole == 0 and len(data) < piece:
+            return
+        piece = piece if whole else 2 * piece
+        for channel, starts, sizes, logs in scan_messages(data[:whole]):
+            yield channel, data, starts, sizes, logs
+        at += whole
+
+
+def _whole_records(data: bytes) -> tuple[int, bool]:
+    """Up to where the records are whole, and whether the data section ends there."""
+    whole = 0
+    for op, start, size in records(data):
+        whole = start + size
+        if op == DATA_END:
+            return whole, True
+    return whole, False

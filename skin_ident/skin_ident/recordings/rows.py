@@ -1,0 +1,43 @@
+"""Questions about big blocks of rows (R, N), answered with little memory whichever way they lie in it.
+
+Bags are read sample by sample, so a block of taxels is the transpose of a contiguous (N, R) array: going through it row by row would
+fetch all of it R times.
+"""
+
+import numpy as np
+
+PIECE = 1 << 15
+
+
+def all_finite(rows: np.ndarray) -> bool:
+    """Whether every number is one."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.isfinite(rows.sum()) or np.isfinite(rows).all())
+
+
+def finite(rows: np.ndarray) -> np.ndarray:
+    """For every sample (N,), whether all its rows hold numbers."""
+    return np.concatenate([np.isfinite(part).all(axis=0) for part in _pieces(rows)])
+
+
+def extremes(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest value of every row, (R,) each; NaN where a row holds one."""
+    parts = [(part.min(axis=1), part.max(axis=1)) for part in _pieces(rows)]
+    return np.min([low for low, _ in parts], axis=0), np.max([high for _, high in parts], axis=0)
+
+
+def interpolated(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Rows known at increasing instants, linearly in between, at the instants t; both in the same unit. Lies in memory as `rows` does."""
+    after = np.clip(np.searchsorted(known, t, side="right"), 1, known.size - 1)
+    weight = (t - known[after - 1]) / (known[after] - known[after - 1])
+    by_sample = rows.strides[0] < rows.strides[-1]
+    out = np.empty((t.size, len(rows))).T if by_sample else np.empty((len(rows), t.size))
+    for start in range(0, t.size, PIECE):
+        part = slice(start, start + PIECE)
+        low = rows[:, after[part] - 1]
+        out[:, part] = low + (rows[:, after[part]] - low) * weight[part]
+    return out
+
+
+def _pieces(rows: np.ndarray):
+    return (rows[:, start : start + PIECE] for start in range(0, max(1, rows.shape[1]), PIECE))
