@@ -12,7 +12,7 @@ from skin_models.dispersion import Dispersion
 from skin_models.effect import Place
 from skin_models.errors import ModelError
 from skin_models.model import Model
-from skin_models.model_file import load_model, save_model
+from skin_models.model_file import load_model, model_from_dict, model_to_dict, save_model
 from skin_models.parameter import AMPLITUDE, SHAPE, parameters_of, scan_of
 from skin_models.signals import Motion, motion
 
@@ -60,8 +60,8 @@ def signal(place: Place, s: Motion) -> np.ndarray:
     return shares * (spring if place is Place.TAXEL else np.ones(len(s)))
 
 
-def typical(cls: type, where: str) -> tuple:
-    s = path()
+def typical(cls: type, where: str, dt: float = 2e-3) -> tuple:
+    s = path(dt)
     e = cls.typical(where)
     return e, signal(e.place, s), s
 
@@ -90,7 +90,7 @@ def test_it_is_finite_and_leaves_its_input_alone(cls, where):
 
 @every_effect
 def test_stepping_equals_batch_to_rounding(cls, where):
-    e, y, s = typical(cls, where)
+    e, y, s = typical(cls, where, dt=5e-3)
     assert np.max(np.abs(steps(e, y, s) - run(e, y, s))) <= 1e-12 * max(1.0, np.max(np.abs(y)))
 
 
@@ -108,7 +108,7 @@ def test_a_step_can_be_tried_and_taken_back(cls, where):
 
 @every_effect
 def test_size_zero_is_the_identity(cls, where):
-    e, y, s = typical(cls, where)
+    e, y, s = typical(cls, where, dt=5e-3)
     absent = e.absent()
     assert np.array_equal(run(absent, y, s), y)
     assert np.array_equal(steps(absent, y, s), y)
@@ -214,7 +214,7 @@ def test_its_name_place_and_source_are_stated(cls, where):
 
 @where_it_holds(lambda c, w: w == "taxel_1")
 def test_on_one_taxel_it_leaves_the_others_alone(cls, where):
-    e, y, s = typical(cls, where)
+    e, y, s = typical(cls, where, dt=5e-3)
     for out in (run(e, y, s), steps(e, y, s)):
         assert np.array_equal(out[[0, 2]], y[[0, 2]]) and not np.array_equal(out[1], y[1])
 
@@ -234,3 +234,23 @@ def test_absurd_motion_stays_finite(cls, where):
         s = motion(t + 1.7e9, x)
         out = run(e, signal(e.place, s), s)
         assert np.all(np.isfinite(out))
+
+
+@every_effect
+def test_a_model_with_it_steps_as_it_simulates(cls, where):
+    skin = Dispersion(m=4e-4, b1=900.0, k1=9600.0, b2=600.0, k2=2700.0)
+    model, s = Model(skin, shares=(0.3, 1.0, 0.2), effects=(cls.typical(where),)), path(dt=1e-2)
+    whole, state = model.simulate(s, seed=5), model.initial(seed=5)
+    for i in range(len(s)):
+        state, one = model.step(state, s[i], s.dt)
+        assert one.force == pytest.approx(whole.force[i], rel=1e-9, abs=1e-9)
+        assert one.taxels == pytest.approx(whole.taxels[:, i], rel=1e-9, abs=1e-9)
+
+
+def test_an_unknown_cause_place_or_form_is_named_with_what_there_is():
+    for wrong in (("magic", "skin"), ("lag", "moon"), ("lag", "taxel", "second_order")):
+        with pytest.raises(ModelError, match=r"no effect models .* known: .*lag \(taxel, load_cell\)"):
+            effect_class(*wrong)
+    content = {"cause": "rate_dependence", "where": "skin", "form": "cubic", "parameters": {}}
+    with pytest.raises(ModelError, match="cubic"):
+        model_from_dict({**model_to_dict(Model(Dispersion(b1=9.0, k1=96.0, b2=6.0, k2=27.0))), "effects": [content]})

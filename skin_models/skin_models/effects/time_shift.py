@@ -24,9 +24,6 @@ from skin_models.operators.draws import Stream, new_key, uniform, whole
 from skin_models.parameter import quantity
 from skin_models.signals import Motion, Sample
 
-LONGEST = 2.0  # s, what a running simulation remembers at most
-
-
 PLACES = {"clock": Place.LOAD_CELL, "clock_taxels": Place.TAXEL, "clock_depth": Place.DEPTH}
 
 
@@ -46,8 +43,9 @@ class TimeShift(Dynamic):
 
     def step(self, state, y, s: Sample, dt: float):
         n, past = state
-        past = _remembered(past, y, dt, bool(self.delay or self.skew))
-        return (n + 1, past), _looked_up(past, self._late(n * dt) / dt)
+        late = self._late(n * dt) / dt
+        past = _remembered(past, y, late)
+        return (n + 1, past), _looked_up(past, late)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         n = np.arange(len(s))
@@ -76,7 +74,7 @@ class TimeJitter(Dynamic):
             return None, y
         stream, past = state
         stream, u = stream.next((), uniform)
-        past = _remembered(past, y, dt, self.jitter > 0.0)
+        past = _remembered(past, y, self.jitter / dt)
         return (stream, past), _looked_up(past, float(u) * self.jitter / dt)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
@@ -91,8 +89,9 @@ class TimeJitter(Dynamic):
         return iter(())
 
 
-def _remembered(past: tuple, y, dt: float, needed: bool) -> tuple:
-    return (*past[-int(LONGEST / dt) - 1 :], y) if needed else (y,)
+def _remembered(past: tuple, y, late: float) -> tuple:
+    """The samples that may be looked up now or next, if the delay (in samples) grows by less than one per sample."""
+    return (*past[-int(max(late, 0.0)) - 2 :], y)
 
 
 def _looked_up(past: tuple, back: float):
