@@ -70,7 +70,14 @@ class Dispersion:
         return Surface(s.x if touched else left, touched)
 
     def contact(self, s: Motion) -> np.ndarray:
-        """Whether the plunger touches the skin, (N,) of bool: `meet` over a whole recording."""
+        """Whether the plunger touches the skin, (N,) of bool: `meet` over a whole recording. Depends on the time constant alone."""
+        key = ("contact", self.recovery)
+        if key not in s.memory:
+            s.memory.clear()  # one answer is enough: it is asked for again and again while the effects change
+            s.memory[key] = self._contact(s)
+        return s.memory[key]
+
+    def _contact(self, s: Motion) -> np.ndarray:
         presses = self._presses(s)
         touched, leaves = presses.copy(), np.flatnonzero(~presses)
         rate = s.dt / self.recovery if self.recovery else np.inf

@@ -63,7 +63,7 @@ class Model:
     def simulate(self, s: Motion, seed: int | None = None) -> Response:
         """The response to a measured or planned depth. `seed` drives the effects that are random; None leaves those out."""
         rngs = {id(e): rng for e, rng in zip(self.effects, self._generators(seed), strict=True)}
-        return self._run(s, lambda e, y, context: e.batch(y, context, rngs[id(e)]), Motion.at_depth, self.dispersion.contact)
+        return self._run(s, lambda e, y, context: e.batch(y, context, rngs[id(e)]), Motion.at_depth, self.dispersion.contact).response
 
     def initial(self, seed: int | None = None) -> "State":
         """The state at rest, for `step`."""
@@ -72,33 +72,78 @@ class Model:
     def step(self, state: "State", s: Sample, dt: float) -> tuple["State", Response]:
         """One sample: `state, response = step(state, sample, dt)`. `state` itself is left as it was, so a step can be tried."""
         after = _Stepper(self.effects, state, dt)
-        response = self._run(s, after.act, after.moved, lambda tip: after.touched(self.dispersion, tip))
+        response = self._run(s, after.act, after.moved, lambda tip: after.touched(self.dispersion, tip)).response
         return State(tuple(after.states), after.shift, after.surface), response
 
     def _generators(self, seed: int | None) -> list[np.random.Generator | None]:
         """One random generator per effect, so that the numbers of one do not depend on the others."""
         return [None if seed is None else np.random.default_rng([seed, i]) for i in range(len(self.effects))]
 
-    def _run(self, s: Any, act: Callable, moved: Callable, touched: Callable) -> Response:
+    def trace(self, s: Motion) -> "Run":
+        """A simulation with the signals between its places, for `bent`."""
+        return self._run(s, _in_batch, Motion.at_depth, self.dispersion.contact)
+
+    def bent(self, run: "Run", e: Effect) -> Response:
+        """What `extended(e).simulate` would give, at the cost of what lies behind the place of `e` alone."""
+        if e.place is Place.DEPTH:
+            return self.extended(e).simulate(run.motion)
+        if e.place is Place.SKIN:
+            return self._from_skin(run, e.batch(run.skin, run.tip), _in_batch).response
+        if e.place is Place.SURFACE:
+            return self._from_surface(run, e.batch(run.surface, run.tip), _in_batch).response
+        if e.place is Place.SPREAD:
+            return self._from_spread(run, e.batch(run.shares, run.tip), _in_batch).response
+        if e.place is Place.LOAD_CELL:
+            return replace(run.response, force=e.batch(run.response.force, run.tip))
+        return replace(run.response, taxels=e.batch(run.response.taxels, run.tip))
+
+    def _run(self, s: Any, act: Callable, moved: Callable, touched: Callable) -> "Run":
         """The chain itself, for one sample or a recording.
 
         `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`, `touched(s)` is the contact rule.
         """
+        tip = moved(s, self._through(Place.DEPTH, s.x, s, act))
+        skin = self._through(Place.SKIN, self.dispersion.branches(tip), tip, act)
+        return self._from_skin(Run(s, tip, touched(tip)), skin, act)
 
-        def through(place: Place, y: Any, context: Any) -> Any:
-            for e in self.at(place):
-                y = act(e, y, context)
-            return y
+    def _from_skin(self, run: "Run", skin: Any, act: Callable) -> "Run":
+        pressing = skin * run.contact
+        pressing = pressing * (pressing.sum(axis=0) > 0.0)  # effects of the skin may make it press less, never pull
+        return self._from_surface(replace(run, skin=skin), self._through(Place.SURFACE, pressing, run.tip, act), act)
 
-        tip = moved(s, through(Place.DEPTH, s.x, s))
-        contact = touched(tip)
-        skin = through(Place.SKIN, self.dispersion.branches(tip), tip) * contact
-        branches = through(Place.SURFACE, skin * (skin.sum(axis=0) > 0.0), tip)  # effects of the skin may press less, never pull
-        applied = branches.sum(axis=0) + self.dispersion.inertial(tip) * contact
-        shares = np.multiply.outer(np.array(self.shares, float), np.ones_like(applied))
-        sensed = through(Place.SPREAD, shares, tip) * branches[0]
-        force, taxels = through(Place.LOAD_CELL, applied, tip), through(Place.TAXEL, sensed, tip)
-        return Response(force, taxels, applied, sensed)
+    def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":
+        applied = surface.sum(axis=0) + self.dispersion.inertial(run.tip) * run.contact
+        force = self._through(Place.LOAD_CELL, applied, run.tip, act)
+        plain = np.multiply.outer(np.array(self.shares, float), np.ones_like(applied))
+        run = replace(run, surface=surface, response=Response(force, None, applied, None))
+        return self._from_spread(run, self._through(Place.SPREAD, plain, run.tip, act), act)
+
+    def _from_spread(self, run: "Run", shares: Any, act: Callable) -> "Run":
+        sensed = shares * run.surface[0]
+        taxels = self._through(Place.TAXEL, sensed, run.tip, act)
+        return replace(run, shares=shares, response=replace(run.response, taxels=taxels, taxels_truth=sensed))
+
+    def _through(self, place: Place, y: Any, context: Any, act: Callable) -> Any:
+        for e in self.at(place):
+            y = act(e, y, context)
+        return y
+
+
+def _in_batch(e: Effect, y: np.ndarray, s: Motion) -> np.ndarray:
+    return e.batch(y, s, None)
+
+
+@dataclass(frozen=True)
+class Run:
+    """The signals of one simulation, place by place (see `skin_models.effect`)."""
+
+    motion: Any
+    tip: Any
+    contact: Any
+    skin: Any = None
+    surface: Any = None
+    shares: Any = None
+    response: Response | None = None
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """What an effect may look at: time and the motion of the plunger, sampled at one rate."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ class Motion:
     v: np.ndarray
     a: np.ndarray
     dt: float
+    memory: dict = field(init=False, repr=False, compare=False, default_factory=dict)  # what was worked out from these samples before
 
     def __len__(self) -> int:
         return self.t.size
@@ -37,6 +38,8 @@ class Motion:
 
     def at_depth(self, x: np.ndarray) -> "Motion":
         """The same instants at another depth. The speed changes by the backward difference of the shift, as it does sample by sample."""
+        if x is self.x:
+            return self
         shift = x - self.x
         return replace(self, x=x, v=self.v + np.diff(shift, prepend=shift[0]) / self.dt)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.signal import firwin, oaconvolve
+from scipy.signal import firwin, oaconvolve, upfirdn
 
 CUTOFF_HZ = 8.0  # above the thesis's motions and below what the encoder's steps disturb
 WIDER = 2.5  # the depth itself, which effects look at, keeps this many times the band
@@ -33,7 +33,8 @@ class Band:
 
     @cached_property
     def kernel(self) -> np.ndarray:
-        return _low_pass(self.edge, self.dt)
+        """Taps of the low-pass; their number less one is a multiple of `every`, so that decimation starts on a whole window."""
+        return _low_pass(self.edge, self.dt, self.every)
 
     def smooth_depth(self, x: np.ndarray) -> np.ndarray:
         """The depth as effects see it: low-passed far above the band, ends extended, same length."""
@@ -43,9 +44,9 @@ class Band:
         return oaconvolve(np.pad(x, half, mode="reflect", reflect_type="odd"), kernel, mode="valid")
 
     def thin(self, y: np.ndarray) -> np.ndarray:
-        """Low-pass the rows of `y` (..., N), drop the edges and decimate."""
-        kernel = self.kernel.reshape((1,) * (y.ndim - 1) + (-1,))
-        return oaconvolve(y, kernel, mode="valid", axes=-1)[..., :: self.every]
+        """Low-pass the rows of `y` (..., N), drop the edges and decimate; only the samples that are kept are worked out."""
+        edge = self.kernel.size - 1
+        return upfirdn(self.kernel, y, down=self.every, axis=-1)[..., edge // self.every : (y.shape[-1] - 1) // self.every + 1]
 
     def times(self, t: np.ndarray) -> np.ndarray:
         """The instants of what `thin` returns."""
@@ -53,6 +54,6 @@ class Band:
         return t[half : t.size - half : self.every]
 
 
-def _low_pass(edge: float, dt: float) -> np.ndarray:
-    half = int(np.ceil(1.5 / (edge * dt)))
+def _low_pass(edge: float, dt: float, multiple: int = 1) -> np.ndarray:
+    half = int(np.ceil(1.5 / (edge * dt * multiple))) * multiple
     return firwin(2 * half + 1, edge, fs=1.0 / dt, window=("kaiser", 5.0))

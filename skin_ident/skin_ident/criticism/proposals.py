@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.residual import rows
 from skin_ident.criticism.session import Session
 from skin_models.catalogue import effects
 from skin_models.effect import Effect
-from skin_models.errors import ModelError
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
@@ -80,23 +79,13 @@ def bank(model: Model, which: tuple[Direction, ...], sessions: list[Session]) ->
 
 
 def _bank(model: Model, which: tuple[Direction, ...], session: Session) -> np.ndarray:
-    base = simulated(model, session)
-    out = np.empty((len(which), *session.measured.shape))
+    run = model.trace(session.motion)
+    base = rows(run.response, session)
+    out = np.zeros((len(which), *session.measured.shape))
     for i, d in enumerate(which):
         amount = PROBE if d.sign >= 0 else -PROBE
-        change = simulated(model.extended(d.switched_on(amount)), session) - base
-        out[i] = session.band.thin(change) / amount if change.any() else 0.0
+        change = rows(model.bent(run, d.switched_on(amount)), session) - base
+        for c, row in enumerate(change):
+            if row.any():
+                out[i, c] = session.band.thin(row) / amount
     return out
-
-
-def usable(model: Model, which: tuple[Direction, ...], session: Session) -> tuple[Direction, ...]:
-    """The directions that this model can take (a taxel that exists, a place that the chain has)."""
-    return tuple(d for d in which if _fits(model, d, session))
-
-
-def _fits(model: Model, d: Direction, session: Session) -> bool:
-    try:
-        simulated(model.extended(d.switched_on(PROBE if d.sign >= 0 else -PROBE)), session)
-    except ModelError:
-        return False
-    return True

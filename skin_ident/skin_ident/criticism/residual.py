@@ -3,14 +3,18 @@
 import numpy as np
 
 from skin_ident.criticism.session import Session
-from skin_models.model import Model
+from skin_models.model import Model, Response
 
 
 def simulated(model: Model, session: Session) -> np.ndarray:
     """Simulated channels (C, N) at full rate, rows as in `session.channels`."""
-    response = model.simulate(session.motion)
-    rows = [np.atleast_2d(response.force)] if "force" in session.channels else []
-    return np.vstack([*rows, response.taxels])
+    return rows(model.simulate(session.motion), session)
+
+
+def rows(response: Response, session: Session) -> np.ndarray:
+    """The channels of a response that the session measured, (C, N)."""
+    force = [np.atleast_2d(response.force)] if "force" in session.channels else []
+    return np.vstack([*force, response.taxels])
 
 
 def residual(model: Model, session: Session) -> np.ndarray:

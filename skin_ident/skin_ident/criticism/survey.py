@@ -6,7 +6,7 @@ import numpy as np
 
 from skin_ident.criticism.fitting import tangents
 from skin_ident.criticism.noise import noise_model
-from skin_ident.criticism.proposals import Direction, bank, usable
+from skin_ident.criticism.proposals import Direction, bank
 from skin_ident.criticism.ranking import Projected, Ranked, project, rank
 from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session
@@ -27,7 +27,6 @@ class Survey:
 
 def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
     """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
-    which = usable(model, which, sessions[0])
     residuals = [residual(model, s) for s in sessions]
     own = tangents(model, sessions, unknowns(model))
     bends = bank(model, which, sessions)
