@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
 from skin_models.signals import Motion, motion

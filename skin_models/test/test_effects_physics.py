@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import trapezoid
+
 from skin_models.catalogue import effects
 from skin_models.effect import Place
 from skin_models.effects.adhesion import Adhesion

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.elements import Dashpot, KelvinVoigt, Maxwell, Prony, Spring, Springpot, StandardSolid
 from skin_models.errors import ModelError

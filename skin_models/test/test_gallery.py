@@ -4,6 +4,7 @@ import html.parser
 
 import numpy as np
 import pytest
+
 from skin_models.catalogue import effects
 from skin_models.gallery.__main__ import main
 from skin_models.gallery.drawing import png

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+
 from skin_models.operators.draws import BLOCK, Stream, gaussian, uniform, whole
 from skin_models.operators.play import play, play_step, stop
 from skin_models.operators.relay import relay, relay_step

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.stats import kurtosis
+
 from skin_models.dispersion import Dispersion
 from skin_models.effects.noise import Noise
 from skin_models.effects.outliers import Outliers

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from skin_models.dispersion import Dispersion
 from skin_models.errors import ModelError
 from skin_models.model import Model
