@@ -125,5 +125,14 @@ def test_identify_can_be_cancelled(world):
     assert answer.error_code == Identify.Result.CANCELLED and not (folder / "cancelled").exists()
 
 
+def test_identify_criticises(world):
+    bench, folder, _ = world
+    bags = [str(write_bag(folder / f"c{i}", recording(i, n=1500, offset=0.2e-3))) for i in range(2)]
+    goal = bench.send(recordings=bags[:1], hold_out=bags[1:], criticise=True, output_directory=str(folder / "criticised"))
+    answer = bench.wait(goal.get_result_async(), 60.0).result
+    assert answer.error_code == 0 and answer.verdict == "nothing_wrong" and not answer.causes, answer
+    assert (folder / "criticised" / "findings.json").samefile(answer.findings) and "k1" in answer.parameter_names
+
+
 def test_ends_cleanly(world):
     assert world[2].status is None and world[2].end() == 0

@@ -1,6 +1,7 @@
 """One goal of the action `identify`, from its first check to its result: the same core as the command lines, in a thread."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,7 +15,9 @@ from skin_ident.estimators.text import as_dict
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load_one
 from skin_models.errors import SkinError
-from skin_models.model_file import save_model
+from skin_models.model import Model
+from skin_models.model_file import load_model, save_model
+from skin_models.parameter import parameters_of
 
 Result = Identify.Result
 
@@ -75,7 +78,36 @@ class Run:
             save_model(estimate.model, folder / "model.yaml", estimate.std)
 
     def _criticised(self) -> Result:
-        raise RecordingError("criticism is not there yet: set criticise to false")
+        # Imported here: the criticism and its report take a second to load, and a node that only fits never needs them.
+        from skin_ident.cli.diagnose import write
+        from skin_ident.criticism.diagnose import diagnose
+
+        model = load_model(self.goal.model) if self.goal.model else None
+        recordings = self._load(list(self.goal.recordings), 0.2)
+        held = self._load(list(self.goal.hold_out), 0.1) if self.goal.hold_out else []
+        outcome = diagnose(recordings, held, model, lambda stage: self._say(stage, min(0.9, self.done + 0.02)))
+        path = ""
+        if self.goal.output_directory:
+            self._say("writing the report", 0.95)
+            folder = output_folder(self.goal.output_directory)
+            write(outcome, folder)
+            path = str(folder / "findings.json")
+        self._say("done", 1.0)
+        causes = [f["cause"] for f in outcome.findings["findings"]]
+        found = {} if outcome.model is None else _of_model(outcome.model, outcome.std)
+        return Result(error_code=Result.SUCCESS, verdict=outcome.findings["verdict"], causes=causes, findings=path, **found)
+
+
+def _of_model(model: Model, std: Mapping[str, float]) -> dict[str, list]:
+    """Dispersion parameters by name, those of effects as cause.where.name; a standard error that is not known is NaN."""
+    named = [(p.name, p) for p in parameters_of(model.dispersion)]
+    named += [(f"{e.cause}.{e.where}.{p.name}", p) for e in model.effects for p in parameters_of(e)]
+    return {
+        "parameter_names": [name for name, _ in named],
+        "values": [float(p.value) for _, p in named],
+        "standard_errors": [float(std.get(name, math.nan)) for name, _ in named],
+        "units": [p.unit for _, p in named],
+    }
 
 
 def _parameters(estimate: Estimate) -> dict[str, list]:
