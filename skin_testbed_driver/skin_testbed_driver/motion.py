@@ -72,21 +72,28 @@ class Motion:
         self._path, self._runs_out = whole, path.end if ends_moving else math.inf
 
     def _spliced(self, command: Trajectory, now: float) -> Trajectory:
-        first = max(command.t[0], now)
-        if command.t[0] > min(self._path.end, self._runs_out) and command.t[0] > now:
-            start = max(now, min(self._path.end, self._runs_out))
-            here = Trajectory((start,), *((value,) for value in self._path.at(start)))
-            return (self._path.since(now).until(start).then(here) if start > now else here).then(command)
+        end = min(self._path.end, self._runs_out)
+        if command.t[0] > max(end, now):
+            here = self._knot(max(end, now))
+            return (self._path.since(now).until(end).then(here) if end > now else here).then(command)
         if command.end < now:
             raise CommandError(f"the command ended {now - command.end:.3f} s ago: check the clock of whoever sends it")
-        (x0, v0), (x1, v1) = self._path.at(first), command.at(first)
+        first = max(command.t[0], now)
+        self._check_jump(first, command)
+        if command.t[0] < now:
+            return command.since(now)
+        return self._path.since(now).until(first).then(command) if first > now else command
+
+    def _check_jump(self, t: float, command: Trajectory) -> None:
+        (x0, v0), (x1, v1) = self._path.at(t), command.at(t)
         if abs(x1 - x0) > _SPLICE_DEPTH or abs(v1 - v0) > _SPLICE_STEPS * self.limits.max_acceleration:
             raise CommandError(
                 f"the command jumps from {1e3 * x0:.3f} mm at {1e3 * v0:.3f} mm/s to {1e3 * x1:.3f} mm at {1e3 * v1:.3f} mm/s"
             )
-        if command.t[0] >= now:
-            return self._path.since(now).until(first).then(command)
-        return command.since(now)
+
+    def _knot(self, t: float) -> Trajectory:
+        x, v = self._path.at(t)
+        return Trajectory((t,), (x,), (v,))
 
     def go_to(self, depth: float, speed: float, now: float) -> None:
         """Go to rest at `depth` from whatever the axis is doing, at no more than `speed`."""

@@ -1,0 +1,59 @@
+import pytest
+import yaml
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+from mcap.stream_reader import StreamReader
+
+from skin_testbed_driver.bag import BagError, BagWriter, TopicInfo
+
+CLOCK = TopicInfo("/clock", "builtin_interfaces/msg/Time", "int32 sec\nuint32 nanosec\n")
+MESSAGE = b"\x00\x01\x00\x00" + bytes(8)
+
+
+def fill(bag: BagWriter, n: int) -> None:
+    topic = bag.add_topic(CLOCK)
+    for i in range(n):
+        bag.write(topic, MESSAGE, 1000 + i, 1000 + i)
+
+
+def test_a_closed_bag_is_whole(tmp_path):
+    bag = BagWriter(tmp_path / "b")
+    fill(bag, 10)
+    bag.attach("rig.yaml", "application/yaml", b"x: 1\n", 5)
+    bag.close()
+    with (tmp_path / "b" / "b_0.mcap").open("rb") as file:
+        reader = make_reader(file)
+        assert [m.log_time for _, _, m in reader.iter_messages()] == list(range(1000, 1010))
+        assert next(reader.iter_attachments()).data == b"x: 1\n"
+        assert reader.get_summary().schemas[1].encoding == "ros2msg"
+    information = yaml.safe_load((tmp_path / "b" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert information["message_count"] == 10
+    assert information["duration"]["nanoseconds"] == 9
+
+
+def test_what_was_flushed_survives_without_a_close(tmp_path):
+    bag = BagWriter(tmp_path / "b")
+    fill(bag, 10)
+    bag.flush()
+    bag.write(0, MESSAGE, 2000, 2000)  # not flushed
+    found = []
+    with (tmp_path / "b" / "b_0.mcap").open("rb") as file, pytest.raises(McapError):
+        for record in StreamReader(file).records:
+            found.append(type(record).__name__)
+    assert found.count("Message") == 10
+    assert yaml.safe_load((tmp_path / "b" / "metadata.yaml").read_text())
+
+
+def test_an_existing_directory_is_refused_and_left_alone(tmp_path):
+    (tmp_path / "b").mkdir()
+    with pytest.raises(BagError, match="exists already"):
+        BagWriter(tmp_path / "b")
+    assert not list((tmp_path / "b").iterdir())
+
+
+def test_a_vanished_file_is_noticed(tmp_path):
+    bag = BagWriter(tmp_path / "b")
+    fill(bag, 1)
+    (tmp_path / "b" / "b_0.mcap").unlink()
+    with pytest.raises(BagError, match="deleted"):
+        bag.flush()

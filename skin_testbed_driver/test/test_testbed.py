@@ -1,0 +1,156 @@
+import math
+
+import numpy as np
+import pytest
+
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
+from skin_testbed_driver.calibration import thesis_calibration
+from skin_testbed_driver.motion import Activity
+from skin_testbed_driver.rig import Reading, RigError
+from skin_testbed_driver.rigs.simulated import SimulatedRig
+from skin_testbed_driver.safety import CommandError, Limits
+from skin_testbed_driver.testbed import Testbed
+from skin_testbed_driver.trajectory import Trajectory
+from skin_testbed_driver.zeroing import ZeroSettings
+
+SILICONE = Model(Dispersion(m=0.000432, b1=939.5, k1=9619.0, b2=629.2, k2=2766.0))
+PERIOD = 0.01
+
+
+class Bench:
+    """A testbed and its clock."""
+
+    def __init__(self, limits=Limits(), rig_type=SimulatedRig, **rig_options):  # noqa: B008
+        calibration = thesis_calibration(1)
+        self.rig = rig_type(SILICONE, calibration, **rig_options)
+        self.testbed, self.n, self.samples = Testbed(self.rig, calibration, limits), 0, []
+
+    def run(self, seconds):
+        for _ in range(round(seconds / PERIOD)):
+            self.samples.append(self.testbed.tick(self.n * PERIOD))
+            self.n += 1
+        return self.samples[-1]
+
+    def go(self, depth, seconds, speed=0.0):
+        target = self.n * PERIOD + seconds
+        self.testbed.follow(lambda now: Trajectory((target,), (depth,), (speed,)))
+
+
+class LosableRig(SimulatedRig):
+    """Hardware whose cable can be pulled."""
+
+    lost = ""
+
+    def read(self):
+        reading = super().read()
+        if self.lost == "encoder":
+            return Reading(math.nan, reading.load_cell_voltage, taxel_voltage=reading.taxel_voltage)
+        if self.lost == "load cell":
+            return Reading(reading.position, taxel_voltage=reading.taxel_voltage)
+        if self.lost == "rig":
+            raise RigError("the rig does not answer")
+        return reading
+
+
+def test_it_follows_and_measures_what_the_model_says():
+    bench = Bench()
+    bench.run(0.1)
+    bench.go(1e-3, 2.0)
+    sample = bench.run(6.0)
+    assert sample.depth == pytest.approx(1e-3, abs=6e-6)
+    assert sample.force == pytest.approx(12.385, abs=0.3)
+    assert sample.taxel_force[0] == pytest.approx(9.619, abs=0.3)
+    assert bench.testbed.status().activity is Activity.READY
+
+
+def test_zero_finds_a_surface_that_lies_deeper_than_thought():
+    bench, outcomes = Bench(surface=0.0755, start=0.073), []
+    bench.run(0.1)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(40.0)
+    assert outcomes[0].value == pytest.approx(5e-4, abs=4e-5)
+    assert bench.testbed.status().zeroed
+    assert bench.samples[-1].depth == pytest.approx(-0.002, abs=1e-5)
+    assert bench.samples[-1].position == pytest.approx(0.0735, abs=5e-5)
+
+
+def test_zero_without_anything_below_says_so():
+    bench, outcomes = Bench(surface=0.14, start=0.073), []
+    bench.run(0.1)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(30.0)
+    assert outcomes[0].value is None and "no contact" in outcomes[0].message
+    assert not bench.testbed.status().zeroed
+
+
+def test_zero_is_refused_while_moving_and_ended_by_a_stop():
+    bench, outcomes = Bench(), []
+    bench.run(0.1)
+    bench.go(-1e-3, 1.0)
+    with pytest.raises(CommandError, match="moving"):
+        bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(2.0)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(0.5)
+    bench.testbed.stop("enough")
+    assert outcomes[0].value is None and "enough" in outcomes[0].message
+
+
+def test_tare_subtracts_the_mean_and_reset_gives_it_back():
+    bench, outcomes = Bench(), []
+    bench.run(0.1)
+    bench.testbed.tare(1.0, outcomes.append)
+    bench.run(1.1)
+    offsets = outcomes[0].value
+    assert bench.testbed.status().tared
+    assert bench.samples[-1].force == bench.samples[-1].load - offsets.force
+    bench.testbed.reset_tare()
+    assert bench.run(PERIOD).force == bench.samples[-1].load
+
+
+def test_over_force_retracts_within_one_sample_of_its_detection():
+    bench = Bench(Limits(max_force=5.0))
+    bench.run(0.1)
+    bench.go(3e-3, 3.0)
+    bench.run(6.0)
+    forces = np.array([s.force for s in bench.samples])
+    first = int(np.argmax(forces > 5.0))
+    depths = np.array([s.depth for s in bench.samples])
+    assert "5.0 N" in bench.testbed.status().reason
+    # Seen in `first`, commanded for `first + 1`: from there on the plunger only slows down and leaves.
+    assert (np.diff(depths, 2)[first - 1 : first + 2] <= 1.5e-6).all()
+    assert depths[first + 3] < depths[first]
+    assert depths[-1] == pytest.approx(-0.002, abs=6e-6)
+
+
+@pytest.mark.parametrize(("what", "words"), [("encoder", "encoder"), ("load cell", "load cell"), ("rig", "does not answer")])
+def test_a_lost_sensor_stops_the_axis_and_gives_no_number(what, words):
+    bench = Bench(rig_type=LosableRig)
+    bench.run(0.1)
+    bench.go(1e-3, 4.0)
+    bench.run(2.0)
+    bench.rig.lost = what
+    sample = bench.run(1.0)
+    assert words in bench.testbed.status().reason
+    assert bench.testbed.status().activity is Activity.STOPPED
+    assert math.isnan(sample.depth) or what == "load cell"
+    assert math.isnan(sample.force) or what == "encoder"
+    bench.rig.lost = ""
+    bench.run(1.0)
+    speeds = [s.speed for s in bench.samples[-50:]]
+    assert np.abs(speeds).max() <= 1.1e-4  # one encoder step per sample
+    bench.testbed.reset()
+    assert bench.testbed.status().activity is Activity.READY
+
+
+def test_a_refused_command_stops_whatever_moves():
+    bench = Bench()
+    bench.run(0.1)
+    bench.go(1e-3, 4.0)
+    bench.run(1.0)
+    with pytest.raises(CommandError):
+        bench.go(1.0, 0.5)
+    bench.run(1.0)
+    assert "refused" in bench.testbed.status().reason
+    assert abs(bench.samples[-1].depth - bench.samples[-30].depth) <= 3e-6
