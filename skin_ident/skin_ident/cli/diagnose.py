@@ -43,12 +43,13 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 
 def write(outcome: Outcome, folder: Path) -> None:
-    """Write findings.json, model.yaml, the report, and what it takes to render the report again."""
+    """Write findings.json, model.yaml (and baseline.yaml, what it started from), the report, and what it takes to render the report again."""
     from skin_ident.report import save_traces, write_report  # drawing costs a second of start-up that a refusal should not
 
     write_report(outcome, folder)
     save_traces(outcome, folder)
     if outcome.model is not None:
+        save_model(outcome.baseline, folder / "baseline.yaml")
         save_model(outcome.model, folder / "model.yaml", outcome.std)
     common.write_json(folder / "findings.json", outcome.findings)
 

@@ -19,7 +19,6 @@ from skin_models.model import Model
 MOST_FINDINGS = 5
 SHORTLIST = 4  # causes that are refitted before one is chosen
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
-MATERIAL = 0.01  # fall of the held-out mean square below which an effect is not worth naming
 
 Progress = Callable[[str], None]
 
@@ -64,20 +63,20 @@ def criticise(train: list[Session], held: list[Session], given: Model | None = N
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
     first = survey(start, train, which)
     baseline = fit(first.model, train, first.noise)
-    present, named, refused, rounds = baseline, [], [], []
+    present, named, refused, rounds, befores = baseline, [], [], [], {}
     while True:
         progress("surveying every cause")
         last = survey(present.model, train, which)
         present = replace(present, cost=fit(present.model, train, last.noise, 0).cost)
-        if len(named) == MOST_FINDINGS:
+        if len(rounds) == MOST_FINDINGS:
             break
         trials = _trials(present, last, train, which, progress)
         accepted = _first_believed(present, trials, last.noise, train, held, refused)
         rounds.append((last, accepted and accepted[1].cause))
         if accepted is None:
             break
-        present, finding = accepted
-        named.append(finding)
+        before, (present, finding) = present, accepted
+        named = _with(named, finding, befores, before, present, train, held, last.noise)
         progress(f"named {finding.cause} in the {finding.where}")
     kept, named = _eliminated(present, named, train, held, last.noise)
     if kept is not present:
@@ -113,10 +112,21 @@ def _first_believed(present: Fit, trials: list[_Trial], noise: Whitener, train, 
         rivals = [t for t in trials if t is not trial and t.score > trial.score - max(10.0, REACH * trial.score)]
         alternatives = tuple(Rival(t.ranked.cause, t.ranked.where, trial.score - t.score) for t in rivals)
         finding = Named(trial.ranked.cause, trial.ranked.where, gain, trial.score, alternatives)
-        if gain.passed and gain.relative > MATERIAL:
+        if gain.passed:
             return trial.fit, finding
         refused.append(finding)
     return None
+
+
+def _with(named: list[Named], finding: Named, befores: dict, before: Fit, after: Fit, train, held, noise: Whitener) -> list[Named]:
+    """`named` with one more finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
+    key = (finding.cause, finding.where)
+    start = befores.setdefault(key, before)
+    same = next((n for n in named if (n.cause, n.where) == key), None)
+    if same is None:
+        return [*named, finding]
+    gain = held_out_gain(start.model, after.model, train, held, noise)
+    return [replace(n, gain=gain, explained=n.explained + finding.explained) if n is same else n for n in named]
 
 
 def _eliminated(present: Fit, named: list[Named], train, held, noise: Whitener) -> tuple[Fit, list[Named]]:
@@ -125,6 +135,6 @@ def _eliminated(present: Fit, named: list[Named], train, held, noise: Whitener) 
         rest = tuple(e for e in present.model.effects if (e.cause, e.where) != (finding.cause, finding.where))
         without = fit(replace(present.model, effects=rest), train, noise)
         gain = held_out_gain(without.model, present.model, train, held, noise)
-        if not gain.passed or gain.relative <= MATERIAL:
+        if not gain.passed:
             present, named = without, [n for n in named if n is not finding]
     return present, named

@@ -38,7 +38,7 @@ def diagnose(recordings: list, hold_out: list | None = None, model: Model | None
     findings = as_findings(c, looked.symptoms, every, train, held, rest, verdict, model is not None)
     shown = looked.sessions if len(every) > 1 else looked.sessions[:1]
     traces = tuple(_trace(c, s, any(s is h for h in held)) for s in shown)
-    return Outcome(findings, c.extended.model, c.extended.std, traces, (), _rounds(c))
+    return Outcome(findings, c.baseline.model, c.extended.model, c.extended.std, traces, (), _rounds(c))
 
 
 def _verdict(anything: bool, systematic: bool) -> str:

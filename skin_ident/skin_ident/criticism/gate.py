@@ -17,6 +17,7 @@ from skin_models.model import Model
 
 BLOCK_S = 2.0
 RESAMPLES = 1000
+MATERIAL = 0.01  # fall of the held-out mean square below which an effect is not worth naming
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
 FOLD_ITERATIONS = 3
 
@@ -40,7 +41,8 @@ class Gain:
 
     @property
     def passed(self) -> bool:
-        return self.lower > 0.0
+        """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error."""
+        return self.lower > 0.0 and self.relative > MATERIAL and self.after < self.before
 
 
 def held_out_gain(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:

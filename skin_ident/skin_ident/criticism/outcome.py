@@ -43,9 +43,11 @@ class Round:
 
 @dataclass(frozen=True)
 class Outcome:
-    """`findings` is exactly what findings.json holds (schema 1); `model` the extended model (None for a spread scan without one)."""
+    """`findings` is exactly what findings.json holds (schema 1); `model` the extended model and `baseline` what it
+    started from (None for a spread scan without one)."""
 
     findings: dict[str, Any]
+    baseline: Any = None
     model: Any = None
     std: dict[str, float] = field(default_factory=dict)
     traces: tuple[Trace, ...] = ()

@@ -64,7 +64,7 @@ def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Dir
     for shape in cls.shapes(session.motion):
         absent = cls.typical(where, **shape).absent()
         for p in amplitudes:
-            if p.name == "k_sensed" and session.n_taxels == 0:
+            if p.name.endswith("_sensed") and session.n_taxels == 0:
                 continue
             yield Direction(absent, p.name, abs(p.typical), _sign(p))
 

@@ -104,7 +104,7 @@ def outcome(verdict, traces, findings, before: Model, after: Model, rounds=(), *
         "extended": {"model": "extended", "parameters": {**parameters(after.dispersion), **labelled}, "rmse": errors(traces, "extended")},
         "noise_floor": floor, "verdict": verdict, **more,
     }  # fmt: skip
-    return Outcome(content, after, {}, tuple(traces), (), tuple(rounds))
+    return Outcome(content, before, after, {}, tuple(traces), (), tuple(rounds))
 
 
 def effect(cause, where, **values):

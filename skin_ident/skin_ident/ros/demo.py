@@ -1,0 +1,155 @@
+"""The main job, end to end, on a simulated rig whose effect a seed has hidden:
+
+    rig with something hidden ─► sessions through the action ─► MCAP bags ─► diagnosis ─► extended model ─► simulated skin, live
+
+    ./skin demo [--seed N] [--effect CAUSE|none] [--out DIR]
+
+Every node is a process of its own on a private ROS domain. What was hidden is only compared with the findings at the very end.
+"""
+
+import argparse
+import random
+import sys
+import time
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+
+from skin_ident.cli import common
+from skin_ident.cli.diagnose import summary
+from skin_ident.cli.diagnose import write as write_diagnosis
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.recordings.load import load
+from skin_ident.ros.testbed import Testbed
+from skin_models.catalogue import effect_class
+from skin_models.effect import Effect
+from skin_models.errors import SkinError
+from skin_models.materials import material
+from skin_models.model import Model
+from skin_models.model_file import save_model
+
+HIDEABLE = {
+    "stress_relaxation": "skin",
+    "nonlinear_stiffness": "skin",
+    "hysteresis": "skin",
+    "backlash": "rig",
+    "friction": "load_cell",
+    "lag": "taxel",
+    "force_offset": "taxel",
+}
+NOTHING = "none"
+SESSIONS = 3
+FASTER = 5.0  # than real time
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit status."""
+    return common.run(_main, arguments)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    chosen = _parser().parse_args(arguments)
+    seed = random.SystemRandom().randrange(10_000) if chosen.seed is None else chosen.seed
+    folder = common.output_folder(chosen.out or f"skin_demo_{datetime.now():%Y-%m-%d_%H-%M-%S}")
+    tell = Teller()
+    specimen, hidden = specimen_with_secret(seed, chosen.effect)
+    save_model(specimen, folder / "secret_specimen.yaml")
+    tell(f"seed {seed}: the rig hides {'something' if hidden else 'nothing, or something'} (the answer comes last)")
+    bags = record_sessions(folder, seed, tell)
+    tell("diagnosing: two sessions to fit, one held out")
+    outcome = diagnose(load(bags[:-1]), load(bags[-1:]), None)
+    write_diagnosis(outcome, folder)
+    print(summary(outcome.findings))
+    tell("running the simulated skin beside the rig, with the model before and after")
+    print(live_comparison(folder, seed, tell))
+    print(answer(hidden, outcome.findings))
+    print(f"\nlook at  {folder / 'before_after.png'}\nread     {folder / 'report.html'}")
+    print(f"use      ./skin run skin_models skin_node --ros-args -p model:={folder.resolve() / 'model.yaml'}")
+    return 0
+
+
+def specimen_with_secret(seed: int, cause: str | None) -> tuple[Model, Effect | None]:
+    """Silicone of 4 mm with one effect of the catalogue in it, drawn by `seed` unless `cause` names it. Raises `SkinError`."""
+    rng = random.Random(seed)
+    cause = cause or rng.choice(list(HIDEABLE))
+    plain = material("silicone_4mm").model
+    if cause == NOTHING:
+        return plain, None
+    if cause not in HIDEABLE:
+        raise SkinError(f"--effect {cause!r} is not one that the demo hides: choose from {', '.join(HIDEABLE)}, {NOTHING}")
+    cls = effect_class(cause, HIDEABLE[cause])
+    effect = cls.typical(HIDEABLE[cause])
+    return plain.extended(effect), effect
+
+
+def record_sessions(folder: Path, seed: int, tell: "Teller") -> list[Path]:
+    """Record `SESSIONS` sessions of the demo battery, each with its own seed, into bags."""
+    tell("starting driver, profile server and recorder")
+    with Testbed(folder / "secret_specimen.yaml", seed, FASTER) as testbed:
+        tell("taring in free air and finding the surface")
+        testbed.execute("prepare")
+        bags = []
+        for i in range(SESSIONS):
+            tell(f"recording session {i + 1} of {SESSIONS}")
+            bags.append(testbed.session(folder / f"session_{i + 1}", "demo", f"seed={seed + i}"))
+    return bags
+
+
+def live_comparison(folder: Path, seed: int, tell: "Teller") -> str:
+    """Run the rig once more with two simulated skins following its encoder, before and after; returns a table of their errors."""
+    with Testbed(folder / "secret_specimen.yaml", seed + 100, FASTER) as testbed:
+        testbed.simulate_beside(folder / "baseline.yaml", "before")
+        testbed.simulate_beside(folder / "model.yaml", "after")
+        testbed.execute("prepare")
+        tell("recording rig and simulations together")
+        bag = testbed.session(folder / "live", "demo", f"seed={seed + 100}")
+    return error_table(bag)
+
+
+def error_table(bag: Path) -> str:
+    """RMSE of both simulated skins against the rig, from one bag in which all three published."""
+    names = {"force": "force", "taxels": "taxels"}
+    measured, before, after = (
+        load([bag], {role: prefix + topic for role, topic in names.items()})[0] for prefix in ("/", "/before/", "/after/")
+    )
+    lines = ["\n  live, simulated skin against rig:     before       after"]
+    for channel, y in measured.channels.items():
+        errors = [_rmse(measured.t, y, simulated.t, simulated.channels[channel]) for simulated in (before, after)]
+        lines.append(f"    RMSE of {channel:<12}            {errors[0]:8.4f} N  {errors[1]:8.4f} N")
+    return "\n".join(lines)
+
+
+def _rmse(t: np.ndarray, y: np.ndarray, at: np.ndarray, simulated: np.ndarray) -> float:
+    common_part = (t >= at[0]) & (t <= at[-1])
+    return float(np.sqrt(np.mean((y[common_part] - np.interp(t[common_part], at, simulated)) ** 2)))
+
+
+def answer(hidden: Effect | None, findings: dict) -> str:
+    """What was hidden, against what was found."""
+    found = [f"{f['cause']} in the {f['where']}" for f in findings["findings"]]
+    truth = f"{hidden.cause} in the {hidden.where}" if hidden else "nothing"
+    return f"\nhidden: {truth}\nfound:  {', '.join(found) or 'nothing'}"
+
+
+class Teller:
+    """Prints each stage with the time since the start."""
+
+    def __init__(self) -> None:
+        self.started = time.monotonic()
+
+    def __call__(self, stage: str) -> None:
+        print(f"[{time.monotonic() - self.started:5.1f} s] {stage}", file=sys.stderr, flush=True)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="demo", description="The main job end to end on a simulated rig that hides an effect.")
+    parser.add_argument("--seed", type=int, help="what is hidden, and all noise; left out: drawn")
+    parser.add_argument("--effect", help=f"hide this one: {', '.join(HIDEABLE)}, {NOTHING}")
+    parser.add_argument("--out", metavar="DIR", help="where everything goes; left out: skin_demo_<date>_<time>")
+    return parser
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
