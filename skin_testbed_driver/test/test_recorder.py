@@ -1,0 +1,155 @@
+"""The installed recorder beside a running driver."""
+
+import os
+import shutil
+import signal
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("skin_testbed_msgs")
+
+from geometry_msgs.msg import WrenchStamped
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+from mcap.stream_reader import StreamReader
+from rosbags.highlevel import AnyReader
+from sensor_msgs.msg import JointState
+from skin_testbed_msgs.msg import TaxelArray
+from std_srvs.srv import Trigger
+
+STREAMS = {"/encoder", "/force", "/taxels"}
+
+
+def stamp_ns(message) -> int:
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+def record(graph, directory: Path, **parameters):
+    process = graph.processes.start("skin_testbed_driver", "recorder", parameters={"directory": str(directory), **parameters})
+    process.wait_for_output("recording to", 60.0)
+    return process
+
+
+def mcap_of(directory: Path) -> Path:
+    return next(directory.glob("*.mcap"))
+
+
+def test_a_session_reads_back_as_it_was_heard_by_both_libraries(graph, tmp_path):
+    graph.driver()
+    recorder = record(graph, tmp_path / "s", topics=["encoder", "force", "taxels", "driver_state", "taxel_layout"])
+    recorder.wait_for_output("every topic", 60.0)
+    heard = {"/encoder": graph.hear(JointState, "encoder"), "/force": graph.hear(WrenchStamped, "force")}
+    heard["/taxels"] = graph.hear(TaxelArray, "taxels")
+    graph.wait(lambda: min(map(len, heard.values())) > 300, "300 samples")
+    assert recorder.end(30.0) == 0
+    with AnyReader([tmp_path / "s"]) as reader:
+        assert {c.topic for c in reader.connections} == {*STREAMS, "/driver_state", "/taxel_layout"}
+        read = {topic: {} for topic in {c.topic for c in reader.connections}}
+        raw = {topic: [] for topic in read}
+        for connection, _, data in reader.messages():
+            message = reader.deserialize(data, connection.msgtype)
+            read[connection.topic][stamp_ns(message)] = message
+            raw[connection.topic].append(bytes(data))
+    for message in heard["/force"][:300]:
+        assert read["/force"][stamp_ns(message)].wrench.force.z == message.wrench.force.z
+    for message in heard["/taxels"][:300]:
+        assert list(read["/taxels"][stamp_ns(message)].voltage) == list(message.voltage)
+    assert len(read["/driver_state"]) >= 1 and len(read["/taxel_layout"]) == 1  # latched: published before the recording
+    with mcap_of(tmp_path / "s").open("rb") as file:
+        again = {topic: [] for topic in raw}
+        for schema, channel, message in make_reader(file).iter_messages():
+            assert schema.encoding == "ros2msg" and channel.message_encoding == "cdr"
+            again[channel.topic].append(message.data)
+    assert again == raw
+
+
+def test_no_sample_is_missing_between_the_first_and_the_last(graph, tmp_path):
+    graph.driver(sample_rate=1000.0, time_scale=1.0)
+    recorder = record(graph, tmp_path / "s", topics=["encoder", "force", "taxels"])
+    recorder.wait_for_output("every topic", 60.0)
+    encoder = graph.hear(JointState, "encoder")
+    graph.wait(lambda: len(encoder) > 2000, "2000 samples")
+    assert recorder.end(30.0) == 0
+    with AnyReader([tmp_path / "s"]) as reader:
+        stamps = {topic: [] for topic in STREAMS}
+        for connection, _, data in reader.messages():
+            stamps[connection.topic].append(stamp_ns(reader.deserialize(data, connection.msgtype)))
+    for times in stamps.values():
+        assert {b - a for a, b in zip(times, times[1:], strict=False)} == {10**6}
+        assert len(times) > 1500
+
+
+def test_after_kill_all_but_the_last_second_reads_back(graph, tmp_path):
+    graph.driver(time_scale=1.0)
+    recorder = record(graph, tmp_path / "s")
+    encoder = graph.hear(JointState, "encoder")
+    graph.wait(lambda: len(encoder) > 300, "three seconds")
+    start = len(encoder)
+    recorder.kill()
+    last_before = stamp_ns(encoder[start - 1])
+    times = []
+    with mcap_of(tmp_path / "s").open("rb") as file:
+        try:
+            topics = {}
+            for record_ in StreamReader(file).records:
+                if type(record_).__name__ == "Channel":
+                    topics[record_.id] = record_.topic
+                elif type(record_).__name__ == "Message" and topics[record_.channel_id] == "/encoder":
+                    times.append(record_.log_time)
+        except McapError:
+            pass  # the end is missing: that is what was asked for
+    assert times and last_before - times[-1] < 10**9
+    assert (tmp_path / "s" / "metadata.yaml").is_file()
+
+
+def test_an_existing_directory_is_refused(graph, tmp_path):
+    (tmp_path / "s").mkdir()
+    process = graph.processes.start("skin_testbed_driver", "recorder", parameters={"directory": str(tmp_path / "s")})
+    assert process.wait(60.0) == 2
+    assert process.output().count("\n") == 1 and "exists already" in process.output()
+    assert os.listdir(tmp_path / "s") == []
+
+
+def test_a_rig_file_goes_into_the_recording_and_beside_it(graph, tmp_path):
+    (tmp_path / "rig.yaml").write_text("plunger_diameter_mm: 9.9\n")
+    recorder = record(graph, tmp_path / "s", rig_file=str(tmp_path / "rig.yaml"))
+    assert graph.call(Trigger, "recorder/stop").success
+    assert recorder.wait(60.0) == 0
+    assert (tmp_path / "s" / "rig.yaml").read_text() == "plunger_diameter_mm: 9.9\n"
+    with mcap_of(tmp_path / "s").open("rb") as file:
+        assert next(make_reader(file).iter_attachments()).name == "rig.yaml"
+
+
+def test_a_vanished_directory_ends_with_one_sentence(graph, tmp_path):
+    graph.driver()
+    recorder = record(graph, tmp_path / "s")
+    shutil.rmtree(tmp_path / "s")
+    assert recorder.wait(60.0) == 2
+    assert "recorder: " in recorder.output() and "Traceback" not in recorder.output()
+
+
+def test_a_full_disk_ends_with_one_sentence_and_leaves_what_was_written_readable(graph, tmp_path):
+    """A limit on the size of files stands in for the disk: the system refuses to write in the same way."""
+    graph.driver()
+    wrapper = tmp_path / "small.sh"
+    from skin_models.ros.processes import Process, executable
+
+    command = f"ulimit -f 64; exec {executable('skin_testbed_driver', 'recorder')} --ros-args -p directory:={tmp_path / 's'}"
+    wrapper.write_text(command)
+    process = Process(["bash", str(wrapper)], graph.domain.environment(), "recorder")
+    graph.processes.running.append(process)
+    assert process.wait(90.0) == 2
+    assert "stays readable" in process.output() and "Traceback" not in process.output()
+    count = 0
+    with mcap_of(tmp_path / "s").open("rb") as file, pytest.raises(McapError):
+        for record_ in StreamReader(file).records:
+            count += type(record_).__name__ == "Message"
+    assert count > 100
+
+
+def test_sigterm_is_a_clean_end(graph, tmp_path):
+    recorder = record(graph, tmp_path / "s")
+    recorder.send(signal.SIGTERM)
+    assert recorder.wait(60.0) == 0
+    assert (tmp_path / "s" / "metadata.yaml").is_file()
