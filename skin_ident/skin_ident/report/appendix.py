@@ -31,7 +31,7 @@ def excluded(v: View) -> Safe | None:
     rows = [[_name(e), bound(e), sentence(meaning(text(e.get("cause"))))] for e in v.excluded]
     note = "These were tested and not found. If one were there above the size given, these data would have shown it."
     body = table(["cause", "smaller than", "what it would mean"], rows, class_="plain")
-    return section("excluded", "Ruled out", el("p", note, class_="note"), _folded(body, len(rows)))
+    return section("excluded", "Ruled out", el("p", note, class_="note"), _folded(body, v.excluded))
 
 
 def bound(e: dict) -> str:
@@ -47,9 +47,12 @@ def bound(e: dict) -> str:
     return size + (f" – {words}{', at ' + shape if shape else ''}" if words else "")
 
 
-def _folded(body: Safe, rows: int) -> Safe:
+def _folded(body: Safe, entries: tuple[dict, ...]) -> Safe:
     """A long table behind a click."""
-    return body if rows <= MOST_ROWS else el("details", el("summary", f"All {rows}"), body)
+    if len(entries) <= MOST_ROWS:
+        return body
+    causes = dict.fromkeys(spoken(text(e.get("cause"))) for e in entries)
+    return el("details", el("summary", f"{len(causes)} causes, in all the places where they could be: {', '.join(causes)}"), body)
 
 
 def _name(e: dict) -> str:

@@ -13,8 +13,9 @@ MOST_RANKED = 8
 
 def error_table(errors: tuple[ChannelError, ...]) -> Safe:
     """Error of every channel before and after, with bars on a scale of their own and the noise floor as a tick."""
-    head = ["channel", "before", "after", "change", "noise alone", "", "on training data"]
-    return table(head, [_error_row(e) for e in errors], numeric=(1, 2, 3, 4, 6), class_="errors")
+    both = any(None not in e.held_out for e in errors)
+    head = ["channel", "before", "after", "change", "noise alone", ""] + ["on training data"] * both
+    return table(head, [_error_row(e)[: len(head)] for e in errors], numeric=(1, 2, 3, 4, 6), class_="errors")
 
 
 def _error_row(e: ChannelError) -> list:

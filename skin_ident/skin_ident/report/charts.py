@@ -6,7 +6,8 @@ from skin_ident.criticism.outcome import ScanTrace, Trace
 from skin_ident.report.markup import Safe, el
 from skin_ident.report.numbers import amount, scale
 from skin_ident.report.plot import Axis, Line, axis, legend, plot
-from skin_ident.report.shapes import Binned, binned, span_of, spectrum, thinned
+from skin_ident.report.shapes import Binned, binned, smooth, span_of, spectrum, thinned
+from skin_ident.report.view import View, unit_of
 from skin_ident.report.words import channel
 
 
@@ -27,21 +28,28 @@ def key_left(trace: Trace | ScanTrace) -> Safe:
     return legend(*((kind, name.replace("simulated", "what is left").strip()) for kind, name, _ in simulations(trace)))
 
 
-def overlay(trace: Trace, row: int, unit: str, cut: slice, buckets: int) -> Safe:
-    """Measured against simulated over residual, for the samples in `cut`."""
-    t, y = trace.t[cut], trace.measured[row][cut]
+def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
+    """Measured against simulated over what is left (in the band in which errors are counted), for the samples in `cut`."""
+    t, y, unit = trace.t[cut], trace.measured[row], unit_of(v, trace.channels[row])
     x = Axis(float(t[0]), float(t[-1]), "time, s")
-    both = [(kind, name, curves[row][cut]) for kind, name, curves in simulations(trace)]
-    factor, printed = scale(np.nanmax(np.abs(y), initial=0.0), unit)
-    small, small_printed = scale(max(float(np.nanmax(np.abs(y - s), initial=0.0)) for _, _, s in both), unit)
-    top = [Line(*thinned(t, factor * s, buckets), kind, name) for kind, name, s in (("measured", "measured", y), *both)]
-    below = [Line(*thinned(t, small * (y - s), buckets), kind, _briefly(name)) for kind, name, s in both]
+    both = [(kind, name, curves[row]) for kind, name, curves in simulations(trace)]
+    left = [(kind, _briefly(name), smooth(trace.t, y - s, v.band_hz)[cut]) for kind, name, s in both]
+    factor, printed = scale(np.nanmax(np.abs(y[cut]), initial=0.0), unit)
+    small, small_printed = scale(max(float(np.nanmax(np.abs(r), initial=0.0)) for _, _, r in left), unit)
+    top = [Line(*thinned(t, factor * s[cut], buckets), kind, name) for kind, name, s in (("measured", "measured", y), *both)]
+    below = [Line(*thinned(t, small * r, buckets), kind, name) for kind, name, r in left]
+    label = f"measured − simulated{below_band(v)}, {small_printed}"
     return el(
         "div",
         plot(top, x, axis([line.y for line in top], f"{channel(trace.channels[row])}, {printed}"), "tall bare"),
-        plot(below, x, axis([line.y for line in below], f"measured − simulated, {small_printed}", zero=True), "low"),
+        plot(below, x, axis([line.y for line in below], label, zero=True), "low"),
         class_="pair",
     )
+
+
+def below_band(v: View) -> str:
+    """In which band errors are counted, where that is known: ` below 8 Hz`."""
+    return f" below {v.band_hz:g}\u00a0Hz" if v.band_hz else ""
 
 
 def _briefly(name: str) -> str:
@@ -78,8 +86,9 @@ def _against(quantity, pair, found, label: str, factor: float, unit: str, speed)
     lines = [Line(factor * b.centre, scaled * b.median, kind, name) for b, kind, name in parts]
     bands = [_band(b, factor, scaled, kind) for b, kind, _ in parts] if not split else []
     y = axis([line.y for line in [*bands, *lines]], f"measured − simulated, {printed}", zero=True)
+    x = axis([line.x[np.isfinite(line.y)] for line in lines], label)
     title = f"against {label.partition(',')[0]}" + (" (dashed: releasing)" if split else "")
-    return plot([*bands, *lines], Axis(factor * low, factor * high, label), y, "square", title)
+    return plot([*bands, *lines], x, y, "square", title)
 
 
 def _band(b: Binned, factor: float, scaled: float, kind: str) -> Line:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.outcome import Trace
+from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.view import View
 
 WINDOW_S = 10.0
@@ -37,7 +38,7 @@ def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
         return None
     trace = max([t for t in usable if t.held_out] or usable, key=_removed)
     row = _row(trace, view)
-    return Focus(trace, row, *window(trace, row))
+    return Focus(trace, row, *window(trace, row, view.band_hz))
 
 
 def rms(y: np.ndarray) -> float:
@@ -52,14 +53,17 @@ def by_fall(trace: Trace) -> list[int]:
     return sorted(range(len(trace.channels)), key=lambda row: -round(falls[row], 3))
 
 
-def window(trace: Trace, row: int, seconds: float = WINDOW_S) -> tuple[int, int]:
-    """Samples [start, stop) of the `seconds` in which the extension removes most of the error, or where most happens if it removes none."""
+def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float = WINDOW_S) -> tuple[int, int]:
+    """Samples [start, stop) of the `seconds` in which the extension removes most of the error (below `band_hz`).
+
+    Where it removes none, those in which most happens.
+    """
     n = trace.t.size
     width = round(seconds / max((trace.t[-1] - trace.t[0]) / (n - 1), 1e-12)) + 1
     if width >= 0.9 * n:
         return 0, n
     y = trace.measured[row]
-    before, after = (y - trace.baseline[row]) ** 2, (y - trace.extended[row]) ** 2
+    before, after = (smooth(trace.t, r, band_hz) ** 2 for r in residuals(trace, row))
     worth = before - after if _fall(trace, row) > 0.02 else (y - np.nanmean(y)) ** 2
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(worth))])
     start = int(np.argmax(total[width:] - total[:-width]))

@@ -80,13 +80,14 @@ def amount(value: Any, unit: str, std: Any = None, like: Any = None) -> str:
 
 
 def _with_spread(value: float, std: float) -> str:
-    """`0.800 ± 0.008`: the standard error has the decimals of its value, or one digit where that would print zero."""
-    text = plain(value)
-    if std < 1e-5 * abs(value):
-        return text
+    """`0.800 ± 0.008`: three digits, or as many (up to six) as the standard error makes worth printing."""
+    if value == 0.0 or std < 1e-6 * abs(value):
+        return f"{plain(value)}{_SPACE}±{_SPACE}{plain(std, 1)}" if value == 0.0 else plain(value)
+    digits = min(max(3, 1 + math.floor(math.log10(abs(value))) - math.floor(math.log10(std))), 6)
+    text = plain(value, digits)
     if "×" in text:
         power = 10.0 ** math.floor(math.log10(abs(value)))
-        return f"({plain(value / power)}{_SPACE}±{_SPACE}{plain(std / power, 1)}){text[text.index('×') - 1 :]}"
+        return f"({plain(value / power, digits)}{_SPACE}±{_SPACE}{plain(std / power, 1)}){text[text.index('×') - 1 :]}"
     decimals = len(text.partition(".")[2])
     spread = f"{std:.{decimals}f}" if round(std, decimals) and std < 1e4 else plain(std, 1)
     return f"{text}{_SPACE}±{_SPACE}{spread}"

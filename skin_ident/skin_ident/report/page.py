@@ -10,7 +10,7 @@ from skin_ident.report.focus import Focus, focus
 from skin_ident.report.markup import Safe, el
 from skin_ident.report.numbers import plain
 from skin_ident.report.reading import recording_name, view
-from skin_ident.report.story import Story, Wrong, story, unit_of
+from skin_ident.report.story import Story, Wrong, story
 from skin_ident.report.view import View
 from skin_ident.report.words import sentence, short
 
@@ -97,7 +97,7 @@ def _picture(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     part = "the whole session" if seen.is_whole else f"the most telling {plain(t[seen.stop - 1] - t[seen.start], 2)} s"
     role = "not used for fitting" if seen.trace.held_out else "used for fitting"
     caption = f"{part} of {short(seen.trace.session)} ({role}); below, what is left"
-    chart = overlay(seen.trace, seen.row, unit_of(v, seen.channel), slice(seen.start, seen.stop), 900)
+    chart = overlay(seen.trace, seen.row, v, slice(seen.start, seen.stop), 900)
     return el("div", key(seen.trace), chart, el("p", caption[:1].upper() + caption[1:], class_="note"), class_="picture")
 
 

@@ -7,13 +7,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from skin_ident.criticism.outcome import Outcome, ScanTrace
-from skin_ident.report.charts import simulations
+from skin_ident.report.charts import below_band, simulations
 from skin_ident.report.focus import Focus, focus
 from skin_ident.report.numbers import scale
 from skin_ident.report.reading import view
-from skin_ident.report.shapes import residuals, spectrum, thinned
-from skin_ident.report.story import named_cause, story, unit_of
-from skin_ident.report.view import View
+from skin_ident.report.shapes import residuals, smooth, spectrum, thinned
+from skin_ident.report.story import named_cause, story
+from skin_ident.report.view import View, unit_of
 from skin_ident.report.words import capital, cause_at, channel, short
 
 COLOURS = {"measured": "#9aa0aa", "before": "#c8500a", "after": "#0068b0"}
@@ -48,7 +48,7 @@ def _before_after(seen: Focus, v: View, outcome: Outcome) -> Figure:
     axes = figure.subplots(2, len(parts), squeeze=False, sharex="col", sharey="row", gridspec_kw={"height_ratios": (2, 1)})
     unit = unit_of(v, seen.channel)
     for (start, stop), (top, below) in zip(parts, axes.T, strict=True):
-        _curves(seen, slice(start, stop), unit, top, below)
+        _curves(seen, slice(start, stop), v, top, below)
         top.set_title("whole session" if stop - start == seen.trace.t.size else "the most telling seconds", fontsize=10)
     if len(parts) == 2:
         axes[0, 1].axvspan(seen.trace.t[seen.start], seen.trace.t[seen.stop - 1], color="#f0e6c0", zorder=0)
@@ -64,26 +64,28 @@ def _title(outcome: Outcome, v: View, session: str) -> str:
     return f"{told.headline.title}\n{told.better.number} {told.better.caption} ({short(session, 60)})"
 
 
-def _curves(seen: Focus, cut: slice, unit: str, top, below) -> None:
+def _curves(seen: Focus, cut: slice, v: View, top, below) -> None:
     t = seen.trace.t[cut]
-    y = seen.trace.measured[seen.row]
+    y, unit = seen.trace.measured[seen.row], unit_of(v, seen.channel)
     both = simulations(seen.trace)
     factor, _ = scale(np.nanmax(np.abs(y), initial=0.0), unit)
     for kind, label, curves in (("measured", "measured", seen.trace.measured), *both):
         top.plot(*thinned(t, factor * curves[seen.row][cut], POINTS), color=COLOURS[kind], lw=WIDTHS[kind], label=label)
-    small, name = _small(seen, unit)
+    small, name = _small(seen, unit, v.band_hz)
     for kind, _, curves in both:
-        below.plot(*thinned(t, small * (y - curves[seen.row])[cut], POINTS), color=COLOURS[kind], lw=1.0)
+        left = smooth(seen.trace.t, y - curves[seen.row], v.band_hz)[cut]
+        below.plot(*thinned(t, small * left, POINTS), color=COLOURS[kind], lw=1.0)
     below.set_xlabel("time, s")
     if below.get_subplotspec().is_first_col():
-        below.set_ylabel(f"measured −\nsimulated, {name}")
+        below.set_ylabel(f"measured −\nsimulated, {name}" + below_band(v).replace(" below", "\nbelow"))
     for axes in (top, below):
         _tidy(axes)
 
 
-def _small(seen: Focus, unit: str) -> tuple[float, str]:
+def _small(seen: Focus, unit: str, band_hz: float | None = None) -> tuple[float, str]:
     """Factor and unit that suit what is left."""
-    return scale(max(float(np.nanmax(np.abs(r), initial=0.0)) for r in residuals(seen.trace, seen.row)), unit)
+    left = (smooth(seen.trace.t, r, band_hz) for r in residuals(seen.trace, seen.row))
+    return scale(max(float(np.nanmax(np.abs(r), initial=0.0)) for r in left), unit)
 
 
 def _tidy(axes) -> None:

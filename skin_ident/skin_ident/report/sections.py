@@ -4,13 +4,12 @@ import numpy as np
 
 from skin_ident.criticism.outcome import Outcome, Trace
 from skin_ident.report.bars import error_table
-from skin_ident.report.charts import against_frequency, against_motion, key, key_left, overlay, scan_left, scan_panels
+from skin_ident.report.charts import against_frequency, against_motion, below_band, key, key_left, overlay, scan_left, scan_panels
 from skin_ident.report.counsel import TESTED
 from skin_ident.report.focus import Focus, by_fall
 from skin_ident.report.markup import Safe, el, section
-from skin_ident.report.numbers import amount, plain
-from skin_ident.report.story import unit_of
-from skin_ident.report.view import IN_TURN, UNTESTED, View
+from skin_ident.report.numbers import plain
+from skin_ident.report.view import IN_TURN, UNTESTED, View, unit_of
 from skin_ident.report.words import capital, channel, short
 
 MOST_SESSIONS = 6
@@ -35,9 +34,8 @@ def measured(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
 
 def _error_note(v: View) -> str:
     where = TESTED[UNTESTED if v.tested == IN_TURN else v.tested]
-    band = f", below {amount(v.band_hz, 'Hz')}" if v.band_hz else ""
     turn = " Each session was held out in turn to judge the causes; those errors are on the cards below." if v.tested == IN_TURN else ""
-    error = f"Typical error (root mean square of measured minus simulated{band}) on {where}."
+    error = f"Typical error (root mean square of measured minus simulated{below_band(v)}) on {where}."
     return f"{error} The tick on the bars is what noise alone leaves.{turn}"
 
 
@@ -57,9 +55,7 @@ def _session(trace: Trace, v: View, buckets: int, is_open: bool) -> Safe:
     rows = by_fall(trace)[:MOST_CHANNELS]
     role = "not used for fitting" if trace.held_out else "used for fitting"
     head = el("summary", el("b", short(trace.session, 72), title=trace.session), f" – {role}, {plain(trace.t[-1] - trace.t[0])} s")
-    charts = [
-        el("h4", capital(channel(trace.channels[r]))) + overlay(trace, r, unit_of(v, trace.channels[r]), slice(None), buckets) for r in rows
-    ]
+    charts = [el("h4", capital(channel(trace.channels[r]))) + overlay(trace, r, v, slice(None), buckets) for r in rows]
     hidden = len(trace.channels) - len(rows)
     note = (
         el("p", f"{hidden} more channels, which gained less, are in the table above and in traces.npz.", class_="note") if hidden else None

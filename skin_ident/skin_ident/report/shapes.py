@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.signal import welch
+from scipy.signal import oaconvolve, welch
 
 from skin_ident.criticism.outcome import Trace
 
@@ -55,6 +55,18 @@ def span_of(quantity: np.ndarray) -> tuple[float, float] | None:
         return None
     low, high = np.percentile(known, [0.2, 99.8])
     return (float(low), float(high)) if high - low > 1e-9 else None
+
+
+def smooth(t: np.ndarray, y: np.ndarray, hz: float | None) -> np.ndarray:
+    """`y` through a Hann window that halves its amplitude at about `hz`, as long as before; `y` itself where there is nothing to smooth."""
+    dt = (t[-1] - t[0]) / max(t.size - 1, 1)
+    width = round(1.0 / (hz * dt)) if hz else 0
+    if width < 3 or y.size < 3 * width:
+        return y
+    window = np.hanning(width + 2)[1:-1]
+    half = width // 2
+    padded = np.pad(np.nan_to_num(y), (half, width - 1 - half), mode="edge")
+    return oaconvolve(padded, window / window.sum(), mode="valid")
 
 
 def spectrum(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

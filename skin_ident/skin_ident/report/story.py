@@ -11,8 +11,9 @@ from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, plain
 from skin_ident.report.reading import view
-from skin_ident.report.shapes import residuals
-from skin_ident.report.view import Amount, Finding, View
+from skin_ident.report.shapes import residuals, smooth
+from skin_ident.report.tolerant import text
+from skin_ident.report.view import Amount, Finding, View, unit_of
 from skin_ident.report.words import capital, cause_at, meaning, sentence, signal, spoken
 
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
@@ -87,6 +88,8 @@ def _names(v: View) -> str:
         return "no single cause"
     if len(said) == 1 and v.findings[0].alternatives:
         return " or ".join([*said, *(cause_at(c, w) for c, w, _ in v.findings[0].alternatives[:2])])
+    if len(said) == 2 and v.findings[0].where == v.findings[1].where:
+        said[0] = spoken(v.findings[0].cause)
     return said[0] if len(said) == 1 else f"{said[0]}, and {len(said) - 1} more" if len(said) > 2 else " and ".join(said)
 
 
@@ -124,11 +127,6 @@ def _in_newtons(seen: Focus, v: View) -> str:
     )
 
 
-def unit_of(v: View, name: str) -> str:
-    """The unit of a channel."""
-    return next((e.unit for e in v.errors if e.channel == name), "N")
-
-
 def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str]:
     yield from (s for s in (_against_rivals(f, rounds) for f in v.findings[:2]) if s)
     if len(v.findings) > 2:
@@ -136,7 +134,7 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
     if v.findings:
         yield _in_the_picture(seen, v) if seen is not None else "The picture shows what the model misses without it, and with it."
         return
-    tested = {c for r in rounds for c, _, _ in r.ranked}
+    tested = {c for r in rounds for c, _, _ in r.ranked} | {text(e.get("cause")) for e in v.excluded}
     if tested and v.verdict == NOTHING:
         yield f"{len(tested)} causes were tried on these data, and none predicts the measurement better than the model does alone."
     elif tested:
@@ -145,7 +143,7 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
 
 def _in_the_picture(seen: Focus, v: View) -> str:
     cut = slice(seen.start, seen.stop)
-    worst = [float(np.nanpercentile(np.abs(r[cut]), 99.0)) for r in residuals(seen.trace, seen.row)]
+    worst = [float(np.nanpercentile(np.abs(smooth(seen.trace.t, r, v.band_hz)[cut]), 99.0)) for r in residuals(seen.trace, seen.row)]
     unit = unit_of(v, seen.channel)
     few = "this" if len(v.findings) == 1 else "these"
     return (
@@ -165,7 +163,7 @@ def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
         return sentence(f.why)
     ranked = next((r.ranked for r in rounds if r.named and named_cause(r.named) == f.cause), ())
     own = next((g for c, w, g in ranked if (c, w) == (f.cause, f.where)), None)
-    rival = next(((c, w, g) for c, w, g in ranked if c != f.cause and g > 0), None)
+    rival = next(((c, w, g) for c, w, g in ranked if (c, w) != (f.cause, f.where) and g > 0), None)
     if own is None:
         return ""
     name = capital(cause_at(f.cause, f.where))

@@ -113,3 +113,8 @@ class View:
     def judged(self) -> tuple[Finding, ...]:
         """The findings that stand on a better simulation."""
         return tuple(f for f in self.findings if not f.direct)
+
+
+def unit_of(v: View, name: str) -> str:
+    """The unit of a channel."""
+    return next((e.unit for e in v.errors if e.channel == name), "N")

@@ -234,7 +234,7 @@ def seen_in_the_record() -> Outcome:
     traces = [trace(f"press_{i}", False, truth, truth, truth, 30.0, seed=i) for i in range(2)]
 
     def symptom(cause: str, where: str, channel: str, why: str, **more) -> dict:
-        gain = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": [0.0, 0.0], "channel": channel, "unit": "N"}
+        gain = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": [0.0, 0.0], "channel": channel}
         return {"cause": cause, "where": where, "channels": [channel], "parameters": more, "evidence": {"why": why, "stuck": True}, "gain": gain,
                 "alternatives": [], "separating_experiment": ""}  # fmt: skip
 
