@@ -35,6 +35,39 @@ class TopicInfo:
     type_hash: str = ""
 
 
+class _Stream:
+    """Holds what the MCAP writer writes until `flush` puts all of it on disk, or nothing of it."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("xb", buffering=0)
+        self._parts: list[bytes] = []
+        self._end = self._safe = 0
+
+    def write(self, data: bytes) -> int:
+        self._parts.append(data)
+        self._end += len(data)
+        return len(data)
+
+    def tell(self) -> int:
+        return self._end
+
+    def flush(self) -> None:
+        data = memoryview(b"".join(self._parts))
+        try:
+            while data:
+                data = data[self._file.write(data) :]
+        except OSError:
+            self._file.truncate(self._safe)  # half a record would end a reader with an error
+            raise
+        self._parts.clear()
+        self._safe = self._end
+        if not os.fstat(self._file.fileno()).st_nlink:
+            raise OSError(errno.ENOENT, "the file was deleted while it was being recorded")
+
+    def close(self) -> None:
+        self._file.close()
+
+
 class BagWriter:
     """Writes messages that are serialised already. One thread at a time. Every method raises `BagError` when the disk refuses."""
 
@@ -46,10 +79,10 @@ class BagWriter:
         try:
             self.directory.mkdir(parents=True)
             self._path = self.directory / f"{self.directory.name}_0.mcap"
-            self._file = self._path.open("xb")
+            self._stream = _Stream(self._path)
         except OSError as error:
             raise BagError(f"cannot begin a recording in {self.directory}: {error.strerror}") from error
-        self._writer = Writer(self._file, compression=_COMPRESSION, enable_data_crcs=False)
+        self._writer = Writer(self._stream, compression=_COMPRESSION, enable_data_crcs=False)
         self._schemas: dict[str, int] = {}
         self._topics: list[TopicInfo] = []
         self.counts: list[int] = []
@@ -92,17 +125,16 @@ class BagWriter:
         self._guarded(self._writer.flush)
         if self._stale:
             self._guarded(self._write_metadata)
-        if not os.fstat(self._file.fileno()).st_nlink:
-            raise BagError(f"{self._path} was deleted while it was being recorded")
 
     def close(self) -> None:
         """Finish the file and its metadata."""
         try:
             self.note("rosbag2", {"serialized_metadata": _yaml(self._information())})
             self._guarded(self._writer.finish)
+            self._guarded(self._stream.flush)
             self._guarded(self._write_metadata)
         finally:
-            self._guarded(self._file.close)
+            self._stream.close()
 
     def _guarded(self, action, *args, **kwargs):
         try:

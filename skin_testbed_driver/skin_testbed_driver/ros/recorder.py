@@ -56,7 +56,8 @@ class Recorder(Node):
         self._bag = BagWriter(self._settings.directory or datetime.datetime.now().strftime("session_%Y-%m-%d_%H-%M-%S"))
         self._describe(rig)
         self._queue: deque[tuple[int, bytes, int, int]] = deque()
-        self._known: dict[str, str] = {}
+        self._known: set[str] = set()
+        self._complete = False  # every topic asked for was seen
         self._ending = threading.Event()
         self._lock = threading.Lock()  # around the bag: topics are announced from callbacks, messages from the thread
         self._look()
@@ -83,12 +84,15 @@ class Recorder(Node):
         """Subscribe to what is new on the graph."""
         for name, types in self.get_topic_names_and_types():
             if name not in self._known and self._is_wanted(name) and self.count_publishers(name):
-                self._known[name] = types[0]
+                self._known.add(name)
                 self._subscribe(name, types[0])
-        missing = self._wanted - set(self._known)
-        if self._wanted and not missing:
-            self._wanted = frozenset()  # said once
+        if not self._complete and self._wanted and self._wanted <= self._matched():
+            self._complete = True
             self.get_logger().info("every topic asked for is being recorded")
+
+    def _matched(self) -> set[str]:
+        """The topics from which messages come."""
+        return {s.topic_name for s in self.subscriptions if s.get_publisher_count()}
 
     def _is_wanted(self, name: str) -> bool:
         if self._settings.topics:
