@@ -25,9 +25,10 @@ from skin_models.errors import ModelError
 from skin_models.layout import A201_AREA, Layout
 from skin_models.model import Model
 from skin_models.signals import Sample
-from skin_models.spread.contacts import Contacts
-from skin_models.spread.field import Shares, SpreadField
+from skin_models.spread.compiled import compiles
+from skin_models.spread.field import SpreadField
 from skin_models.spread.kernels import Gaussian, Kernel
+from skin_models.spread.spreaders import CompiledSpreader, DenseSpreader, Patches
 from skin_models.transmission import Transmission
 
 MEMORY = 16
@@ -43,6 +44,11 @@ class Presses:
     force: np.ndarray = field(default_factory=lambda: np.empty(0))  # N; NaN: the depth counts
     depth: np.ndarray = field(default_factory=lambda: np.empty(0))  # m; NaN: unknown
     radius: np.ndarray = field(default_factory=lambda: np.empty(0))  # m
+
+    @property
+    def patches(self) -> Patches:
+        """Where they are."""
+        return Patches(self.position, self.radius, self.depth)
 
     def faded(self, factor: float) -> "Presses":
         """The same contacts with force and depth scaled."""
@@ -62,73 +68,53 @@ class Reading:
 
 @dataclass(frozen=True, eq=False)
 class SkinState:
-    """What the skin remembers: filter states (S, T), columns of contacts by key, states of the sensors' effects, time (s)."""
+    """What the skin remembers: the spreader's state, columns of contacts by key, states of the sensors' effects, time (s)."""
 
-    filtered: np.ndarray
+    spread: Any
     columns: Mapping[str, Column]
     sensors: tuple[Any, ...]
     t: float = 0.0
 
 
 class SimulatedSkin:
-    """One model over one layout at one sample period. Immutable: the state is passed through `step`."""
+    """One model over one layout at one sample period; the state is passed through `step`."""
 
-    def __init__(self, model: Model, layout: Layout, dt: float, kernel: Kernel | None = None, tolerance: float = 1e-6) -> None:
-        """`kernel` defaults to the Gaussian of the model's notes. Raises `ModelError` for an effect on a taxel that is not there."""
+    def __init__(
+        self, model: Model, layout: Layout, dt: float, kernel: Kernel | None = None, tolerance: float = 1e-6, fast: bool = False
+    ) -> None:
+        """`kernel` defaults to the Gaussian of the model's notes. Raises `ModelError` for an effect on a taxel that is not there.
+
+        `fast`: use the compiled path where there is one. Then part of the state lives here and not in `SkinState`.
+        """
         for e in model.effects:
             if e.taxel is not None and e.taxel >= len(layout):
                 raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {len(layout)} taxels, counted from taxel_0")
         self.model, self.layout, self.dt = model, layout, dt
         self.kernel = kernel or Gaussian(width=spread_width(model))
-        share = model.dispersion.sensed_share if model.dispersion.k1 > 0.0 else 0.0
-        self.field = SpreadField(layout, self.kernel, min(share, 1.0), A201_AREA, tolerance)
-        self._share = share
-        self._skin = skin_of(model)
-        self._spread, self._sensors = model.at(Place.SPREAD), model.at(Place.TAXEL)
-        self._filter = None if self._skin.effects else Transmission(model.dispersion, dt)
-        self._shares_of: tuple[Any, Shares] = (None, None)
+        self._share = min(model.dispersion.sensed_share, 1.0) if model.dispersion.k1 > 0.0 else 0.0
+        self._skin, self._sensors = skin_of(model), model.at(Place.TAXEL)
+        field = SpreadField(layout, self.kernel, self._share, A201_AREA, tolerance)
+        self._filter = None if self._skin.effects or not self._share else Transmission(model.dispersion, dt)
+        effects = model.at(Place.SPREAD)
+        compiled = fast and not effects and compiles(self.kernel)
+        self._spreader = CompiledSpreader(field, self._filter) if compiled else DenseSpreader(field, self._filter, effects)
 
     def initial(self, seed: int | None = None) -> SkinState:
         """At rest. `seed` drives the sensors' random effects; None leaves those out."""
         states = dict(zip(map(id, self.model.effects), self.model.initial(seed).effects, strict=True))
-        sensors = tuple(states[id(e)] for e in self._sensors)
-        filtered = np.zeros((0, len(self.layout))) if self._filter is None else self._filter.initial(len(self.layout))
-        return SkinState(filtered, {}, sensors)
+        return SkinState(self._spreader.initial(), {}, tuple(states[id(e)] for e in self._sensors))
 
     def step(self, state: SkinState, presses: Presses) -> tuple[SkinState, Reading]:
         """One sample: `state, reading = step(state, presses)`."""
-        t, shares = state.t + self.dt, self._shares(presses)
+        t = state.t + self.dt
         by_filter = np.isfinite(presses.force) if self._filter is not None else np.zeros(len(presses.key), bool)
         columns, applied, sensed = self._press(state, presses, by_filter, t)
-        truth = self._collect(shares, np.where(by_filter, 0.0, sensed))
-        filtered = state.filtered
-        if self._filter is not None:
-            above = self._sum(shares, np.where(by_filter, applied, 0.0))
-            filtered, through = self._filter.step(filtered, above)
-            truth = truth + (through / self._share if self._share else through)
+        known = np.where(by_filter, applied, 0.0)
+        through = sensed / self._share if self._share else np.zeros_like(sensed)
+        spread, truth, outside = self._spreader.step(state.spread, presses.patches, known, through)
         sensors, taxels = self._sense(state.sensors, truth, presses, t)
-        outside = len(presses.key) - np.unique(shares.contact).size
         reading = Reading(taxels, truth, float(applied.sum()), float(applied.sum() - truth.sum()), outside)
-        return SkinState(filtered, columns, sensors, t), reading
-
-    def _shares(self, presses: Presses) -> Shares:
-        """The shares of the contacts, kept as long as the same contacts stand still."""
-        known, shares = self._shares_of
-        same = known is not None and all(np.array_equal(getattr(known, n), getattr(presses, n)) for n in ("position", "radius"))
-        if not same or not np.array_equal(known.depth, presses.depth, equal_nan=True):
-            shares = self.field.shares(Contacts(presses.position, np.ones(len(presses.key)), presses.radius, presses.depth))
-            self._shares_of = (presses, self._affected(shares, presses) if self._spread else shares)
-        return self._shares_of[1]
-
-    def _affected(self, shares: Shares, presses: Presses) -> Shares:
-        """The shares after the effects of the spread, contact by contact. These effects have no memory."""
-        dense = np.zeros((len(presses.key), len(self.layout)))
-        dense[shares.contact, shares.taxel] = shares.value
-        for i, depth in enumerate(np.nan_to_num(presses.depth)):
-            for e in self._spread:
-                dense[i] = e.step(e.initial(), dense[i], Sample(0.0, float(depth), 0.0, 0.0), self.dt)[1]
-        contact, taxel = np.nonzero(dense)
-        return Shares(contact, taxel, dense[contact, taxel])
+        return SkinState(spread, columns, sensors, t), reading
 
     def _press(self, state: SkinState, presses: Presses, by_filter: np.ndarray, t: float) -> tuple[dict, np.ndarray, np.ndarray]:
         """Columns after the sample, applied force and sensed force (C,) of every contact."""
@@ -145,16 +131,6 @@ class SimulatedSkin:
         """The columns that no contact is on, after the sample."""
         absent = [key for key in state.columns if key not in presses.key][-MEMORY:]
         return {key: at_depth(self._skin, state.columns[key], 0.0, t, self.dt)[0] for key in absent}
-
-    def _sum(self, shares: Shares, force: np.ndarray) -> np.ndarray:
-        """Forces (C,) of the contacts summed over the taxels, (T,)."""
-        total = np.zeros(len(self.layout))
-        np.add.at(total, shares.taxel, shares.value * force[shares.contact])
-        return total
-
-    def _collect(self, shares: Shares, sensed: np.ndarray) -> np.ndarray:
-        """Spread the sensed forces of the columns, (T,)."""
-        return self._sum(shares, sensed / self._share) if self._share else np.zeros(len(self.layout))
 
     def _sense(self, states: tuple[Any, ...], truth: np.ndarray, presses: Presses, t: float) -> tuple[tuple[Any, ...], np.ndarray]:
         """The sensors' effects."""

@@ -15,6 +15,7 @@ import threading
 from geometry_msgs.msg import WrenchStamped
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
+from skin_testbed_msgs.msg import ContactArray
 from std_srvs.srv import Trigger
 
 from skin_models.errors import SkinError
@@ -29,7 +30,6 @@ from skin_models.ros.taxel_output import TaxelOutput
 from skin_models.ros.ticking import Ticking
 from skin_models.ros.viewing import Viewing
 from skin_models.simulated_skin import SimulatedSkin
-from skin_testbed_msgs.msg import ContactArray
 
 try:
     from ros_gz_interfaces.msg import Contacts as GazeboContacts
@@ -77,7 +77,7 @@ class SkinNode(Node):
         if self._encoder:
             skin, state = LiveModel(under_plunger(model, layout, kernel, settings.plunger_radius), settings.random_seed), None
         else:
-            skin = SimulatedSkin(model, layout, 1.0 / settings.rate, kernel)
+            skin = SimulatedSkin(model, layout, 1.0 / settings.rate, kernel, fast=True)
             state = skin.initial(settings.random_seed)
         with self._loaded:
             self._skin, self._state, self._layout, self._reading = skin, state, layout, None

@@ -90,7 +90,7 @@ class SpreadField:
         across = self.layout.positions[near] - contacts.position[i]
         facing = np.maximum(self.layout.normals[near] @ normal, 0.0)
         x_axis, y_axis = tangent(normal)
-        shape = _shape(kernel, across @ x_axis, across @ y_axis, radius, reach)
+        shape = _shape(kernel, (across @ x_axis, across @ y_axis, across @ normal), radius, reach)
         value = self.gain[near] * (self.kernel.area / kernel.area) * shape * facing
         kept = value > 0.0
         near, value = near[kept], value[kept]
@@ -105,14 +105,16 @@ def tangent(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return u, np.cross(normal, u)
 
 
-def _shape(kernel: Kernel, u: np.ndarray, v: np.ndarray, radius: float, reach: float) -> np.ndarray:
-    """The shape at tangential offsets, averaged over a disc of `radius`, cut off at `reach` from the disc's points."""
+def _shape(kernel: Kernel, offset: tuple[np.ndarray, np.ndarray, np.ndarray], radius: float, reach: float) -> np.ndarray:
+    """The shape at offsets (two tangential, one normal), averaged over a disc of `radius`, cut off at `reach` from the disc's points."""
     if radius == 0.0:
-        return _point_shape(kernel, u, v, reach)
+        return _point_shape(kernel, *offset, reach)
+    u, v, w = offset
     offsets, weights = disc_points()
-    return sum(w * _point_shape(kernel, u - radius * p, v - radius * q, reach) for (p, q), w in zip(offsets, weights, strict=True))
+    return sum(f * _point_shape(kernel, u - radius * p, v - radius * q, w, reach) for (p, q), f in zip(offsets, weights, strict=True))
 
 
-def _point_shape(kernel: Kernel, u: np.ndarray, v: np.ndarray, reach: float) -> np.ndarray:
-    r = kernel.distance(u, v) if isinstance(kernel, Anisotropic) else np.hypot(u, v)
-    return kernel.shape(r) * (np.hypot(u, v) <= reach)
+def _point_shape(kernel: Kernel, u: np.ndarray, v: np.ndarray, w: np.ndarray, reach: float) -> np.ndarray:
+    tangential = u**2 + v**2
+    r = kernel.distance(u, v) if isinstance(kernel, Anisotropic) else np.sqrt(tangential)
+    return kernel.shape(r) * (tangential + w**2 <= reach**2)

@@ -1,0 +1,98 @@
+"""Forces of contacts to forces of taxels, for `SimulatedSkin`: dense numpy with explicit state, or the compiled path in place.
+
+Both take two forces per contact: one that is known and passes through the transfer function of eq 32 taxel by taxel, and one that has
+come through the skin already (from a `Column`) and is only spread. Both are applied forces: the field's gain holds the static share.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skin_models.effect import Effect
+from skin_models.signals import Sample
+from skin_models.spread.compiled import CompiledSkin
+from skin_models.spread.contacts import Contacts
+from skin_models.spread.field import Shares, SpreadField
+from skin_models.transmission import Transmission
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """Where contacts are: position (C, 3), radius (C,), depth (C,), m."""
+
+    position: np.ndarray
+    radius: np.ndarray
+    depth: np.ndarray
+
+    def same(self, other: "Patches | None") -> bool:
+        """Whether the contacts of `other` stand where these do."""
+        names = ("position", "radius", "depth")
+        return other is not None and all(np.array_equal(getattr(self, n), getattr(other, n), equal_nan=True) for n in names)
+
+
+class DenseSpreader:
+    """Every taxel at every step; the state is an array that is passed through."""
+
+    def __init__(self, field: SpreadField, transmission: Transmission | None, effects: tuple[Effect, ...] = ()) -> None:
+        """`effects`: those of the spread, without memory, which act on the shares of each contact."""
+        self._field, self._filter, self._effects = field, transmission, effects
+        self._known: tuple[Patches | None, Shares | None] = (None, None)
+
+    def initial(self) -> np.ndarray:
+        """At rest."""
+        return np.zeros((0, 0)) if self._filter is None else self._filter.initial(len(self._field.layout))
+
+    def step(self, state: np.ndarray, patches: Patches, known: np.ndarray, through: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+        """State after the sample, force of every taxel (T,) and how many contacts no taxel is near, from forces (C,) N."""
+        shares = self._shares(patches)
+        truth = self._sum(shares, through)
+        if self._filter is not None:
+            state, sensed = self._filter.step(state, self._sum(shares, known))
+            truth = truth + sensed / self._filter.dispersion.sensed_share
+        return state, truth, len(known) - np.unique(shares.contact).size
+
+    def _shares(self, patches: Patches) -> Shares:
+        """The shares of the contacts, kept as long as they stand still."""
+        if not patches.same(self._known[0]):
+            shares = self._field.shares(Contacts(patches.position, np.ones(len(patches.radius)), patches.radius, patches.depth))
+            self._known = (patches, self._affected(shares, patches.depth) if self._effects else shares)
+        return self._known[1]
+
+    def _affected(self, shares: Shares, depth: np.ndarray) -> Shares:
+        dense = np.zeros((depth.size, len(self._field.layout)))
+        dense[shares.contact, shares.taxel] = shares.value
+        for i, x in enumerate(np.nan_to_num(depth)):
+            for e in self._effects:
+                dense[i] = e.step(e.initial(), dense[i], Sample(0.0, float(x), 0.0, 0.0), 1.0)[1]
+        contact, taxel = np.nonzero(dense)
+        return Shares(contact, taxel, dense[contact, taxel])
+
+    def _sum(self, shares: Shares, force: np.ndarray) -> np.ndarray:
+        total = np.zeros(len(self._field.layout))
+        np.add.at(total, shares.taxel, shares.value * force[shares.contact])
+        return total
+
+
+class CompiledSpreader:
+    """Only the taxels that are touched; the state lives in the compiled skin and changes in place. One user at a time."""
+
+    def __init__(self, field: SpreadField, transmission: Transmission | None) -> None:
+        self._static = CompiledSkin(field)
+        self._filtered = None if transmission is None else CompiledSkin(field, transmission)
+
+    def initial(self) -> Any:
+        """Put it at rest."""
+        for skin in (self._static, self._filtered):
+            if skin is not None:
+                skin.reset()
+
+    def step(self, state: Any, patches: Patches, known: np.ndarray, through: np.ndarray) -> tuple[Any, np.ndarray, int]:
+        """As `DenseSpreader.step`; `state` is not used."""
+        outside, truth = 0, None
+        for skin, force in ((self._static, through), (self._filtered, known)):
+            if skin is not None and (skin is self._filtered or np.any(force)):
+                step = skin.step(Contacts(patches.position, np.maximum(force, 0.0), patches.radius, patches.depth))
+                truth = step.readings.copy() if truth is None else truth + step.readings
+                outside = step.outside
+        return state, np.zeros(len(self._static.field.layout)) if truth is None else truth, outside
