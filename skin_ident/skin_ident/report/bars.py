@@ -86,4 +86,4 @@ def _moved(before: Amount, after: Amount | None) -> tuple[str, bool]:
     step = after.value - before.value
     spread = ((before.std or 0.0) ** 2 + (after.std or 0.0) ** 2) ** 0.5
     share = step / abs(before.value)
-    return ("+" if share > 0 else "") + percent(share), abs(share) > 0.05 and abs(step) > 3.0 * spread
+    return ("+" if share >= 5e-4 else "") + percent(share), abs(share) > 0.05 and abs(step) > 3.0 * spread

@@ -92,7 +92,7 @@ def next_steps(v: View) -> Iterator[str]:
         if f.separating:
             yield sentence(f"To tell {cause_at(f.cause, f.where)} from {_rivals(f)}, run: {f.separating}")
     yield from _advice(v)
-    if v.findings:
+    if v.judged:
         yield "Load model.yaml, beside this report, into the simulated skin: everything named here is in it."
     if v.verdict in (PARTLY, UNEXPLAINED):
         yield "See below which way the remaining error leans, and record what the untested causes need."

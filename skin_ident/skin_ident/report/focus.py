@@ -9,6 +9,7 @@ from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.view import View
 
 WINDOW_S = 10.0
+LEAST_FALL = 0.02  # of the error, below which the extension is taken to change nothing
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,17 @@ class Focus:
     def is_whole(self) -> bool:
         """Whether the seconds are the whole session."""
         return self.stop - self.start == self.trace.t.size
+
+    @property
+    def changes(self) -> bool:
+        """Whether the extended model differs from the baseline here."""
+        return not np.array_equal(self.trace.baseline, self.trace.extended, equal_nan=True)
+
+    @property
+    def words(self) -> str:
+        """What these seconds are."""
+        seconds = round(float(self.trace.t[self.stop - 1] - self.trace.t[self.start]))
+        return "the whole session" if self.is_whole else f"the {'most telling' if self.changes else 'worst'} {seconds} s"
 
 
 def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
@@ -56,7 +68,7 @@ def by_fall(trace: Trace) -> list[int]:
 def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float = WINDOW_S) -> tuple[int, int]:
     """Samples [start, stop) of the `seconds` in which the extension removes most of the error (below `band_hz`).
 
-    Where it removes none, those in which most happens.
+    Where it removes none, the worst ones.
     """
     n = trace.t.size
     width = round(seconds / max((trace.t[-1] - trace.t[0]) / (n - 1), 1e-12)) + 1
@@ -64,7 +76,7 @@ def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float 
         return 0, n
     y = trace.measured[row]
     before, after = (smooth(trace.t, r, band_hz) ** 2 for r in residuals(trace, row))
-    worth = before - after if _fall(trace, row) > 0.02 else (y - np.nanmean(y)) ** 2
+    worth = before - after if _fall(trace, row) > LEAST_FALL else after
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(worth))])
     start = int(np.argmax(total[width:] - total[:-width]))
     return start, start + width
@@ -80,6 +92,6 @@ def _removed(trace: Trace) -> float:
 
 
 def _row(trace: Trace, view: View) -> int:
-    """The channel that the first finding names as gaining most, where it does; else the one whose error fell most."""
-    named = [f.gain.channel for f in view.findings if f.gain.channel in trace.channels and f.gain.before]
+    """The channel that the first finding names; else the one whose error fell most."""
+    named = [f.gain.channel for f in view.findings if f.gain.channel in trace.channels]
     return trace.channels.index(named[0]) if named else by_fall(trace)[0]

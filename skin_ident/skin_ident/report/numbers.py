@@ -108,5 +108,6 @@ def percent(share: Any) -> str:
     if number is None:
         return UNKNOWN
     value = 100.0 * number
+    value = value if abs(value) >= 0.05 else 0.0
     text = f"{value:.1f}" if 0.05 <= abs(value) < 9.95 else f"{value:.0f}"
     return f"{text.replace('-', '−')}{_SPACE}%"

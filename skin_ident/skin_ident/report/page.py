@@ -8,11 +8,10 @@ from skin_ident.report.charts import key, overlay, scan_picture
 from skin_ident.report.evidence import evidence
 from skin_ident.report.focus import Focus, focus
 from skin_ident.report.markup import Safe, el
-from skin_ident.report.numbers import plain
 from skin_ident.report.reading import recording_name, view
 from skin_ident.report.story import Story, Wrong, story
 from skin_ident.report.view import View
-from skin_ident.report.words import sentence, short
+from skin_ident.report.words import capital, sentence, short
 
 SIGNS = {"good": "✓", "found": "!", "part": "~", "bad": "?"}
 
@@ -93,12 +92,10 @@ def _wrong(w: Wrong) -> list:
 def _picture(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     if seen is None:
         return el("div", key(outcome.scans[0]), scan_picture(outcome.scans[0]), class_="picture") if outcome.scans else None
-    t = seen.trace.t
-    part = "the whole session" if seen.is_whole else f"the most telling {plain(t[seen.stop - 1] - t[seen.start], 2)} s"
     role = "not used for fitting" if seen.trace.held_out else "used for fitting"
-    caption = f"{part} of {short(seen.trace.session)} ({role}); below, what is left"
+    caption = f"{seen.words} of {short(seen.trace.session)} ({role}); below, what is left"
     chart = overlay(seen.trace, seen.row, v, slice(seen.start, seen.stop), 900)
-    return el("div", key(seen.trace), chart, el("p", caption[:1].upper() + caption[1:], class_="note"), class_="picture")
+    return el("div", key(seen.trace), chart, el("p", capital(caption), class_="note"), class_="picture")
 
 
 def _contents(parts: list[Safe]) -> Safe:

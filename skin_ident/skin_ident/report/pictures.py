@@ -49,7 +49,7 @@ def _before_after(seen: Focus, v: View, outcome: Outcome) -> Figure:
     unit = unit_of(v, seen.channel)
     for (start, stop), (top, below) in zip(parts, axes.T, strict=True):
         _curves(seen, slice(start, stop), v, top, below)
-        top.set_title("whole session" if stop - start == seen.trace.t.size else "the most telling seconds", fontsize=10)
+        top.set_title("the whole session" if stop - start == seen.trace.t.size else seen.words, fontsize=10)
     if len(parts) == 2:
         axes[0, 1].axvspan(seen.trace.t[seen.start], seen.trace.t[seen.stop - 1], color="#f0e6c0", zorder=0)
     y_unit = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)[1]

@@ -72,6 +72,8 @@ def _headline(v: View) -> Headline:
     names = _names(v)
     if v.verdict == NOTHING:
         return Headline("good", "Nothing wrong found", "The simulation matches these measurements down to their noise.")
+    if v.verdict == EXPLAINED and not v.judged:
+        return Headline("found", f"Explained: {names}", "The fault is in the record itself; the simulation matches the rest of it.")
     if v.verdict == EXPLAINED:
         return Headline("found", f"Explained: {names}", "With this in the model, what is left of the mismatch looks like noise.")
     if v.verdict == PARTLY:
@@ -100,8 +102,10 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         yield Wrong(capital(cause_at(f.cause, f.where)), sentence(meaning(f.cause)), size)
         for cause, where, _ in f.alternatives[:3]:
             yield Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)) + " These data fit it almost as well.")
-    if v.findings and seen is not None:
+    if v.judged and seen is not None and seen.changes:
         yield Wrong("", _in_newtons(seen, v))
+    elif v.verdict == UNEXPLAINED and seen is not None:
+        yield Wrong("", _stray(seen, v))
     elif not v.findings and v.verdict == NOTHING:
         yield Wrong("", "Nothing that these data can show. What was ruled out, and what could not be tested, is listed below.")
     elif not v.findings:
@@ -131,14 +135,25 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
     yield from (s for s in (_against_rivals(f, rounds) for f in v.findings[:2]) if s)
     if len(v.findings) > 2:
         yield f"The other {len(v.findings) - 2} were accepted in the same way, one after the other."
-    if v.findings:
+    if v.judged and (seen is None or seen.changes):
         yield _in_the_picture(seen, v) if seen is not None else "The picture shows what the model misses without it, and with it."
+    if v.findings:
         return
     tested = {c for r in rounds for c, _, _ in r.ranked} | {text(e.get("cause")) for e in v.excluded}
     if tested and v.verdict == NOTHING:
         yield f"{len(tested)} causes were tried on these data, and none predicts the measurement better than the model does alone."
     elif tested:
         yield f"{len(tested)} causes were tried on these data, and none predicts sessions that were not used for fitting reliably better."
+
+
+def _stray(seen: Focus, v: View) -> str:
+    """How wrong a simulation is that nothing explains."""
+    left = smooth(seen.trace.t, residuals(seen.trace, seen.row)[1], v.band_hz)
+    unit, worst = unit_of(v, seen.channel), float(np.nanmax(np.abs(left), initial=0.0))
+    return (
+        f"The simulated {signal(seen.channel)} strays from the measured one by up to {amount(worst, unit)}, typically "
+        f"{amount(rms(left), unit, like=[worst])}, in a pattern that noise does not make."
+    )
 
 
 def _in_the_picture(seen: Focus, v: View) -> str:

@@ -223,7 +223,8 @@ def spread_scan() -> Outcome:
         "baseline": {"model": "gaussian", "parameters": {"c": {"value": 5.25e-3, "unit": "m"}}, "rmse": rmse[0]},
         "findings": [f], "excluded": [],
         "untestable": [{"cause": "anisotropy", "because": "one direction", "needs": "lateral scans in x and in y"}],
-        "extended": {"model": "gaussian", "parameters": {}, "rmse": rmse[1]}, "noise_floor": {"taxel_0": 0.01}, "verdict": "partly_explained",
+        "extended": {"model": "gaussian", "parameters": {}, "rmse": rmse[1]},
+        "noise_floor": {"taxel_0": 0.01}, "verdict": "partly_explained",
     }  # fmt: skip
     return Outcome(content, scans=(s,))
 
@@ -235,8 +236,10 @@ def seen_in_the_record() -> Outcome:
 
     def symptom(cause: str, where: str, channel: str, why: str, **more) -> dict:
         gain = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": [0.0, 0.0], "channel": channel}
-        return {"cause": cause, "where": where, "channels": [channel], "parameters": more, "evidence": {"why": why, "stuck": True}, "gain": gain,
-                "alternatives": [], "separating_experiment": ""}  # fmt: skip
+        return {
+            "cause": cause, "where": where, "channels": [channel], "parameters": more, "evidence": {"why": why, "stuck": True},
+            "gain": gain, "alternatives": [], "separating_experiment": "",
+        }  # fmt: skip
 
     found = [
         symptom("dead_taxel", "taxel_1", "taxel_1", "taxel_1 holds one value throughout"),
