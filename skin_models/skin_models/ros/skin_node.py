@@ -14,6 +14,7 @@ import threading
 
 from geometry_msgs.msg import WrenchStamped
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
 from skin_testbed_msgs.msg import ContactArray
 from std_srvs.srv import Trigger
@@ -23,7 +24,7 @@ from skin_models.live import LiveModel, under_plunger
 from skin_models.ros.contact_input import ContactInput, from_contacts, from_gazebo, from_wrench
 from skin_models.ros.node import run
 from skin_models.ros.parameters import Parameters
-from skin_models.ros.qos import LISTENING, overridable
+from skin_models.ros.qos import LISTENING, overridable, stream
 from skin_models.ros.skin_diagnostics import SkinDiagnostics
 from skin_models.ros.skin_settings import SkinSettings
 from skin_models.ros.taxel_output import TaxelOutput
@@ -102,11 +103,11 @@ class SkinNode(Node):
     # ---- contacts -------------------------------------------------------------------------------------------
 
     def _listen(self) -> None:
-        def subscribe(kind: type, topic: str, callback) -> None:
-            self.create_subscription(kind, topic, callback, LISTENING, qos_overriding_options=overridable())
+        def subscribe(kind: type, topic: str, callback, qos: QoSProfile = LISTENING) -> None:
+            self.create_subscription(kind, topic, callback, qos, qos_overriding_options=overridable())
 
-        if self._encoder:
-            subscribe(JointState, "encoder", self._sample)
+        if self._encoder:  # reliable: a sample that is lost would be missing from the comparison with the measurement
+            subscribe(JointState, "encoder", self._sample, stream(1000.0))
             return
         subscribe(ContactArray, "contacts", lambda m: self._input.take("contacts", from_contacts(m), self._now()))
         subscribe(WrenchStamped, "wrench", self._wrench)
