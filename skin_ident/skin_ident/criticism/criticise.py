@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.criticism.fitting import Fit, fit
+from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import Gain, held_out_gain
 from skin_ident.criticism.growing import grow
 from skin_ident.criticism.proposals import Direction, directions
@@ -18,6 +18,7 @@ from skin_models.model import Model
 
 MOST_FINDINGS = 5
 SHORTLIST = 4  # causes that are refitted before one is chosen
+NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
 Progress = Callable[[str], None]
@@ -55,15 +56,16 @@ class Criticism:
     rounds: tuple[tuple[Survey, str | None], ...] = ()
 
 
-def criticise(train: list[Session], held: list[Session], given: Model | None = None, progress: Progress = lambda stage: None) -> Criticism:
-    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better."""
+def criticise(train: list[Session], held: list[Session], given: Model | None = None, progress: Progress = lambda stage: None, mass: float = 0.0) -> Criticism:
+    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg."""
     which = directions(train[0])
     progress("fitting the baseline")
-    start = given or dispersion_start(train)
+    start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
     first = survey(start, train, which)
-    baseline = fit(first.model, train, first.noise)
-    present, named, refused, rounds, befores = baseline, [], [], [], {}
+    fitted = fit(first.model, train, first.noise)
+    baseline = fit(given, train, first.noise, 0) if given else fitted
+    present, named, refused, rounds, befores = fitted, [], [], [], {}
     while True:
         progress("surveying every cause")
         last = survey(present.model, train, which)
@@ -79,9 +81,21 @@ def criticise(train: list[Session], held: list[Session], given: Model | None = N
         named = _with(named, finding, befores, before, present, train, held, last.noise)
         progress(f"named {finding.cause} in the {finding.where}")
     kept, named = _eliminated(present, named, train, held, last.noise)
+    if given:
+        kept, named = _numbers_checked(given, kept, named, train, held, last.noise)
     if kept is not present:
         last = survey(kept.model, train, which)
     return Criticism(baseline, kept, tuple(named), last, tuple(refused), tuple(rounds))
+
+
+def _numbers_checked(given: Model, kept: Fit, named: list[Named], train, held, noise: Whitener) -> tuple[Fit, list[Named]]:
+    """Whether the numbers of the given model are wrong once every named cause is in it; where they are not, they stay as given."""
+    as_given = replace(kept.model, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)
+    frozen = fit_effects(as_given, train, noise)
+    gain = held_out_gain(frozen.model, kept.model, train, held, noise, fit_effects)
+    if not gain.passed or gain.before - gain.after < NUMBERS * gain.before:
+        return frozen, named
+    return kept, [Named("parameters", "skin", gain, frozen.cost - kept.cost, ()), *named]
 
 
 @dataclass(frozen=True)

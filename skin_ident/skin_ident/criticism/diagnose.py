@@ -12,9 +12,10 @@ from skin_ident.criticism.leftover import is_systematic, systematic_rest
 from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.residual import simulated
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.session import Session, motion_under
 from skin_models.model import Model
 
+MASS_PER_THICKNESS = 0.108  # kg/m
 BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out
 
 
@@ -31,7 +32,7 @@ def diagnose(recordings: list, hold_out: list | None = None, model: Model | None
     train, held = looked.sessions[: len(recordings)], looked.sessions[len(recordings) :]
     if len(every) == 1:
         train, held = _blocks(train[0])
-    c = criticise(train, held, model, progress)
+    c = criticise(train, held, model, progress, skin_mass(every[0]))
     progress("asking what is left")
     rest = systematic_rest(c.last, train, held)
     verdict = _verdict(bool(c.named or looked.symptoms), is_systematic(*rest))
@@ -39,6 +40,12 @@ def diagnose(recordings: list, hold_out: list | None = None, model: Model | None
     shown = looked.sessions if len(every) > 1 else looked.sessions[:1]
     traces = tuple(_trace(c, s, any(s is h for h in held)) for s in shown)
     return Outcome(findings, c.baseline.model, c.extended.model, c.extended.std, traces, (), _rounds(c))
+
+
+def skin_mass(recording) -> float:
+    """Mass of the skin under the plunger, kg: what rig.yaml says, or silicone of the declared thickness (4 mm: thesis 4.3.1, 0.432 g)."""
+    declared = recording.declared
+    return declared.moving_mass_kg or MASS_PER_THICKNESS * 1e-3 * (declared.skin_thickness_mm or 4.0)
 
 
 def _verdict(anything: bool, systematic: bool) -> str:
@@ -61,6 +68,8 @@ def _belong_together(recordings: list, model: Model | None) -> None:
     if model is not None and len(model.shares) != len(recordings[0].taxels):
         raise DiagnosisError(f"the model has {len(model.shares)} taxels, the recordings have {len(recordings[0].taxels)}")
     for r in recordings:
+        if r.force is None and r.depth is None:
+            raise DiagnosisError(f"{r.name} has taxels alone: what pressed on them, depth or force, is needed too")
         if r.depth is not None and float(np.mean(r.depth > 0.0)) < 0.05:
             raise DiagnosisError(f"{r.name} is hardly ever in contact (depth above zero): check the sign and the zero of its depth")
 
@@ -75,7 +84,8 @@ def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
 
 def _trace(c: Criticism, s: Session, held: bool) -> Trace:
     before, after = (simulated(fit.model, s) for fit in (c.baseline, c.extended))
-    return Trace(s.name, held, s.motion.t, s.motion.x, s.motion.v, s.channels, s.raw, before, after)
+    moved = motion_under(s, c.extended.model.dispersion)
+    return Trace(s.name, held, moved.t, moved.x, moved.v, s.channels, s.raw, before, after)
 
 
 def _rounds(c: Criticism) -> tuple[Round, ...]:

@@ -41,7 +41,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 def found(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for."""
     effects = instances(model, named.cause, named.where)
-    parameters: dict[str, Any] = {}
+    parameters: dict[str, Any] = _dispersion(model, std) if named.cause == "parameters" else {}
     for i, e in enumerate(effects):
         for p in parameters_of(e):
             name = p.name if i == 0 else f"{p.name}_{i + 1}"
@@ -70,6 +70,10 @@ def found(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
         "means": BY_NAME[named.cause].means,
         "advice": BY_NAME[named.cause].act,
     }
+
+
+def _dispersion(model: Model, std: dict[str, float]) -> dict[str, Any]:
+    return {p.name: {"value": p.value, "unit": p.unit, "std": std.get(p.name)} for p in parameters_of(model.dispersion)}
 
 
 def seen(symptom: Symptom, baseline: dict[str, Any]) -> dict[str, Any]:

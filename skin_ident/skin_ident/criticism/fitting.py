@@ -12,7 +12,7 @@ import numpy as np
 
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session
-from skin_ident.criticism.unknowns import Unknown, scales, unknowns, values, with_values
+from skin_ident.criticism.unknowns import Unknown, effect_unknowns, scales, unknowns, values, with_values
 from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 
@@ -56,9 +56,11 @@ def fit(
     model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS, which: tuple[Unknown, ...] | None = None
 ) -> Fit:
     """Fit the unknowns `which` of `model` (all of them by default), starting from their present values."""
-    which = unknowns(model) if which is None else which
+    which = unknowns(model, sessions[0]) if which is None else which
     r = whitened(model, sessions, noise)
     cost, damping = float(r @ r), 1e-3
+    if not which:
+        return Fit(model, (), {}, cost, r.size)
     for _ in range(iterations):
         J = stack(tangents(model, sessions, which), sessions, noise)
         accepted, damping, trial, trial_cost = _descend(model, sessions, noise, which, J, r, cost, damping)
@@ -70,6 +72,11 @@ def fit(
             break
         r = whitened(model, sessions, noise)
     return Fit(model, which, _standard_errors(model, sessions, noise, which, cost), cost, r.size)
+
+
+def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
+    """Fit the effects of `model` and leave its dispersion model and shares as they are."""
+    return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model)))
 
 
 def _descend(model, sessions, noise, which, J, r, cost, damping):

@@ -5,6 +5,7 @@ after is resampled by blocks (B. Efron, R. Tibshirani, An Introduction to the Bo
 training session is held out in turn, and both models are fitted to the others.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,13 +46,18 @@ class Gain:
         return self.lower > 0.0 and self.relative > MATERIAL and self.after < self.before
 
 
-def held_out_gain(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
-    """What `after` gains over `before` on `held`, or by holding out each training session in turn where `held` is empty."""
+def held_out_gain(
+    before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener, refit_before: Callable = fit
+) -> Gain:
+    """What `after` gains over `before` on `held`, or by holding out each training session in turn where `held` is empty.
+
+    `refit_before` fits `before` to the remaining sessions, where it may not change all that `fit` changes.
+    """
     if held:
         pairs = [(s, before, after) for s in held]
         said = ", ".join(s.name for s in held)
     elif len(train) > 1:
-        pairs = [(s, *_refitted(before, after, [o for o in train if o is not s], noise)) for s in train]
+        pairs = [(s, *_refitted((before, refit_before), (after, fit), sessions=[o for o in train if o is not s], noise=noise)) for s in train]
         said = "each session in turn"
     else:
         pairs = [(s, before, after) for s in train]
@@ -59,8 +65,8 @@ def held_out_gain(before: Model, after: Model, train: list[Session], held: list[
     return _gain(pairs, noise, said)
 
 
-def _refitted(before: Model, after: Model, sessions: list[Session], noise: Whitener) -> tuple[Model, Model]:
-    return tuple(fit(m, sessions, noise, FOLD_ITERATIONS).model for m in (before, after))
+def _refitted(*pairs: tuple[Model, Callable], sessions: list[Session], noise: Whitener) -> tuple[Model, ...]:
+    return tuple(refit(model, sessions, noise, FOLD_ITERATIONS).model for model, refit in pairs)
 
 
 def bootstrap_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[float, float]:

@@ -26,7 +26,7 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session]) -> 
     rows = {s.name: _directions(last, s) for s in [*fitted, *held]}
     A = stack([rows[s.name][0] for s in fitted], fitted, last.noise)
     r = stack([rows[s.name][1] for s in fitted], fitted, last.noise)
-    own = len(unknowns(last.model))
+    own = len(unknowns(last.model, train[0]))
     z = pursue(A, r, own + RICHEST, forced=own)
     before = [last.noise.apply(rows[s.name][1], s.weight) for s in held]
     after = [last.noise.apply(rows[s.name][1] - np.tensordot(z, rows[s.name][0], 1), s.weight) for s in held]
@@ -34,7 +34,7 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session]) -> 
 
 
 def _directions(last: Survey, s: Session) -> tuple[np.ndarray, np.ndarray]:
-    own = tangents(last.model, [s], unknowns(last.model))[0]
+    own = tangents(last.model, [s], unknowns(last.model, s))[0]
     return np.concatenate([own, bank(last.model, last.projected.which, [s])[0]]), residual(last.model, s)
 
 

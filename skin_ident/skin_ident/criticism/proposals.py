@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.residual import rows
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.session import Session, motion_under
 from skin_models.catalogue import effects
-from skin_models.effect import Effect
+from skin_models.effect import Effect, Place
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
@@ -49,7 +49,7 @@ def directions(session: Session) -> tuple[Direction, ...]:
 
 def _wheres(cls: type[Effect], session: Session) -> Iterator[str]:
     for word in cls.places:
-        if word == "load_cell" and "force" not in session.channels:
+        if _unseen(cls.places[word], session):
             continue
         if word.endswith("taxel") or word.endswith("taxels"):
             if session.n_taxels == 0:
@@ -57,6 +57,11 @@ def _wheres(cls: type[Effect], session: Session) -> Iterator[str]:
             if session.n_taxels > 1 and word == "taxel":
                 yield from (f"taxel_{i}" for i in range(session.n_taxels))
         yield word
+
+
+def _unseen(place: Place, session: Session) -> bool:
+    """Whether no channel can carry an effect at this place: no load cell to compare, or no depth that could be wrong."""
+    return (place is Place.LOAD_CELL and "force" not in session.channels) or (place is Place.DEPTH and session.drive is not None)
 
 
 def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Direction]:
@@ -79,7 +84,7 @@ def bank(model: Model, which: tuple[Direction, ...], sessions: list[Session]) ->
 
 
 def _bank(model: Model, which: tuple[Direction, ...], session: Session) -> np.ndarray:
-    run = model.trace(session.motion)
+    run = model.trace(motion_under(session, model.dispersion))
     base = rows(run.response, session)
     out = np.zeros((len(which), *session.measured.shape))
     for i, d in enumerate(which):

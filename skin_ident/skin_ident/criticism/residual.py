@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.session import Session, motion_under
 from skin_models.model import Model, Response
 
 
 def simulated(model: Model, session: Session) -> np.ndarray:
     """Simulated channels (C, N) at full rate, rows as in `session.channels`."""
-    return rows(model.simulate(session.motion), session)
+    return rows(model.simulate(motion_under(session, model.dispersion)), session)
 
 
 def rows(response: Response, session: Session) -> np.ndarray:

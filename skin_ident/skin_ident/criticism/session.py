@@ -3,11 +3,13 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.signal import lfilter
 
 from skin_ident.criticism.band import Band
 from skin_models.dispersion import Dispersion
 from skin_models.signals import Motion, motion
 
+NOMINAL = 1e4  # N/m, scale of a skin that is known by ratios alone
 SHALLOW = 0.1  # of the greatest depth
 PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
 
@@ -17,7 +19,8 @@ class Session:
     """One recording as the criticism sees it.
 
     `channels` names the rows of `measured` (C, n), newtons, low-passed and thinned out; `raw` (C, N) is as recorded.
-    `weight` (C, n) is 1 where a sample may be believed and 0 where telemetry has ruled it out.
+    `weight` (C, n) is 1 where a sample may be believed and 0 where telemetry has ruled it out. `drive` (N,) is the applied force of a
+    force-to-force test, which has no depth: `motion` is then only a first idea of it (see `motion_under`).
     """
 
     name: str
@@ -28,6 +31,7 @@ class Session:
     t: np.ndarray
     measured: np.ndarray
     weight: np.ndarray
+    drive: np.ndarray | None = None
 
     @property
     def n_taxels(self) -> int:
@@ -35,14 +39,34 @@ class Session:
 
 
 def prepare(recording, bad: np.ndarray | None = None) -> Session:
-    """A displacement-driven session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering)."""
+    """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering)."""
     band = Band(recording.dt)
-    s = motion(recording.t, band.smooth_depth(recording.depth))
+    drive = band.smooth_depth(recording.force) if recording.depth is None else None
+    s = motion(recording.t, band.smooth_depth(recording.depth) if drive is None else drive / NOMINAL)
     channels, raw = stacked(recording)
     bad = np.zeros(raw.shape, bool) if bad is None else bad
     measured = band.thin(np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)]))
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
-    return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight)
+    return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight, drive)
+
+
+def motion_under(session: Session, skin: Dispersion) -> Motion:
+    """The depth of the session; in a force-to-force test the depth to which the applied force F presses this skin,
+
+        tau x' + x = F / k,    tau = (b1 + b2) / (k1 + k2), k = k1 + k2      (thesis eq 27 without the mass, so that eq 32 follows)
+
+    exact for a force that is linear between samples, from rest at the first one.
+    """
+    if session.drive is None:
+        return session.motion
+    k, tau, dt = skin.k1 + skin.k2, skin.recovery, session.motion.dt
+    target = session.drive / k
+    if tau <= 0.0:
+        return motion(session.motion.t, target)
+    e = np.exp(-dt / tau)
+    slope = 1.0 - (1.0 - e) * tau / dt
+    x = target[0] + lfilter([slope, 1.0 - e - slope], [1.0, -e], target - target[0])
+    return motion(session.motion.t, x, (target - x) / tau)
 
 
 def without_parting(session: Session, skin: Dispersion) -> Session:
@@ -68,8 +92,8 @@ def meeting(s: Motion, skin: Dispersion, around: int = 8) -> np.ndarray:
 
 
 def stacked(recording) -> tuple[tuple[str, ...], np.ndarray]:
-    """Names and rows (C, N) of the measured channels: force first, then taxels in the recording's order."""
-    force = [("force", recording.force)] if recording.force is not None else []
+    """Names and rows (C, N) of the channels to be explained: force (unless it drives the test), then taxels in the recording's order."""
+    force = [("force", recording.force)] if recording.force is not None and recording.depth is not None else []
     rows = force + [(f"taxel_{i}", y) for i, y in enumerate(recording.taxels)]
     return tuple(name for name, _ in rows), np.array([y for _, y in rows], float)
 

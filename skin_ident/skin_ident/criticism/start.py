@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.session import NOMINAL, Session
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
 
@@ -10,6 +10,8 @@ from skin_models.model import Model
 def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
     """Regress every channel on depth and speed in contact, over all sessions, in the common band."""
     H = np.concatenate([s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0)) for s in sessions], axis=1).T
+    if sessions[0].drive is not None:
+        return _ratios(sessions, mass)
     slopes = {}
     for c, name in enumerate(sessions[0].channels):
         y = np.concatenate([s.measured[c] for s in sessions])
@@ -23,3 +25,14 @@ def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
     b1, k1 = taxels[reference, 0], max(taxels[reference, 1], 1e-6)
     shares = np.maximum(taxels[:, 1] / k1, 0.0)
     return Model(Dispersion(m=mass, b1=b1, k1=k1, b2=b - b1, k2=k - k1), shares=tuple(shares))
+
+
+def _ratios(sessions: list[Session], mass: float) -> Model:
+    """For a force-to-force test: static shares of the applied force; the time constants are found by the fit."""
+    F = np.concatenate([s.band.thin(s.drive) for s in sessions])
+    y = np.concatenate([s.measured * s.weight for s in sessions], axis=1)
+    shares = np.maximum(y @ F / (F @ F), 1e-6)
+    reference = float(np.clip(shares.max(), 0.01, 0.99))
+    k1 = NOMINAL * reference
+    tau = 0.1  # s, as silicone has it
+    return Model(Dispersion(m=mass, b1=tau * k1, k1=k1, b2=tau * (NOMINAL - k1), k2=NOMINAL - k1), shares=tuple(shares / shares.max()))

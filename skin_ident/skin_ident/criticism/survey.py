@@ -28,7 +28,7 @@ class Survey:
 def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
     """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
     residuals = [residual(model, s) for s in sessions]
-    own = tangents(model, sessions, unknowns(model))
+    own = tangents(model, sessions, unknowns(model, sessions[0]))
     bends = bank(model, which, sessions)
     noise = noise or noise_model(residuals, own, bends, sessions)
     projected = project(which, stack(bends, sessions, noise), stack(own, sessions, noise), stack(residuals, sessions, noise))

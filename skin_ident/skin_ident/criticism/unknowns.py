@@ -8,10 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skin_ident.criticism.session import Session
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
-DISPERSION = ("b1", "k1", "b2", "k2")  # the mass is set from the skin's density, as in the thesis's Table 4-5
+# What the channels can tell of the dispersion model. The mass is set from the skin's density, as in the thesis's Table 4-5. A test driven by
+# force knows ratios only: k2 is the scale.
+BY_DEPTH, MATERIAL, TAXELS_ALONE, BY_FORCE = ("b1", "k1", "b2", "k2"), ("b2", "k2"), ("b1", "k1"), ("b1", "k1", "b2")
 
 
 @dataclass(frozen=True)
@@ -23,13 +26,14 @@ class Unknown:
     label: str
 
 
-def unknowns(model: Model) -> tuple[Unknown, ...]:
-    """Everything that a fit of this model may change. The largest share is the reference and stays 1."""
-    return tuple([*_of_dispersion(model), *_of_shares(model), *_of_effects(model)])
+def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
+    """Everything that a fit of this model to sessions of this kind may change. The largest share is the reference and stays 1."""
+    return tuple([*_of_dispersion(model, session), *_of_shares(model), *effect_unknowns(model)])
 
 
-def _of_dispersion(model: Model) -> Iterator[Unknown]:
-    names = DISPERSION if model.shares else DISPERSION[2:]
+def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
+    names = BY_FORCE if session.drive is not None else MATERIAL if not model.shares else BY_DEPTH
+    names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     for p in parameters_of(model.dispersion):
         if p.name in names:
             yield Unknown("dispersion", p, p.name)
@@ -42,7 +46,8 @@ def _of_shares(model: Model) -> Iterator[Unknown]:
             yield Unknown("shares", Parameter(str(i), "1", share, 0.0, 10.0, typical=1.0), f"share_{i}")
 
 
-def _of_effects(model: Model) -> Iterator[Unknown]:
+def effect_unknowns(model: Model) -> Iterator[Unknown]:
+    """The unknowns of the effects alone: all that may change beside a dispersion model that is given."""
     for i, e in enumerate(model.effects):
         for p in parameters_of(e):
             yield Unknown(i, p, f"{e.cause}.{e.where}.{p.name}")
