@@ -140,6 +140,7 @@ def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.
     model = Model(Dispersion(m=m, b1=b1, k1=k1, b2=b2, k2=k2), tuple(max(0.0, s) for s in shares), source=source)
     named = (*parameters_of(model.dispersion), *(Parameter(f"share_{i}", "1", s) for i, s in enumerate(model.shares)))
     residuals = _residuals(sessions, shape, regression)
+    notes += [w for name, r in residuals.items() for w in r.complaint(name)]
     verdicts, contributions = judge(sessions, shape, regression, named, covariance)
     return Estimate(
         method=method,

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from skin_models.model import Model
 from skin_models.parameter import Parameter
@@ -14,6 +14,7 @@ WEAK = "weak"
 NOT_IDENTIFIABLE = "not identifiable"
 AT_BOUND = "at its bound"
 FIXED = "fixed"
+POOR = 0.9  # R² below which a fit is called poor
 
 
 @dataclass(frozen=True)
@@ -38,18 +39,28 @@ class Residual:
     relative_mse: float
     ar: tuple[float, ...]
     noise: float
+    unit: str = "N"
+
+    def complaint(self, channel: str) -> list[str]:
+        """A warning where the model explains little of the channel."""
+        if self.r2 >= POOR:
+            return []
+        share = f"only {100 * self.r2:.0f} %" if self.r2 > 0.0 else "nothing"
+        return [f"{channel}: the model explains {share} of what was measured; its parameters mean little"]
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """A fit. `parameters` and the rows of `covariance` (P, P) are in the same order; a fixed parameter has zero variance.
+    """A fit. `model` is None where only ratios can be had, from force to force.
+
+    `parameters` and the rows of `covariance` (P, P) are in the same order; a fixed parameter has zero variance.
 
     `contributions[p][channel]` is the rms in newtons of the term that p multiplies. `condition` is that of the normal matrix with its
     columns scaled to unit length. `dof` counts the effective degrees of freedom behind the covariance.
     """
 
     method: str
-    model: Model
+    model: Model | None
     parameters: tuple[Parameter, ...]
     covariance: np.ndarray
     verdicts: Mapping[str, Verdict]
@@ -81,5 +92,5 @@ class Estimate:
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """The interval that holds the truth in `level` of all repetitions, from Student's t with `dof`."""
-        half = student.ppf(0.5 + level / 2, self.dof) * self.std[name]
+        half = stdtrit(self.dof, 0.5 + level / 2) * self.std[name]
         return self.values[name] - half, self.values[name] + half

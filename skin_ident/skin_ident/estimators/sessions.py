@@ -55,8 +55,14 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
     warnings = tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings)
     sessions = [_session(r, prefilters[_rate(r)]) for r in recordings]
     if motions is not None:
-        sessions = [replace(s, motion=m) for s, m in zip(sessions, motions, strict=True)]
+        sessions = [replace(s, motion=_smoothed(m, s.prefilter)) for s, m in zip(sessions, motions, strict=True)]
     return sessions, warnings
+
+
+def _smoothed(m: Motion, prefilter: Prefilter) -> Motion:
+    """The motion through what the measured channels go through."""
+    x, v, a = prefilter.smooth(np.array([m.x, m.v, m.a]))
+    return Motion(m.t, x, v, a, m.dt)
 
 
 def _session(r: Recording, prefilter: Prefilter) -> Session:

@@ -14,7 +14,7 @@ def as_table(estimate: Estimate) -> str:
     """Value, unit, ± (95 %), verdict; then what is left per channel, and every warning."""
     head = f"{estimate.method}: {len(estimate.sessions)} session{'s' * (len(estimate.sessions) > 1)} ({', '.join(estimate.sessions)})"
     rows = [_row(estimate, p) for p in estimate.parameters]
-    left = [f"  {name:<10} rms {r.rmse:.4g} N   R² {r.r2:.5f}" for name, r in estimate.residuals.items()]
+    left = [f"  {name:<10} rms {r.rmse:.4g} {r.unit}   R² {r.r2:.5f}" for name, r in estimate.residuals.items()]
     why = [f"  {p.name:<9} {estimate.verdicts[p.name].word}: {estimate.verdicts[p.name].sentence}" for p in estimate.parameters]
     notes = [f"note: {w}" for w in estimate.warnings]
     title = f"  {'':<9} {'value':>12} {'± 95 %':>11}  {'unit':<7} verdict"
@@ -51,7 +51,7 @@ def as_dict(estimate: Estimate) -> dict[str, Any]:
         "correlations": {"names": [p.name for p in estimate.parameters], "matrix": estimate.correlations},
         "condition": estimate.condition,
         "degrees_of_freedom": estimate.dof,
-        "residuals": {name: vars(r) | {"unit": "N"} for name, r in estimate.residuals.items()},
+        "residuals": {name: vars(r) for name, r in estimate.residuals.items()},
         "notes": dict(estimate.notes),
         "warnings": list(estimate.warnings),
     }

@@ -11,6 +11,7 @@ from skin_ident.cli.common import output_folder, write_json
 from skin_ident.cli.fit import sessions_of
 from skin_ident.estimators.dispersion import fit_dispersion, known_mass
 from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.force_to_force import fit_force_to_force
 from skin_ident.estimators.text import as_dict
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load_one
@@ -65,7 +66,8 @@ class Run:
     def _fitted(self) -> Result:
         recordings = sessions_of(self._load(list(self.goal.recordings), 0.6))
         self._say(f"fitting {len(recordings)} sessions", 0.6)
-        estimate = fit_dispersion(recordings, known_mass(recordings))
+        material = any(r.depth is not None for r in recordings)
+        estimate = fit_dispersion(recordings, known_mass(recordings)) if material else fit_force_to_force(recordings)
         self._say("writing", 0.95)
         self._write(estimate)
         self._say("done", 1.0)
@@ -75,7 +77,8 @@ class Run:
         if self.goal.output_directory:
             folder = output_folder(self.goal.output_directory)
             write_json(folder / "fit.json", as_dict(estimate))
-            save_model(estimate.model, folder / "model.yaml", estimate.std)
+            if estimate.model is not None:
+                save_model(estimate.model, folder / "model.yaml", estimate.std)
 
     def _criticised(self) -> Result:
         # Imported here: the criticism and its report take a second to load, and a node that only fits never needs them.

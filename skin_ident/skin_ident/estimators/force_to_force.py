@@ -1,0 +1,102 @@
+"""The dispersion model from force to force, without a depth (thesis eq 32 and Table 4-7).
+
+    taxel(s) / force(s) = (b1 s + k1) / (m s^2 + (b1 + b2) s + (k1 + k2))
+
+Only ratios can be had. Order 2 gives those of the thesis, everything over m. Order 1 leaves the mass out, which for a gram of skin is
+what the data can support: the static share k1 / (k1 + k2), and the times b1 / k1 (lead) and (b1 + b2) / (k1 + k2) (lag).
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK, Estimate, Residual, Verdict
+from skin_ident.estimators.split import jacobian
+from skin_ident.estimators.transfer_data import Pair
+from skin_ident.estimators.transfer_fit import TransferFit, output_error
+from skin_ident.estimators.verdicts import SURE, VAGUE
+from skin_ident.recordings.recording import Recording
+from skin_models.parameter import Parameter
+
+FIRST = (
+    ("share", "1", "static share of the force that the taxel feels, k1 / (k1 + k2)"),
+    ("lead", "s", "b1 / k1"),
+    ("lag", "s", "(b1 + b2) / (k1 + k2)"),
+)
+SECOND = (("b1_over_m", "1/s", ""), ("k1_over_m", "1/s^2", ""), ("b2_over_m", "1/s", ""), ("k2_over_m", "1/s^2", ""))
+
+
+def fit_force_to_force(recordings: Sequence[Recording], order: int = 1, taxel: int | None = None, offset: bool | None = None) -> Estimate:
+    """One transfer function from the load cell to a taxel (the strongest, if none is named), over all sessions. Raises `FitError`.
+
+    `offset` gives every session a constant of its own; None does so for a taxel in volts, whose zero is not known.
+    """
+    if order not in (1, 2):
+        raise FitError(f"the order is 1 (without mass) or 2 (thesis eq 32), not {order}")
+    lacking = [r.name for r in recordings if r.force is None or not len(r.taxels)]
+    if lacking:
+        raise FitError(f"{', '.join(lacking)}: a fit from force to force needs a load cell and a taxel")
+    index = _strongest(recordings[0]) if taxel is None else taxel
+    if not all(0 <= index < len(r.taxels) for r in recordings):
+        raise FitError(f"there is no taxel {index} in every recording")
+    pairs = [Pair(r.name, np.ascontiguousarray(r.force), np.ascontiguousarray(r.taxels[index]), r.dt) for r in recordings]
+    unit = recordings[0].taxel_units[index]
+    fit = output_error(pairs, 1, order, offset=unit == "V" if offset is None else offset)
+    return _estimate(fit, pairs, order, index, unit, tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings))
+
+
+def _strongest(r: Recording) -> int:
+    return int(np.argmax(np.ptp(r.taxels, axis=1)))
+
+
+def _first(theta: np.ndarray) -> np.ndarray:
+    b1, b0, a0 = theta
+    return np.array([b0 / a0, b1 / b0, 1.0 / a0])
+
+
+def _second(theta: np.ndarray) -> np.ndarray:
+    b1, b0, a1, a0 = theta
+    return np.array([b1, b0, a1 - b1, a0 - b0])
+
+
+def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, unit: str, warnings: tuple[str, ...]) -> Estimate:
+    to: Callable[[np.ndarray], np.ndarray] = _first if order == 1 else _second
+    theta = fit.function.theta
+    values, j = to(theta), jacobian(to, theta)
+    covariance = j @ fit.covariance @ j.T
+    named = tuple(Parameter(n, u, float(v), doc=doc) for (n, u, doc), v in zip(FIRST if order == 1 else SECOND, values, strict=True))
+    channel, scale = f"taxel_{index}", np.sqrt(np.diag(fit.covariance))
+    scaled = fit.covariance / np.outer(scale, scale) if np.all(scale > 0) else np.eye(scale.size)
+    residual = _residual(fit, pairs, unit)
+    left = "" if fit.converged else "the search did not settle: these numbers are not a minimum"
+    return Estimate(
+        method=f"transfer function of order {order}, output error",
+        model=None,
+        parameters=named,
+        covariance=covariance,
+        verdicts={p.name: _verdict(p, float(s)) for p, s in zip(named, np.sqrt(np.diag(covariance)), strict=True)},
+        residuals={channel: residual},
+        contributions={p.name: {} for p in named},
+        condition=float(np.linalg.cond(scaled)),
+        dof=fit.dof,
+        sessions=tuple(p.name for p in pairs),
+        warnings=(*warnings, *([left] if left else []), *residual.complaint(channel)),
+        notes={"numerator": fit.function.numerator, "denominator": fit.function.denominator, "input": "force", "output": channel},
+    )
+
+
+def _residual(fit: TransferFit, pairs: Sequence[Pair], unit: str) -> Residual:
+    y, e = np.concatenate([p.y for p in pairs]), np.concatenate(fit.residuals)
+    mse, largest = float(np.mean(e**2)), float(np.max(np.abs(y)))
+    r2 = 1.0 - mse / max(float(np.var(y)), 1e-300)
+    return Residual(mse**0.5, r2, mse / max(largest, 1e-300), tuple(map(float, fit.ar)), fit.noise, unit)
+
+
+def _verdict(p: Parameter, std: float) -> Verdict:
+    relative = std / abs(p.value) if p.value else np.inf
+    if relative <= SURE:
+        return Verdict(IDENTIFIABLE, f"known to {100 * relative:.2g} %")
+    if relative <= VAGUE:
+        return Verdict(WEAK, f"only {1 / relative:.1f} times its standard error")
+    return Verdict(NOT_IDENTIFIABLE, "not told from zero by these data: the force hardly varies at the frequencies where this matters")

@@ -1,0 +1,91 @@
+"""`fit` as a user meets it: a table and two files, or one sentence and status 2 with nothing written."""
+
+import json
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+from making import SILICONE, recording, write_bag, write_mcap, write_table
+
+from skin_ident.cli.fit import main
+from skin_ident.recordings.recording import Recording
+from skin_models.model_file import load_model
+
+R = recording(n=1500, shares=(1.0, 0.4))
+
+
+@pytest.fixture
+def fit(capsys):
+    """Run the command in this process: status and what it printed."""
+
+    def run(*arguments):
+        status = main([str(a) for a in arguments])
+        return SimpleNamespace(returncode=status, **dict(zip(("stdout", "stderr"), capsys.readouterr(), strict=True)))
+
+    return run
+
+
+def test_as_a_program(tmp_path):
+    command = [sys.executable, "-m", "skin_ident.cli.fit", tmp_path / "nowhere"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and "error: " in done.stderr and "Traceback" not in done.stderr
+
+
+def test_prints_a_table_and_writes_two_files(fit, tmp_path):
+    write_bag(tmp_path / "in" / "a", R)
+    write_table(tmp_path / "in" / "b.csv", R)
+    done = fit(tmp_path / "in", "--thickness_mm", 4, "--out", tmp_path / "out")
+    assert done.returncode == 0 and "identifiable" in done.stdout and "N*s/m" in done.stdout and "Traceback" not in done.stderr
+    content = json.loads((tmp_path / "out" / "fit.json").read_text())
+    k1 = content["parameters"]["k1"]
+    assert k1["ci95"][0] < 9619 < k1["ci95"][1] and content["parameters"]["m"]["value"] == pytest.approx(SILICONE[4][0])
+    assert load_model(tmp_path / "out" / "model.yaml").dispersion.k1 == pytest.approx(k1["value"])
+
+
+@pytest.mark.parametrize("more", [["--mass", "free"], ["--mass", "0.001"], ["--motion", "sinusoid"]])
+def test_options(fit, tmp_path, more):
+    done = fit(write_table(tmp_path / "a.csv", R), *more)
+    assert done.returncode == 0 and not list(tmp_path.glob("*.yaml"))
+
+
+def test_force_to_force_writes_no_model(fit, tmp_path):
+    lines = write_table(tmp_path / "b.csv", R).read_text().splitlines()
+    (tmp_path / "a.csv").write_text("\n".join(",".join(line.split(",")[i] for i in (0, 2, 3)) for line in lines))
+    done = fit(tmp_path / "a.csv", "--out", tmp_path / "out")
+    assert done.returncode == 0 and "share" in done.stdout and [p.name for p in (tmp_path / "out").iterdir()] == ["fit.json"]
+
+
+def truncated(path):
+    data = write_mcap(path, R).read_bytes()
+    path.write_bytes(data[:300])
+    return path
+
+
+BAD = {
+    "missing": lambda d: [d / "nowhere"],
+    "empty bag": lambda d: [(d / "a.mcap").touch() or d / "a.mcap"],
+    "truncated to nothing": lambda d: [truncated(d / "a.mcap")],
+    "empty folder": lambda d: [d],
+    "unit missing": lambda d: [(d / "a.csv").write_text("t_s,x,force_n\n0,1,2\n") and d / "a.csv"],
+    "in the air": lambda d: [write_table(d / "a.csv", Recording("a", R.t, R.depth - 1.0e-3, R.force, R.taxels))],
+    "wrong topic": lambda d: [write_mcap(d / "a.mcap", R), "--topics", "force=/ft"],
+    "topics without a role": lambda d: [write_mcap(d / "a.mcap", R), "--topics", "/ft"],
+    "mass that is none": lambda d: [write_table(d / "a.csv", R), "--mass", "heavy"],
+    "bad rig.yaml": lambda d: [(d / "rig.yaml").write_text("skin_thickness_mm: [") and write_table(d / "a.csv", R)],
+    "a spread scan alone": lambda d: [(d / "a.csv").write_text("depth_mm,f_0mm_n,f_1mm_n,f_2mm_n\n0.1,3,2,1\n0.2,6,4,2\n") and d / "a.csv"],
+    "a picture": lambda d: [(d / "a.png").write_bytes(b"\x89PNG") and d / "a.png"],
+    "binary in a table": lambda d: [(d / "a.csv").write_bytes(bytes(range(256))) and d / "a.csv"],
+    "output is a file": lambda d: [write_table(d / "a.csv", R), "--out", d / "a.csv"],
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_ends_in_one_sentence(fit, tmp_path, case):
+    arguments = BAD[case](tmp_path)
+    out = [] if "--out" in arguments else ["--out", tmp_path / "out"]
+    done = fit(*arguments, *out)
+    errors = [line for line in done.stderr.splitlines() if line.startswith("error:")]
+    assert done.returncode == 2 and len(errors) == 1 and "Traceback" not in done.stderr, done.stderr
+    assert done.stdout == "" or case == "output is a file"
+    assert not (tmp_path / "out").exists()
