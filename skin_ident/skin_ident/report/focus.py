@@ -74,11 +74,12 @@ def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float 
     width = round(seconds / max((trace.t[-1] - trace.t[0]) / (n - 1), 1e-12)) + 1
     if width >= 0.9 * n:
         return 0, n
-    y = trace.measured[row]
     before, after = (smooth(trace.t, r, band_hz) ** 2 for r in residuals(trace, row))
     worth = before - after if _fall(trace, row) > LEAST_FALL else after
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(worth))])
-    start = int(np.argmax(total[width:] - total[:-width]))
+    held = total[width:] - total[:-width]
+    best = np.flatnonzero(held >= held.max() - 5e-3 * abs(held.max()))  # about as good: the middle one shows what comes before and after
+    start = int(best[best.size // 2])
     return start, start + width
 
 

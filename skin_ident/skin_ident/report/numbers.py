@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 UNKNOWN = "–"
+_ABSURD = 1e150
 _SPACE, _THIN = "\u00a0", "\u202f"
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -23,14 +24,16 @@ _SCALES = {
 
 
 def finite(value: Any) -> float | None:
-    """`value` as a float, or None where it is no finite number."""
+    """`value` as a float, or None where it is no finite number (or one that no measurement has: beyond 1e150)."""
     if isinstance(value, (bool, str)) or value is None:
         return None
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
-    return number if math.isfinite(number) else None
+    if not abs(number) < _ABSURD:  # also false for NaN
+        return None
+    return number if abs(number) > 1.0 / _ABSURD else 0.0
 
 
 def plain(value: Any, digits: int = 3) -> str:

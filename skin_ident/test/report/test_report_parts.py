@@ -1,0 +1,150 @@
+"""Numbers, thinning, the telling window, and reading findings that nobody promised to write well."""
+
+import re
+
+import numpy as np
+import pytest
+import report_examples as examples
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from skin_ident.criticism.outcome import Outcome, Trace
+from skin_ident.report.focus import focus
+from skin_ident.report.numbers import amount, percent, plain, span
+from skin_ident.report.page import page
+from skin_ident.report.reading import view
+from skin_ident.report.shapes import binned, smooth, spectrum, thinned
+from skin_ident.report.words import cause_at, effect_words, rebuild
+from skin_models.catalogue import effects
+from skin_models.parameter import parameters_of
+
+NB, THIN = "\u00a0", "\u202f"
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "std", "said"),
+    [
+        (0.0312, "N", None, f"31.2{NB}mN"),
+        (0.8, "s", 0.0123, f"0.800{NB}±{NB}0.012{NB}s"),
+        (17942.3, "N/m", 3.1, f"17{THIN}942{NB}±{NB}3{NB}N/m"),
+        (0.3e-3, "m", None, f"0.300{NB}mm"),
+        (12e-6, "m", 1e-7, f"12.0{NB}±{NB}0.1{NB}µm"),
+        (3e8, "N/m^3", 3e6, f"(3.00{NB}±{NB}0.03){NB}×{NB}10⁸{NB}N/m³"),
+        (-0.5, "N*s/m", None, f"−0.500{NB}N·s/m"),
+        (0.25, "1", None, "0.250"),
+        (float("nan"), "N", None, "–"),
+        (float("inf"), "N", 1.0, "–"),
+        (None, "N", None, "–"),
+        (999.96, "N", None, f"1000{NB}N"),
+        (0.0, "N", float("nan"), f"0{NB}N"),
+    ],
+)
+def test_amounts_have_three_digits_a_fitting_unit_and_their_error(value, unit, std, said):
+    assert amount(value, unit, std) == said
+
+
+def test_values_that_are_compared_share_their_unit():
+    assert [amount(v, "N", like=[0.9, 0.02]) for v in (0.9, 0.02)] == [f"0.900{NB}N", f"0.0200{NB}N"]
+    assert span(0.0123, 0.2, "N") == f"0.0123 to 0.200{NB}N"
+    assert percent(-0.0001) == f"0{NB}%" and percent(0.0512) == f"5.1{NB}%"
+
+
+@given(st.floats(), st.floats(0.0), st.sampled_from(["N", "m", "1", "N/m^3", "ppm", "furlong"]))
+def test_no_number_prints_as_nan_or_fails(value, std, unit):
+    said = amount(value, unit, std) + plain(value) + percent(value)
+    assert not re.search("nan|inf|e[+-]", said)
+
+
+@given(st.integers(3, 40), st.integers(0, 10**6))
+def test_thinning_keeps_every_bucket_s_extremes(buckets, seed):
+    y = np.random.default_rng(seed).standard_normal(1000)
+    y[seed % 1000] = 50.0  # a spike of one sample
+    x, kept = thinned(np.arange(1000.0), y, buckets)
+    assert x.size <= 2 * buckets and kept.max() == 50.0 and kept.min() == y.min()
+    assert np.all(np.diff(x) > 0) and np.array_equal(y[x.astype(int)], kept)
+
+
+def test_smoothing_keeps_slow_and_removes_fast_without_shifting():
+    t = np.arange(2000) / 100.0
+    slow, fast = np.sin(2 * np.pi * 0.5 * t), np.sin(2 * np.pi * 40.0 * t)
+    inside = slice(100, -100)
+    assert np.allclose(smooth(t, slow + fast, 8.0)[inside], slow[inside], atol=0.03)
+    assert smooth(t, slow, None) is slow
+
+
+def test_binned_medians_follow_a_line_and_leave_empty_bins_out():
+    x = np.r_[np.linspace(0, 1, 500), np.linspace(2, 3, 500)]
+    b = binned(x, 2.0 * x, 0.0, 3.0)
+    known = np.isfinite(b.median)
+    assert np.allclose(b.median[known], 2.0 * b.centre[known], atol=0.01)
+    assert not known[(b.centre > 1.1) & (b.centre < 1.9)].any()
+
+
+def test_spectrum_finds_a_line_at_its_frequency():
+    t = np.arange(6000) / 100.0
+    f, density = spectrum(t, np.sin(2 * np.pi * 7.0 * t))
+    assert abs(f[np.argmax(density)] - 7.0) < 0.3
+
+
+def test_the_telling_window_lies_where_the_error_was_removed():
+    t = np.arange(6000) / 100.0
+    truth = np.sin(t)
+    wrong = truth + 0.5 * ((t > 31.0) & (t < 38.9))
+    trace = Trace("s", True, t, t, t, ("force",), truth[None], wrong[None], truth[None])
+    seen = focus((trace,), view({}))
+    assert t[seen.start] <= 31.0 and t[seen.stop - 1] >= 38.9 and seen.words == "the most telling 10 s"
+
+
+def test_every_parameter_of_every_effect_has_words():
+    for cls in effects():
+        names = tuple(p.name for p in parameters_of(cls))
+        words = effect_words(cls.cause, next(iter(cls.places)), names)
+        assert set(words) == set(names)
+    assert effect_words("stress_relaxation", "skin", ("tau", "tau_2"))["tau_2"] == "relaxation time, number 2"
+
+
+def test_places_are_words():
+    assert cause_at("gain_error", "taxel_3") == "gain error in taxel 3 alone"
+    assert cause_at("time_shift", "clock") == "time shift of the clock"
+    assert cause_at("dead_taxel", "taxel_2") == "dead taxel 2"
+    assert [rebuild(*f).answer for f in (("dead_taxel", "taxel_0"), ("lag", "taxel"), ("drift", "taxel_1"), ("friction", "rig"))] == [
+        "yes", "perhaps", "no", "no",
+    ]  # fmt: skip
+
+
+ODD = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=8) | st.sampled_from(["taxel_0", "force", "skin", "N"]),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(["value", "unit", "cause", "where", "force", "x"]), inner),
+    max_leaves=12,
+)
+KEYS = ["recordings", "baseline", "findings", "excluded", "untestable", "extended", "noise_floor", "warnings", "systematic_rest", "new"]
+INNER = ["cause", "where", "channels", "parameters", "evidence", "gain", "alternatives", "separating_experiment"]
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.dictionaries(st.sampled_from(KEYS), ODD),
+    st.dictionaries(st.sampled_from(INNER), ODD),
+    st.sampled_from(["explained", "unexplained", ""]),
+)
+def test_a_page_comes_out_of_any_findings(content, finding, verdict):
+    page(Outcome({"findings": [finding], **content, "verdict": verdict}))
+
+
+@pytest.mark.parametrize("depth", [np.nan, 0.0])
+def test_sessions_without_depth_or_motion_are_drawn(depth):
+    outcome = examples.explained()
+    still = tuple(
+        Trace(t.session, t.held_out, t.t, 0 * t.t + depth, 0 * t.t + depth, t.channels, t.measured, t.baseline, t.extended)
+        for t in outcome.traces
+    )
+    text = page(Outcome(outcome.findings, traces=still))
+    assert "against frequency" in text and "against depth (" not in text and "against speed<" not in text
+
+
+def test_a_session_of_gaps_and_flat_lines_is_drawn():
+    t = np.arange(40) / 100.0
+    flat = np.zeros((1, 40))
+    gappy = np.where(np.arange(40) % 7 == 0, np.nan, 1.0)[None]
+    for y in (flat, gappy, np.full((1, 40), np.nan)):
+        assert "<svg" in page(Outcome({"verdict": "unexplained"}, traces=(Trace("s", False, t, t, t, ("force",), y, flat, flat),)))
