@@ -113,8 +113,9 @@ class BagWriter:
         self._guarded(self._writer.add_message, topic + 1, log_time, data, publish_time, self.counts[topic])
 
     def attach(self, name: str, media_type: str, data: bytes, time: int) -> None:
-        """Put a file inside the recording; `time` in ns."""
+        """Put a file inside the recording, and a copy beside it; `time` in ns."""
         self._guarded(self._writer.add_attachment, time, time, name, media_type, data)
+        self._guarded((self.directory / name).write_bytes, data)
 
     def note(self, name: str, entries: dict[str, str]) -> None:
         """Put named texts inside the recording."""

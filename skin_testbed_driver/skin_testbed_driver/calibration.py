@@ -49,6 +49,11 @@ class Calibration:
         """Eq. 26: N from V, both (T,)."""
         return voltage * self.taxels
 
+    def as_dict(self, names: Sequence[str]) -> dict[str, Any]:
+        """What a recording keeps: the slopes in use, N/V, by taxel; `source` says where they come from."""
+        taxels = {name: None if math.isnan(slope) else slope for name, slope in zip(names, self.taxels.tolist(), strict=True)}
+        return {"load_cell_n_per_v": self.load_cell, "taxels_n_per_v": taxels, "source": self.source}
+
 
 def thesis_calibration(count: int) -> Calibration:
     """The slopes of the thesis's four taxels, repeated for `count` taxels."""

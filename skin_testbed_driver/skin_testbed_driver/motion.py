@@ -12,8 +12,8 @@ from enum import Enum
 
 import numpy as np
 
-from skin_testbed_driver.trajectory import Trajectory, brake, quickest
 from skin_testbed_driver.safety import CommandError, Limits, Stop, check_trajectory
+from skin_testbed_driver.trajectory import Trajectory, brake, quickest
 
 _AT_REST = 1e-6  # m/s, an end speed below this is a rest
 _SPLICE_DEPTH = 2e-5  # m, by how much a command may jump where it is spliced in
@@ -133,7 +133,7 @@ class Motion:
 def _usable(command: Trajectory) -> Trajectory:
     """`command`, if its numbers make a path. Missing speeds (an empty tuple) become central differences, with rest at the end."""
     t, x = np.array(command.t), np.array(command.x)
-    if t.size == 0 or t.size != x.size or command.v and len(command.v) != t.size:
+    if t.size == 0 or t.size != x.size or (command.v and len(command.v) != t.size):
         raise CommandError("the command needs one position per point, and one velocity per point or none at all")
     if not (np.isfinite(t).all() and np.isfinite(x).all() and np.isfinite(command.v).all()):
         raise CommandError("the command has a point that is not a finite number")

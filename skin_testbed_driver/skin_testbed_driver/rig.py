@@ -11,10 +11,12 @@ is NaN, and the driver stops or marks it.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from skin_models.errors import SkinError
+from skin_models.layout import Layout
 
 
 class RigError(SkinError):
@@ -41,24 +43,6 @@ class Reading:
     taxels_truth: np.ndarray | None = None  # N, (T,)
 
 
-@dataclass(frozen=True)
-class Layout:
-    """Where the taxels are, in the frame of the skin: names, positions (T, 3) m, outward normals (T, 3), sensing areas (T,) m^2."""
-
-    names: tuple[str, ...]
-    positions: np.ndarray
-    normals: np.ndarray
-    area: np.ndarray
-
-    @staticmethod
-    def row(count: int, pitch: float = 0.012, diameter: float = 9.53e-3) -> "Layout":
-        """Taxels in a row along x, the first at the origin. The diameter is that of a FlexiForce A201 (thesis, section 3.3.1)."""
-        positions = np.zeros((count, 3))
-        positions[:, 0] = pitch * np.arange(count)
-        normals = np.tile([0.0, 0.0, 1.0], (count, 1))
-        return Layout(tuple(f"taxel_{i}" for i in range(count)), positions, normals, np.full(count, np.pi / 4 * diameter**2))
-
-
 class Rig(ABC):
     """The interface. `layout` and `travel` are valid once the rig is open."""
 
@@ -79,6 +63,18 @@ class Rig(ABC):
     @abstractmethod
     def command(self, position: float, velocity: float) -> None:
         """Be at `position` (m) with `velocity` (m/s) one period from now. Raises `RigError` when the rig is lost."""
+
+    def place(self, x: float, y: float) -> None:
+        """Begin to bring the point (x, y) m of the skin's frame under the plunger. Raises `RigError` where no motor does that."""
+        raise RigError("this rig has no motorised x-y stage: move it by hand, then call the profile server's service proceed")
+
+    def placed(self) -> tuple[float, float] | None:
+        """The point of the skin (m) that is under the plunger now; None where nobody knows."""
+        return None
+
+    def facts(self) -> dict[str, Any]:
+        """What `rig.yaml` may say of this rig: encoder_step_um, force_step_n, taxel_step_n, plunger_diameter_mm, …"""
+        return {}
 
     def halt(self) -> None:  # noqa: B027  (a rig without a brake has nothing to do)
         """Stop the axis by its own means, for when its position is not known. A rig that has a brake or an enable line uses it."""

@@ -41,7 +41,7 @@ class Sample:
 
 
 class Differentiator:
-    """Speed as the slope of the least-squares line through the last `size` depths; NaN until there are two. Its delay is half their span."""
+    """Speed as the slope of the least-squares line through the last `size` depths, delayed by half their span; NaN until there are two."""
 
     def __init__(self, size: int, period: float) -> None:
         """`size` samples, `period` seconds apart. Two samples are the finite difference of the thesis (section 3.2.2)."""

@@ -50,6 +50,4 @@ class LoopStatistics:
             return LoopReport(self.ticks, self.overruns, self.skipped, math.nan, math.nan, math.nan, math.nan)
         jitter = np.abs(periods - self._period)
         p50, p99 = np.percentile(jitter, (50, 99))
-        return LoopReport(
-            self.ticks, self.overruns, self.skipped, 1.0 / float(periods.mean()), float(p50), float(p99), float(jitter.max())
-        )
+        return LoopReport(self.ticks, self.overruns, self.skipped, 1.0 / float(periods.mean()), float(p50), float(p99), float(jitter.max()))

@@ -12,11 +12,11 @@ import numpy as np
 
 from skin_testbed_driver.calibration import Calibration
 from skin_testbed_driver.motion import Activity, Motion
-from skin_testbed_driver.trajectory import Trajectory
 from skin_testbed_driver.rig import Reading, Rig, RigError
 from skin_testbed_driver.safety import CommandError, Guard, Limits, Stop
 from skin_testbed_driver.sensing import Sample, Sensing
 from skin_testbed_driver.taring import Offsets, Taring
+from skin_testbed_driver.trajectory import Trajectory
 from skin_testbed_driver.zeroing import Outcome, Zeroing, ZeroSettings
 
 
@@ -114,6 +114,15 @@ class Testbed:
         if self._zeroed and self._last is not None and self._last.depth > 0.0:
             raise CommandError(f"the plunger is {1e3 * self._last.depth:.3f} mm in the skin: retract it before taring")
         self._begin(Taring(max(round(duration / self.period), 1)), self._tare_found, done)
+
+    def place(self, x: float, y: float) -> None:
+        """Bring another point of the skin (m) under the plunger. Raises `CommandError` while they touch, `RigError` without motor."""
+        with self._lock:
+            if not all(map(math.isfinite, (x, y))):
+                raise CommandError("the place is not a finite number")
+            if self._last is not None and self._last.depth > 0.0:
+                raise CommandError(f"the plunger is {1e3 * self._last.depth:.3f} mm in the skin")
+            self.rig.place(x, y)
 
     def reset_tare(self) -> None:
         """Subtract nothing."""

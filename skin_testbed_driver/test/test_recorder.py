@@ -1,6 +1,6 @@
 """The installed recorder beside a running driver."""
 
-import os
+import itertools
 import shutil
 import signal
 from pathlib import Path
@@ -76,7 +76,7 @@ def test_no_sample_is_missing_between_the_first_and_the_last(graph, tmp_path):
         for connection, _, data in reader.messages():
             stamps[connection.topic].append(stamp_ns(reader.deserialize(data, connection.msgtype)))
     for times in stamps.values():
-        assert {b - a for a, b in zip(times, times[1:], strict=False)} == {10**6}
+        assert {b - a for a, b in itertools.pairwise(times)} == {10**6}
         assert len(times) > 1500
 
 
@@ -108,7 +108,7 @@ def test_an_existing_directory_is_refused(graph, tmp_path):
     process = graph.processes.start("skin_testbed_driver", "recorder", parameters={"directory": str(tmp_path / "s")})
     assert process.wait(60.0) == 2
     assert process.output().count("\n") == 1 and "exists already" in process.output()
-    assert os.listdir(tmp_path / "s") == []
+    assert not list((tmp_path / "s").iterdir())
 
 
 def test_a_rig_file_goes_into_the_recording_and_beside_it(graph, tmp_path):

@@ -22,7 +22,7 @@ def test_equations_25_and_26():
     s = sensing((10.0, 14.0)).sample(reading(0.0, 8.0, (1.0, 1.0)))
     assert s.force == pytest.approx(25 * 4.44822)
     assert s.taxel_force.tolist() == [10.0, 14.0]
-    assert LOAD_CELL_SLOPE == pytest.approx(13.9006875)
+    assert pytest.approx(13.9006875) == LOAD_CELL_SLOPE
 
 
 def test_what_cannot_be_trusted_is_nan_and_says_why():

@@ -47,7 +47,7 @@ def setting(
     fixed: bool = False,
 ) -> Any:
     """Declare a field as a ROS parameter. `fixed` makes it read-only after start; `doc` starts with the unit where there is one."""
-    return field(default=default, metadata=dict(doc=doc, lower=lower, upper=upper, choices=tuple(choices), fixed=fixed))
+    return field(default=default, metadata={"doc": doc, "lower": lower, "upper": upper, "choices": tuple(choices), "fixed": fixed})
 
 
 class Parameters(Generic[Settings]):

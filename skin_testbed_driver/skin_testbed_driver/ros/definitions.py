@@ -9,9 +9,8 @@ from ament_index_python.packages import PackageNotFoundError, get_package_share_
 from skin_models.errors import SkinError
 
 _SEPARATOR = "=" * 80
-_PRIMITIVE = frozenset(
-    "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 string wstring".split()
-)  # fmt: skip
+_NUMBERS = ("float32", "float64", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
+_PRIMITIVE = frozenset(("bool", "byte", "char", "string", "wstring", *_NUMBERS))
 # A field or constant: its type, with bounds of strings and arrays cut off.
 _FIELD = re.compile(r"^\s*(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w+")
 

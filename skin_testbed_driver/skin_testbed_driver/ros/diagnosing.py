@@ -14,9 +14,7 @@ _RATE_TOLERANCE = 0.01  # of the wanted rate
 
 def diagnostics(name: str, loop: LoopReport, wanted: float, status: Status, sample: Sample | None, offsets: Offsets) -> DiagnosticArray:
     """Three statuses: the sampling loop, the motion, the sensors. The caller sets the stamp."""
-    return DiagnosticArray(
-        status=[_loop(name, loop, wanted), _motion(name, status), _sensors(name, sample, offsets)]
-    )
+    return DiagnosticArray(status=[_loop(name, loop, wanted), _motion(name, status), _sensors(name, sample, offsets)])
 
 
 def _loop(name: str, loop: LoopReport, wanted: float) -> DiagnosticStatus:

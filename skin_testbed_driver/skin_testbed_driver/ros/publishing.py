@@ -4,59 +4,48 @@ import math
 from array import array
 
 import numpy as np
+import yaml
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Vector3, WrenchStamped
+from geometry_msgs.msg import Point, PointStamped, Vector3, WrenchStamped
 from rclpy.lifecycle import LifecycleNode
-from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
-from rclpy.qos_overriding_options import QoSOverridingOptions
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
+from skin_testbed_msgs.msg import DriverState, TaxelArray, TaxelLayout
+from std_msgs.msg import String
 
-from skin_testbed_driver.rig import Layout
+from skin_models.ros.qos import LATCHED, overridable, stream
+from skin_testbed_driver.calibration import Calibration
+from skin_testbed_driver.rig import Rig
 from skin_testbed_driver.ros.driver_settings import DriverSettings
 from skin_testbed_driver.safety import Limits
 from skin_testbed_driver.sensing import Sample
 from skin_testbed_driver.testbed import Status
-from skin_testbed_msgs.msg import DriverState, TaxelArray, TaxelLayout
 
 JOINT = "indentation"
-
-# Latched topics keep their last message for whoever comes later.
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-def stream_qos(sample_rate: float) -> QoSProfile:
-    """QoS of the sensor streams: reliable, so that reliable and best-effort subscribers both match, and one second deep.
-
-    A subscriber that stalls loses stall x rate - depth samples: with a second of depth on both sides, a stall of a second loses nothing.
-    """
-    return QoSProfile(depth=max(int(sample_rate), 10), reliability=ReliabilityPolicy.RELIABLE)
-
-
-def overridable() -> QoSOverridingOptions:
-    """Let parameters `qos_overrides.<topic>.publisher.*` change history, depth, reliability and durability."""
-    kinds = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
-    return QoSOverridingOptions(kinds)
+_STAGE_PERIOD = 0.1  # s, between two messages on stage_position
 
 
 class Publishing:
     """The publishers of the driver."""
 
-    def __init__(self, node: LifecycleNode, settings: DriverSettings, layout: Layout, truth: bool) -> None:
-        """Create the publishers. `truth`: also publish what only a simulation knows."""
-        qos = stream_qos(settings.sample_rate)
+    def __init__(self, node: LifecycleNode, settings: DriverSettings, rig: Rig, calibration: Calibration) -> None:
+        """Create the publishers; a rig that owns its time also tells the truth."""
+        # A second deep on both sides: a stall of a second loses nothing.
+        qos = stream(settings.sample_rate)
 
-        def stream(kind: type, topic: str):
+        def publisher(kind: type, topic: str):
             return node.create_lifecycle_publisher(kind, topic, qos, qos_overriding_options=overridable())
 
-        self._publishers = [stream(JointState, "encoder"), stream(WrenchStamped, "force"), stream(TaxelArray, "taxels")]
-        self._encoder, self._force, self._taxels = self._publishers
-        self._truth = stream(TaxelArray, "taxels_truth") if truth else None
+        self._streams = [publisher(JointState, "encoder"), publisher(WrenchStamped, "force"), publisher(TaxelArray, "taxels")]
+        self._encoder, self._force, self._taxels = self._streams
+        self._truth = publisher(TaxelArray, "taxels_truth") if rig.owns_time else None
         self._layout = node.create_publisher(TaxelLayout, "taxel_layout", LATCHED)
+        self._texts = {name: node.create_publisher(String, name, LATCHED) for name in ("rig_description", "calibration")}
+        self._stage = node.create_publisher(PointStamped, "stage_position", 10) if rig.placed() else None
         self._clock = node.create_publisher(Clock, "/clock", 10) if settings.time_scale != 1.0 else None
-        self._frame = settings.skin_frame
+        self._node, self._rig, self._calibration, self._settings = node, rig, calibration, settings
+        self._stage_period, self._ticks = max(round(settings.sample_rate * _STAGE_PERIOD), 1), 0
         self._messages(settings)
-        self._node, self._place = node, layout
 
     def _messages(self, settings: DriverSettings) -> None:
         self._encoder_message, self._force_message = JointState(name=[JOINT]), WrenchStamped()
@@ -91,20 +80,32 @@ class Publishing:
         message.force, message.status = floats(truth), array("B", bytes(truth.size))
         self._truth.publish(message)
 
-    def layout(self, stamp: Time) -> None:
-        """Publish where the taxels are."""
-        place = self._place
+    def stage(self, place: tuple[float, float] | None, stamp: Time) -> None:
+        """Publish now and then which point of the skin is under the plunger, where that is known."""
+        self._ticks += 1
+        if self._stage is not None and place is not None and self._ticks % self._stage_period == 0:
+            message = PointStamped(point=Point(x=place[0], y=place[1]))
+            message.header.stamp, message.header.frame_id = stamp, self._settings.skin_frame
+            self._stage.publish(message)
+
+    def describe(self, stamp: Time) -> None:
+        """Publish once what does not change: where the taxels are, the rig's facts, the calibration in use."""
+        place, settings = self._rig.layout, self._settings
         message = TaxelLayout(names=list(place.names), area=floats(place.area))
-        message.header.stamp, message.header.frame_id = stamp, self._frame
+        message.header.stamp, message.header.frame_id = stamp, settings.skin_frame
         message.positions = [Point(x=x, y=y, z=z) for x, y, z in place.positions.tolist()]
         message.normals = [Vector3(x=x, y=y, z=z) for x, y, z in place.normals.tolist()]
         self._layout.publish(message)
+        positions = (1e3 * place.positions[:, :2]).round(6).tolist()
+        facts = {"sample_rate_hz": settings.sample_rate, **self._rig.facts(), "taxel_positions_mm": positions}
+        for name, content in (("rig_description", facts), ("calibration", self._calibration.as_dict(place.names))):
+            self._texts[name].publish(String(data=yaml.safe_dump(content, sort_keys=False)))
 
     def destroy(self) -> None:
         """Take the publishers away."""
-        for publisher in (*self._publishers, *([self._truth] if self._truth else [])):
+        for publisher in (*self._streams, *([self._truth] if self._truth else [])):
             self._node.destroy_lifecycle_publisher(publisher)
-        for publisher in (self._layout, self._clock):
+        for publisher in (self._layout, self._stage, self._clock, *self._texts.values()):
             if publisher is not None:
                 self._node.destroy_publisher(publisher)
 

@@ -19,11 +19,13 @@ from pathlib import Path
 import yaml
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from skin_models.errors import SkinError
 from skin_models.ros.node import end, run
 from skin_models.ros.parameters import Parameters, setting
+from skin_models.ros.qos import LATCHED
 from skin_testbed_driver.bag import BagError, BagWriter, TopicInfo
 from skin_testbed_driver.ros.definitions import DefinitionError, definition
 from skin_testbed_driver.ros.offered_qos import matching, offered
@@ -54,12 +56,12 @@ class Recorder(Node):
         self._left_out = {self.resolve_topic_name(name) for name in self._settings.exclude}
         rig = _read_rig(self._settings.rig_file)
         self._bag = BagWriter(self._settings.directory or datetime.datetime.now().strftime("session_%Y-%m-%d_%H-%M-%S"))
-        self._describe(rig)
         self._queue: deque[tuple[int, bytes, int, int]] = deque()
         self._known: set[str] = set()
         self._complete = False  # every topic asked for was seen
         self._ending = threading.Event()
         self._lock = threading.Lock()  # around the bag: topics are announced from callbacks, messages from the thread
+        self._describe(rig)
         self._look()
         self.create_timer(_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self.create_service(Trigger, "~/stop", self._on_stop)
@@ -78,7 +80,10 @@ class Recorder(Node):
         self._bag.note("skin_testbed", {"software": "skin_testbed_driver " + importlib.metadata.version("skin-testbed-driver")})
         if rig is not None:
             self._bag.attach("rig.yaml", "application/yaml", rig, now)
-            (self._bag.directory / "rig.yaml").write_bytes(rig)
+        # What the driver says of itself, unless the user knows better.
+        files = {"calibration": "calibration.yaml", **({} if rig else {"rig_description": "rig.yaml"})}
+        for topic, file_name in files.items():
+            self.create_subscription(String, topic, functools.partial(self._on_text, file_name), LATCHED)
 
     def _look(self) -> None:
         """Subscribe to what is new on the graph."""
@@ -115,6 +120,12 @@ class Recorder(Node):
     def _on_message(self, index: int, data: bytes) -> None:
         now = self.get_clock().now().nanoseconds
         self._queue.append((index, data, now, now))
+
+    def _on_text(self, file_name: str, message: String) -> None:
+        """A latched description: also kept as a file, inside the recording and beside it."""
+        data = message.data.encode()
+        with self._lock:
+            self._bag.attach(file_name, "application/yaml", data, self.get_clock().now().nanoseconds)
 
     def _write(self) -> None:
         try:

@@ -10,8 +10,9 @@ from skin_testbed_driver.statistics import LoopStatistics
 class SamplingThread(threading.Thread):
     """Calls `tick(stamp)` once per period until told to end.
 
-    A rig that owns its time gets every sample, one period of simulated time after the last (`time_scale` of them per second), and catches
-    up after a delay. For hardware the stamp is the clock's reading, and samples whose time has passed are skipped.
+    A rig that owns its time gets every sample, one period after the last. In real time it catches up after a delay, because everybody
+    else lives by the wall clock. At another `time_scale` others live by /clock, and simulated time itself is late. For hardware the stamp
+    is the clock's reading, and samples whose time has passed are skipped.
     """
 
     def __init__(
@@ -27,6 +28,7 @@ class SamplingThread(threading.Thread):
         super().__init__(name="sampling", daemon=True)
         self._tick, self._clock, self._statistics = tick, clock, statistics
         self._period, self._wall_period, self._owned = period, period / time_scale, owned
+        self._real_time = time_scale == 1.0
         self._ending = False
 
     def run(self) -> None:
@@ -54,9 +56,9 @@ class SamplingThread(threading.Thread):
 
     def _after(self, deadline: float) -> float:
         deadline += self._wall_period
-        if self._owned is None:
-            missed = int((time.monotonic() - deadline) / self._wall_period)
-            if missed > 0:
-                self._statistics.skip(missed)
-                deadline += missed * self._wall_period
-        return deadline
+        late = time.monotonic() - deadline
+        if self._owned is not None:
+            return deadline if self._real_time else deadline + max(late, 0.0)
+        missed = max(int(late / self._wall_period), 0)
+        self._statistics.skip(missed)
+        return deadline + missed * self._wall_period
