@@ -1,4 +1,4 @@
-"""Of every package only `ros/` knows ROS, and no package looks where the design forbids it.
+"""Of every package only `ros/` knows ROS, no package looks where the design forbids it, and its manifest says what it needs.
 
 Run as a program, this file imports the modules named on its command line in a Python where every import of ROS fails.
 """
@@ -8,6 +8,7 @@ import importlib
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -18,6 +19,19 @@ NEVER_IMPORTS = {
     "skin_motion_profiles": {"skin_ident", "skin_testbed_driver"},
     "skin_testbed_driver": {"skin_ident"},
     "skin_ident": {"skin_testbed_driver"},
+}
+
+# Where the rosdep key is not the name that is imported; None for what is used only where it happens to be installed.
+ROSDEP_KEYS = {
+    "lz4": "mcap-ros2-support",
+    "matplotlib": "python3-matplotlib",
+    "mcap": "mcap-ros2-support",
+    "numpy": "python3-numpy",
+    "ros_gz_interfaces": None,
+    "rosbags": "python3-rosbags-pip",
+    "scipy": "python3-scipy",
+    "yaml": "python3-yaml",
+    "zstandard": "mcap-ros2-support",
 }
 
 
@@ -74,6 +88,14 @@ def test_package_keeps_to_its_room(package):
     assert not [
         (name, other) for name, file in modules(package).items() for other in imported(file) if other.partition(".")[0] in forbidden
     ]
+
+
+@pytest.mark.parametrize("package", NEVER_IMPORTS)
+def test_manifest_names_what_is_imported(package):
+    roots = {name.partition(".")[0] for file in modules(package).values() for name in imported(file)}
+    keys = {ROSDEP_KEYS.get(root, root) for root in roots - sys.stdlib_module_names - {package}} - {None}
+    declared = {element.text for element in ElementTree.parse(TOP / package / "package.xml").getroot()}
+    assert keys <= declared, f"{package}/package.xml lacks an exec_depend on {sorted(keys - declared)}"
 
 
 if __name__ == "__main__":
