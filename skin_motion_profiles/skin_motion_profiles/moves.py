@@ -4,10 +4,14 @@ from math import copysign, sqrt
 
 from skin_motion_profiles.trajectory import Arc, Piece, State
 
+# Shorter pieces are left out: between set points that near, the rounding of their times would look like a jerk.
+_SHORTEST = 1e-6  # s
+_LEAST_WAY = 5e-10  # m
+
 
 def hold(x: float, duration: float) -> tuple[Piece, ...]:
-    """Stay at depth `x` (m) for `duration` s; nothing at all where that is not positive."""
-    return (Arc(duration, x),) if duration > 0.0 else ()
+    """Stay at depth `x` (m) for `duration` s; nothing at all where that is no time."""
+    return (Arc(duration, x),) if duration > _SHORTEST else ()
 
 
 def line(a: float, b: float, speed: float, acceleration: float) -> tuple[Piece, ...]:
@@ -16,16 +20,19 @@ def line(a: float, b: float, speed: float, acceleration: float) -> tuple[Piece, 
     Where the way is shorter than speed^2 / acceleration the cruise is left out and the speed stays lower.
     """
     way, sign = abs(b - a), copysign(1.0, b - a)
-    if way == 0.0:
+    if way <= _LEAST_WAY:
         return ()
     peak = min(speed, sqrt(way * acceleration))
-    ramp, up = peak / acceleration, 0.5 * peak * peak / acceleration
-    cruise = max((way - 2.0 * up) / peak, 0.0)
-    pieces = [Arc(ramp, a, 0.0, sign * acceleration)]
+    ramp = peak / acceleration
+    cruise = way / peak - ramp
+    if cruise <= _SHORTEST:
+        ramp, cruise = way / peak, 0.0
+    up, push = 0.5 * peak * ramp, sign * peak / ramp
+    pieces = [Arc(ramp, a, 0.0, push)]
     if cruise > 0.0:
         pieces.append(Arc(cruise, a + sign * up, sign * peak))
     # The last piece is written from its end backwards, so that it rests at `b` whatever was rounded before.
-    pieces.append(Arc(ramp, b - sign * up, sign * peak, -sign * acceleration))
+    pieces.append(Arc(ramp, b - sign * up, sign * peak, -push))
     return tuple(pieces)
 
 

@@ -71,20 +71,27 @@ class Multisine(Profile):
         return np.arange(2, int(self.odd_lines[-1]) + 1, 2)
 
     def pieces(self, start: float) -> Iterable[Piece]:
-        lines, period = self.excited_lines, 1.0 / self.base_frequency_hz
-        sizes = lines.astype(float) ** -self.falling
-        t = np.arange(32 * lines[-1]) / (32.0 * lines[-1])
-        rng = np.random.default_rng([self.seed, 1])
-        draws = [2.0 * np.pi * rng.random(lines.size) for _ in range(_DRAWS)]
-        peaks = [np.abs(_sum(t, lines, sizes, phases)).max() for phases in draws]
-        best = int(np.argmin(peaks))
         centre = (self.amplitude_mm if self.offset_mm is None else self.offset_mm) * MM
-        amplitudes = self.amplitude_mm * MM / peaks[best] * sizes
-        return (_Lines(period, self.periods, tuple(lines.tolist()), tuple(amplitudes), tuple(draws[best]), centre),)
+        amplitudes, phases = self._spectrum
+        return (_Lines(1.0 / self.base_frequency_hz, self.periods, tuple(self.excited_lines.tolist()), amplitudes, phases, centre),)
+
+    @cached_property
+    def _spectrum(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Amplitude (m) and phase (rad) of every excited line: of several random sets of phases the one with the lowest peak."""
+        lines, rng = self.excited_lines, np.random.default_rng([self.seed, 1])
+        sizes = lines.astype(float) ** -self.falling
+        draws = [2.0 * np.pi * rng.random(lines.size) for _ in range(_DRAWS)]
+        best = min(draws, key=lambda phases: _peak(lines, sizes, phases, 8))
+        amplitudes = self.amplitude_mm * MM / _peak(lines, sizes, best, 128) * sizes
+        return tuple(amplitudes.tolist()), tuple(best.tolist())
 
 
-def _sum(t: np.ndarray, lines: np.ndarray, sizes: np.ndarray, phases: np.ndarray) -> np.ndarray:
-    return np.cos(2.0 * np.pi * np.outer(t, lines) + phases) @ sizes
+def _peak(lines: np.ndarray, sizes: np.ndarray, phases: np.ndarray, density: int) -> float:
+    """Greatest absolute value over a period, from `density` samples per period of the highest line."""
+    n = density * int(lines[-1])
+    spectrum = np.zeros(n // 2 + 1, complex)
+    spectrum[lines] = 0.5 * n * sizes * np.exp(1j * phases)
+    return float(np.abs(np.fft.irfft(spectrum, n)).max())
 
 
 @dataclass(frozen=True)
@@ -99,6 +106,10 @@ class _Lines(Piece):
     @property
     def duration(self) -> float:
         return (self.periods + 2) * self.period
+
+    @property
+    def swiftest(self) -> float:
+        return self.period / self.lines[-1]
 
     def at(self, t: np.ndarray) -> State:
         omega, sizes = 2.0 * np.pi * np.array(self.lines) / self.period, np.array(self.amplitudes)
@@ -119,4 +130,4 @@ class _Lines(Piece):
         )
 
     def reach(self) -> Reach:
-        return sampled_reach(self, self.period / self.lines[-1])
+        return sampled_reach(self)

@@ -48,6 +48,10 @@ class _Swing(Piece):
     def duration(self) -> float:
         return self.steady + 2.0 * self.lead
 
+    @property
+    def swiftest(self) -> float:
+        return min(1.0 / self.frequency, self.lead)
+
     def at(self, t: np.ndarray) -> State:
         phase, rate, change = self._phase(t)
         cos, sin = np.cos(phase), np.sin(phase)
@@ -68,4 +72,4 @@ class _Swing(Piece):
         return phase, rate, change
 
     def reach(self) -> Reach:
-        return sampled_reach(self, 1.0 / self.frequency)
+        return sampled_reach(self)

@@ -5,8 +5,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skin_motion_profiles.errors import ProfileError
+from skin_motion_profiles.moves import hold, line
 from skin_motion_profiles.profile import MM, Moving, depth, speed
 from skin_motion_profiles.trajectory import Piece
+
+_A_MOMENT = 0.01  # s
 
 
 @dataclass(frozen=True)
@@ -24,5 +27,6 @@ class StraightLine(Moving):
             raise ProfileError(f"{self.label} needs either to_mm (absolute) or by_mm (relative), and not both")
 
     def pieces(self, start: float) -> Iterable[Piece]:
-        here = start / MM
-        return self.line(here, here + self.by_mm if self.to_mm is None else self.to_mm, self.speed_mm_s)
+        there = start + self.by_mm * MM if self.to_mm is None else self.to_mm * MM
+        # Being there already is no mistake: the goal then ends at once.
+        return line(start, there, self.speed_mm_s * MM, self.acceleration_mm_s2 * MM) or hold(start, _A_MOMENT)

@@ -11,17 +11,16 @@ from typing import Any
 
 from geometry_msgs.msg import PointStamped
 from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
 from skin_testbed_msgs.srv import Tare as TareService
 from skin_testbed_msgs.srv import Zero as ZeroService
 from std_srvs.srv import Trigger
 
+from skin_models.ros.qos import LATCHED, LISTENING
 from skin_motion_profiles.entry import Action
 from skin_motion_profiles.profile import MM
 from skin_motion_profiles.profiles.place import Place
 from skin_motion_profiles.profiles.tare import Tare
 from skin_motion_profiles.profiles.zero import Zero
-from skin_motion_profiles.ros.driver_link import LATCHED
 from skin_motion_profiles.ros.settings import Settings
 
 
@@ -50,7 +49,7 @@ class Asking:
         self.target = node.create_publisher(PointStamped, "stage_target", LATCHED)
         self.position: PointStamped | None = None
         self.proceeded = False
-        node.create_subscription(PointStamped, "stage_position", self._on_position, qos_profile_sensor_data)
+        node.create_subscription(PointStamped, "stage_position", self._on_position, LISTENING)
         node.create_service(Trigger, "~/proceed", self._on_proceed)
         self._clock, self._frame, self._tolerance = node.get_clock(), settings.skin_frame, settings.stage_tolerance
 

@@ -10,20 +10,20 @@ import numpy as np
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import WrenchStamped
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
-from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 from skin_testbed_msgs.msg import DriverState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from skin_models.ros.qos import LATCHED, LISTENING, overridable
 from skin_motion_profiles.limits import Limits
 from skin_motion_profiles.trajectory import Trajectory
 
 JOINT = "indentation"
 _TIMING = 0.2  # s of samples that tell how quick the node's clock is
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-_COMMANDS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+# Every piece counts, and a driver that stalls for a second must find them all.
+_COMMANDS = QoSProfile(depth=20, reliability=ReliabilityPolicy.RELIABLE)
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,10 @@ class DriverLink:
         self.forget_peaks()
         self._clock = node.get_clock()
         self._recent: deque[Heard] = deque(maxlen=1000)
-        policies = QoSOverridingOptions.with_default_policies()
+        policies = overridable()
         subscribe = node.create_subscription
-        subscribe(JointState, "encoder", self._on_encoder, qos_profile_sensor_data, qos_overriding_options=policies)
-        subscribe(WrenchStamped, "force", self._on_force, qos_profile_sensor_data, qos_overriding_options=policies)
+        subscribe(JointState, "encoder", self._on_encoder, LISTENING, qos_overriding_options=policies)
+        subscribe(WrenchStamped, "force", self._on_force, LISTENING, qos_overriding_options=policies)
         subscribe(DriverState, "driver_state", self._on_state, LATCHED)
         self._commands = node.create_publisher(JointTrajectory, "command", _COMMANDS, qos_overriding_options=policies)
 

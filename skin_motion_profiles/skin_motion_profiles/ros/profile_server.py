@@ -15,8 +15,9 @@ from std_msgs.msg import String
 
 from skin_models.ros.node import run
 from skin_models.ros.parameters import Parameters
+from skin_models.ros.qos import LATCHED
 from skin_motion_profiles.ros.asking import Asking
-from skin_motion_profiles.ros.driver_link import LATCHED, DriverLink
+from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.run import Run
 from skin_motion_profiles.ros.settings import Settings
 

@@ -12,7 +12,7 @@ HEAD_START = 0.2  # s from a decision to the first moment of motion
 REACTION = 0.02  # s from a reason to stop to the moment from which the motion is replaced
 _LOOKAHEAD = 0.5  # s of motion that the driver has in hand
 _RENEWAL = 0.1  # s between two pieces
-_KNOT_PERIOD = 0.02  # s; a cubic between such knots misses a 10 Hz sine of 1 mm by 0.007 um
+_KNOT_PERIOD = 0.02  # s between two points of a piece
 
 
 class Stream:
