@@ -1,0 +1,92 @@
+"""The installed command line client: what it prints, and its exit status."""
+
+import re
+import signal
+
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("skin_testbed_msgs")
+
+from bench_of_one import Bench  # noqa: E402
+
+from skin_models.ros.processes import Domain, Processes  # noqa: E402
+
+SLOW = "{type: step, depth_mm: 1, hold_s: 20}"
+
+
+@pytest.fixture(scope="module")
+def bench():
+    bench = Bench()
+    yield bench
+    bench.close()
+
+
+def execute(bench, *arguments):
+    return bench.processes.start("skin_motion_profiles", "execute", arguments)
+
+
+def outcome(bench, *arguments):
+    process = execute(bench, *arguments)
+    status = process.wait(60.0)
+    return status, process.output()
+
+
+def test_success_is_0_and_tells_every_profile(bench):
+    status, output = outcome(bench, "{type: battery, profiles: [{type: step, depth_mm: 1, hold_s: 0.3}, {type: free_air, duration_s: 0.3}]}")
+    assert status == 0, output
+    assert "1/2 step" in output and "2/2 free_air" in output
+    assert re.search(r"executed to its end: \d+\.\d s, peak 1[12]\.\d\d N at most 1\.000 mm deep", output)
+
+
+def test_a_failed_goal_is_1_with_its_reason(bench):
+    status, output = outcome(bench, "{type: step, depth_mm: 1}", "--max-force", "5")
+    assert status == 1 and re.search(r"execute: OVER_FORCE: the force reached \d+\.\d\d N, more than the allowed 5 N", output)
+
+
+def test_a_motion_beyond_the_limits_is_2(bench):
+    status, output = outcome(bench, "{type: step}", "depth_mm=5")
+    assert status == 2 and "INVALID_PROFILE: step goes down to 5.000 mm, but the limit of depth is 3.000 mm" in output
+
+
+def test_interrupt_cancels_and_waits_for_the_retreat(bench):
+    process = execute(bench, SLOW)
+    bench.depths.clear()
+    bench.moving(0.0009)
+    process.send(signal.SIGINT)
+    assert process.wait(20.0) == 1
+    assert "CANCELLED: cancelled" in process.output()
+    bench.spin(0.2)
+    assert bench.depth == pytest.approx(-0.002, abs=1e-5)
+
+
+def test_the_death_of_the_server_is_noticed():
+    bench = Bench()
+    try:
+        process = execute(bench, SLOW)
+        bench.moving(0.0009)
+        bench.server.kill()
+        assert process.wait(60.0) == 1
+        assert "the profile server has gone" in process.output()
+    finally:
+        bench.close()
+
+
+BAD = {
+    ("nosuch",): "neither a YAML file",
+    ("nosuch.yaml",): "cannot read nosuch.yaml",
+    ("{type: sin}",): "did you mean sine",
+    ("demo", "depth=1"): "has no argument 'depth'",
+    ("demo", "deep"): "write key=value",
+    ("demo", "--max-force", "-1"): "must be a positive number of newtons",
+    ("demo", "--max-force", "much"): "invalid",
+    (): "required",
+}
+
+
+@pytest.mark.parametrize("arguments", BAD)
+def test_bad_input_is_2_and_one_sentence(arguments):
+    with Domain() as domain, Processes(domain.environment()) as processes:
+        process = processes.start("skin_motion_profiles", "execute", arguments)
+        assert process.wait(30.0) == 2
+        assert BAD[arguments] in process.output() and "Traceback" not in process.output()
