@@ -3,6 +3,7 @@
 import numpy as np
 
 from skin_ident.criticism.outcome import ScanTrace, Trace
+from skin_ident.report.focus import differs
 from skin_ident.report.markup import Safe, el
 from skin_ident.report.numbers import amount, scale
 from skin_ident.report.plot import Axis, Line, axis, legend, plot
@@ -13,7 +14,7 @@ from skin_ident.report.words import channel
 
 def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], ...]:
     """(kind, name, curves) of each simulation to draw: one where the extended model is the baseline."""
-    if np.array_equal(trace.baseline, trace.extended, equal_nan=True):
+    if not differs(trace):
         return (("after", "simulated", trace.extended),)
     return (("before", "simulated before", trace.baseline), ("after", "simulated after", trace.extended))
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.outcome import Trace
+from skin_ident.criticism.outcome import ScanTrace, Trace
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.view import View
 
@@ -34,7 +34,7 @@ class Focus:
     @property
     def changes(self) -> bool:
         """Whether the extended model differs from the baseline here."""
-        return not np.array_equal(self.trace.baseline, self.trace.extended, equal_nan=True)
+        return differs(self.trace)
 
     @property
     def words(self) -> str:
@@ -51,6 +51,11 @@ def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
     trace = max([t for t in usable if t.held_out] or usable, key=_removed)
     row = _row(trace, view)
     return Focus(trace, row, *window(trace, row, view.band_hz))
+
+
+def differs(trace: Trace | ScanTrace) -> bool:
+    """Whether the extended model differs from the baseline anywhere."""
+    return not all(np.array_equal(a, b, equal_nan=True) for a, b in zip(trace.baseline, trace.extended, strict=True))
 
 
 def rms(y: np.ndarray) -> float:

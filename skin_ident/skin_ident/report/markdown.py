@@ -1,20 +1,18 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
-from skin_ident.criticism.outcome import Outcome
 from skin_ident.report.appendix import bound
 from skin_ident.report.gains import fall
 from skin_ident.report.numbers import UNKNOWN, amount, percent
-from skin_ident.report.reading import recording_name, view
-from skin_ident.report.story import Wrong, story
+from skin_ident.report.reading import recording_name
+from skin_ident.report.story import Told, Wrong
 from skin_ident.report.tolerant import text
 from skin_ident.report.view import Amount, View
 from skin_ident.report.words import capital, cause_at, channel, sentence
 
 
-def markdown(outcome: Outcome, pictures: tuple[str, ...] = ()) -> str:
+def markdown(all_: Told, pictures: tuple[str, ...] = ()) -> str:
     """The whole text; `pictures` are file names beside it."""
-    v = view(outcome.findings)
-    told = story(outcome, v)
+    v, told = all_.view, all_.story
     parts = [
         [f"# {told.headline.title}", "", told.headline.line],
         [f"![{name.partition('.')[0].replace('_', ' ')}]({name})" for name in pictures[:1]],

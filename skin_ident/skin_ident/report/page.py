@@ -6,20 +6,19 @@ from skin_ident.criticism.outcome import Outcome
 from skin_ident.report import appendix, sections
 from skin_ident.report.charts import key, overlay, scan_picture
 from skin_ident.report.evidence import evidence
-from skin_ident.report.focus import Focus, focus
+from skin_ident.report.focus import Focus
 from skin_ident.report.markup import Safe, el
-from skin_ident.report.reading import recording_name, view
-from skin_ident.report.story import Story, Wrong, story
+from skin_ident.report.reading import recording_name
+from skin_ident.report.story import Story, Told, Wrong
 from skin_ident.report.view import View
 from skin_ident.report.words import capital, sentence, short
 
 SIGNS = {"good": "✓", "found": "!", "part": "~", "bad": "?"}
 
 
-def page(outcome: Outcome) -> str:
+def page(told: Told) -> str:
     """The whole report as one HTML document."""
-    v = view(outcome.findings)
-    told, seen = story(outcome, v), focus(outcome.traces, v)
+    outcome, v, seen = told.outcome, told.view, told.seen
     parts = [
         sections.measured(outcome, v, seen),
         sections.left(outcome, v, seen),
@@ -30,12 +29,12 @@ def page(outcome: Outcome) -> str:
         appendix.recordings(v),
         appendix.reading(),
     ]
-    main = el("main", _first_screen(told, outcome, v, seen), _contents([p for p in parts if p]), [p for p in parts if p])
+    main = el("main", _first_screen(told.story, _picture(outcome, v, seen)), _contents([p for p in parts if p]), [p for p in parts if p])
     head = el(
         "head",
         el("meta", charset="utf-8"),
         el("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        el("title", f"Skin diagnosis – {told.headline.title}"),
+        el("title", f"Skin diagnosis – {told.story.headline.title}"),
         el("style", Safe(_asset("style.css"))),
     )
     body = el(
@@ -55,7 +54,7 @@ def _names(v: View) -> str:
     return shown + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
-def _first_screen(told: Story, outcome: Outcome, v: View, seen: Focus | None) -> list[Safe]:
+def _first_screen(told: Story, picture: Safe | None) -> list[Safe]:
     h = told.headline
     banner = el(
         "div",
@@ -74,7 +73,7 @@ def _first_screen(told: Story, outcome: Outcome, v: View, seen: Focus | None) ->
         el("div", el("h2", "Why we think so"), el("ul", [el("li", s) for s in told.why]), class_="why") if told.why else None,
         el("div", el("h2", "What to do next"), el("ol", [el("li", s) for s in told.next]), class_="next") if told.next else None,
     ]
-    below = el("div", el("div", answers, class_="answers"), _picture(outcome, v, seen), class_="first")
+    below = el("div", el("div", answers, class_="answers"), picture, class_="first")
     return [banner, el("div", el("div", tiles, class_="tiles"), below, class_="screen")]
 
 

@@ -8,11 +8,10 @@ from matplotlib.figure import Figure
 
 from skin_ident.criticism.outcome import Outcome, ScanTrace
 from skin_ident.report.charts import below_band, simulations
-from skin_ident.report.focus import Focus, focus
+from skin_ident.report.focus import Focus
 from skin_ident.report.numbers import scale
-from skin_ident.report.reading import view
 from skin_ident.report.shapes import residuals, smooth, spectrum, thinned
-from skin_ident.report.story import named_cause, story
+from skin_ident.report.story import Told, named_cause
 from skin_ident.report.view import View, unit_of
 from skin_ident.report.words import capital, cause_at, channel, short
 
@@ -21,16 +20,15 @@ WIDTHS = {"measured": 3.2, "before": 1.3, "after": 1.3}
 POINTS = 1500
 
 
-def pictures(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
+def pictures(told: Told) -> dict[str, Callable[[], Figure]]:
     """File name to the function that draws it; `before_after.png` is the one picture. Empty without any curves."""
-    v = view(outcome.findings)
-    seen = focus(outcome.traces, v)
+    outcome, v, seen = told.outcome, told.view, told.seen
     drawn: dict[str, Callable[[], Figure]] = {}
     if seen is not None:
-        drawn["before_after.png"] = lambda: _before_after(seen, v, outcome)
+        drawn["before_after.png"] = lambda: _before_after(seen, v, _title(told, seen.trace.session))
         drawn["residual.png"] = lambda: _left(seen, v)
     elif outcome.scans:
-        drawn["before_after.png"] = lambda: _scan(outcome.scans[0], outcome)
+        drawn["before_after.png"] = lambda: _scan(outcome.scans[0], _title(told, outcome.scans[0].session))
     if any(r.ranked for r in outcome.rounds):
         drawn["evidence.png"] = lambda: _evidence(outcome)
     return drawn
@@ -41,7 +39,7 @@ def save(figure: Figure, target) -> None:
     FigureCanvasAgg(figure).print_png(target)
 
 
-def _before_after(seen: Focus, v: View, outcome: Outcome) -> Figure:
+def _before_after(seen: Focus, v: View, title: str) -> Figure:
     """Measured against simulated above, the residual below; left the most telling seconds, right the whole session."""
     parts = [(seen.start, seen.stop)] if seen.is_whole else [(seen.start, seen.stop), (0, seen.trace.t.size)]
     figure = Figure(figsize=(6.5 * len(parts) + 0.5, 6.2), dpi=110, layout="constrained")
@@ -55,13 +53,13 @@ def _before_after(seen: Focus, v: View, outcome: Outcome) -> Figure:
     y_unit = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)[1]
     axes[0, 0].set_ylabel(f"{channel(seen.channel)}, {y_unit}")
     axes[0, 0].legend(loc="upper right", fontsize=8, framealpha=0.85)
-    figure.suptitle(_title(outcome, v, seen.trace.session), fontsize=11)
+    figure.suptitle(title, fontsize=11)
     return figure
 
 
-def _title(outcome: Outcome, v: View, session: str) -> str:
-    told = story(outcome, v)
-    return f"{told.headline.title}\n{told.better.number} {told.better.caption} ({short(session, 60)})"
+def _title(told: Told, session: str) -> str:
+    better = told.story.better
+    return f"{told.story.headline.title}\n{better.number} {better.caption} ({short(session, 60)})"
 
 
 def _curves(seen: Focus, cut: slice, v: View, top, below) -> None:
@@ -122,7 +120,7 @@ def _left(seen: Focus, v: View) -> Figure:
     return figure
 
 
-def _scan(scan: ScanTrace, outcome: Outcome) -> Figure:
+def _scan(scan: ScanTrace, title: str) -> Figure:
     """Force over distance at four depths above, what is left below."""
     picked = np.unique(np.linspace(0, scan.depth.size - 1, min(4, scan.depth.size)).round().astype(int))
     figure = Figure(figsize=(3.4 * picked.size + 0.5, 5.8), dpi=110, layout="constrained")
@@ -139,7 +137,7 @@ def _scan(scan: ScanTrace, outcome: Outcome) -> Figure:
     axes[0, 0].set_ylabel("sensed force, N")
     axes[1, 0].set_ylabel("measured −\nsimulated, N")
     axes[0, -1].legend(fontsize=8)
-    figure.suptitle(_title(outcome, view(outcome.findings), scan.session), fontsize=11)
+    figure.suptitle(title, fontsize=11)
     return figure
 
 

@@ -53,19 +53,22 @@ class Story:
     next: tuple[str, ...]
 
 
-def story(outcome: Outcome, v: View | None = None) -> Story:
-    """Tell an outcome."""
-    v = v or view(outcome.findings)
+@dataclass(frozen=True)
+class Told:
+    """An outcome with everything that page, markdown and pictures share, worked out once."""
+
+    outcome: Outcome
+    view: View
+    seen: Focus | None
+    story: Story
+
+
+def tell(outcome: Outcome) -> Told:
+    """Read an outcome, pick what to look at first, and put it into words."""
+    v = view(outcome.findings)
     seen = focus(outcome.traces, v)
-    return Story(
-        _headline(v),
-        tuple(_wrong(v, seen)),
-        tuple(_why(v, seen, outcome.rounds)),
-        better(v),
-        *sure(v),
-        *rebuild_answer(v),
-        tuple(next_steps(v)),
-    )
+    wrong, why = tuple(_wrong(v, seen)), tuple(_why(v, seen, outcome.rounds))
+    return Told(outcome, v, seen, Story(_headline(v), wrong, why, better(v), *sure(v), *rebuild_answer(v), tuple(next_steps(v))))
 
 
 def _headline(v: View) -> Headline:

@@ -9,6 +9,7 @@ from skin_ident.report.errors import ReportError
 from skin_ident.report.markdown import markdown
 from skin_ident.report.page import page
 from skin_ident.report.pictures import pictures, save
+from skin_ident.report.story import tell
 
 PICTURES = ("before_after.png", "residual.png", "evidence.png")
 PAGE, TEXT = "report.html", "report.md"
@@ -21,11 +22,12 @@ def write_report(outcome: Outcome, directory: Path) -> Path:
     that this one does not have are removed. Raises `ReportError` where the directory cannot be written.
     """
     directory = Path(directory)
-    drawn = pictures(outcome)
+    told = tell(outcome)
+    drawn = pictures(told)
     names = tuple(n for n in PICTURES if n in drawn)
     writers: dict[str, Callable[[Path], None]] = {name: _picture(drawn[name]) for name in names}
-    writers[TEXT] = lambda path: _text(path, markdown(outcome, names))
-    writers[PAGE] = lambda path: _text(path, page(outcome))
+    writers[TEXT] = lambda path: _text(path, markdown(told, names))
+    writers[PAGE] = lambda path: _text(path, page(told))
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with ExitStack() as cleanup:

@@ -14,9 +14,15 @@ from skin_ident.report.numbers import amount, percent, plain, span
 from skin_ident.report.page import page
 from skin_ident.report.reading import view
 from skin_ident.report.shapes import binned, smooth, spectrum, thinned
+from skin_ident.report.story import tell
 from skin_ident.report.words import cause_at, effect_words, rebuild
 from skin_models.catalogue import effects
 from skin_models.parameter import parameters_of
+
+
+def page_of(outcome: Outcome) -> str:
+    return page(tell(outcome))
+
 
 NB, THIN = "\u00a0", "\u202f"
 
@@ -128,7 +134,7 @@ INNER = ["cause", "where", "channels", "parameters", "evidence", "gain", "altern
     st.sampled_from(["explained", "unexplained", ""]),
 )
 def test_a_page_comes_out_of_any_findings(content, finding, verdict):
-    page(Outcome({"findings": [finding], **content, "verdict": verdict}))
+    page_of(Outcome({"findings": [finding], **content, "verdict": verdict}))
 
 
 @pytest.mark.parametrize("depth", [np.nan, 0.0])
@@ -138,7 +144,7 @@ def test_sessions_without_depth_or_motion_are_drawn(depth):
         Trace(t.session, t.held_out, t.t, 0 * t.t + depth, 0 * t.t + depth, t.channels, t.measured, t.baseline, t.extended)
         for t in outcome.traces
     )
-    text = page(Outcome(outcome.findings, traces=still))
+    text = page_of(Outcome(outcome.findings, traces=still))
     assert "against frequency" in text and "against depth (" not in text and "against speed<" not in text
 
 
@@ -147,4 +153,4 @@ def test_a_session_of_gaps_and_flat_lines_is_drawn():
     flat = np.zeros((1, 40))
     gappy = np.where(np.arange(40) % 7 == 0, np.nan, 1.0)[None]
     for y in (flat, gappy, np.full((1, 40), np.nan)):
-        assert "<svg" in page(Outcome({"verdict": "unexplained"}, traces=(Trace("s", False, t, t, t, ("force",), y, flat, flat),)))
+        assert "<svg" in page_of(Outcome({"verdict": "unexplained"}, traces=(Trace("s", False, t, t, t, ("force",), y, flat, flat),)))
