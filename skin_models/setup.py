@@ -26,6 +26,7 @@ setup(
     entry_points={
         "console_scripts": [
             "skin_node = skin_models.ros.skin_node:main",
+            "mujoco_finger = skin_models.ros.mujoco_finger:main",
             "effects_gallery = skin_models.gallery.__main__:main",
         ]
     },

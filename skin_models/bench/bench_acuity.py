@@ -44,7 +44,7 @@ def draw(rows: list[Acuity], errors: list[float], path: str) -> None:
     error = localisation_bound(design, np.stack(np.meshgrid(u, u), axis=-1).reshape(-1, 2), FORCE).reshape(181, 181)
     image = right.imshow(np.log10(1e3 * error), extent=[-14, 14, -14, 14], origin="lower", vmin=-2, vmax=2)
     figure.colorbar(image, label="log10 of the error, mm")
-    right.set(xlabel="x, mm", ylabel="y, mm", title="14 mm pitch, as in the thesis: blind on the taxels and between four")
+    right.set(xlabel="x, mm", ylabel="y, mm", title="14 mm pitch, as in the thesis; taxels at 0, ±14 mm")
     figure.savefig(path, dpi=120)
 
 
