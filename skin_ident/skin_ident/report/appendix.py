@@ -21,6 +21,8 @@ def parameters(v: View) -> Safe | None:
         "When an effect is missing, the fit bends the other parameters to make up for it. Those that moved by more than three "
         "standard errors (and 5 %) are where it was hiding: their old values were wrong."
     )
+    if [(a.name, a.value) for a in v.before] == [(a.name, a.value) for a in v.after]:
+        note = "Nothing was added to the model, so its parameters stay as they were."
     return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v))
 
 

@@ -30,7 +30,7 @@ def _card(f: Finding, number: int) -> Safe:
     rows = [
         ("What it means", sentence(meaning(f.cause))),
         ("Seen in", ", ".join(channel(c) for c in f.channels)),
-        ("Size", el("div", [el("div", line) for line in amounts_line(f.amounts, 12).split("; ")])),
+        ("Size", [el("div", line) for line in amounts_line(f.amounts, 12).split("; ") if line]),
         ("Why", sentence(f.why)),
         *_gain_rows(f),
         *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k != "why"),
