@@ -27,6 +27,7 @@ setup(
         "console_scripts": [
             "profile_server = skin_motion_profiles.ros.profile_server:main",
             "execute = skin_motion_profiles.ros.execute:main",
+            "plot = skin_motion_profiles.cli.plot:main",
         ]
     },
 )

@@ -5,9 +5,9 @@ of the abstract classes it extends: `Profile` (see `skin_motion_profiles.profile
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from skin_motion_profiles.fields import check_values, text
 
@@ -17,6 +17,7 @@ class Entry(ABC):
     """Parameters under one name. `kind` is the word after `type:` in YAML. Raises `ProfileError` for a parameter out of range."""
 
     kind: ClassVar[str]
+    example: ClassVar[Mapping[str, Any]]  # parameters of ordinary size, for pictures and descriptions
 
     name: str = text("what the feedback calls it; left out: its type", "")
 

@@ -8,9 +8,9 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("skin_testbed_msgs")
 
-from bench_of_one import Bench  # noqa: E402
+from bench_of_one import Bench
 
-from skin_models.ros.processes import Domain, Processes  # noqa: E402
+from skin_models.ros.processes import Processes
 
 SLOW = "{type: step, depth_mm: 1, hold_s: 20}"
 
@@ -33,7 +33,8 @@ def outcome(bench, *arguments):
 
 
 def test_success_is_0_and_tells_every_profile(bench):
-    status, output = outcome(bench, "{type: battery, profiles: [{type: step, depth_mm: 1, hold_s: 0.3}, {type: free_air, duration_s: 0.3}]}")
+    step, air = "{type: step, depth_mm: 1, hold_s: 0.3}", "{type: free_air, duration_s: 0.3}"
+    status, output = outcome(bench, f"{{type: battery, profiles: [{step}, {air}]}}")
     assert status == 0, output
     assert "1/2 step" in output and "2/2 free_air" in output
     assert re.search(r"executed to its end: \d+\.\d s, peak 1[12]\.\d\d N at most 1\.000 mm deep", output)
@@ -80,13 +81,14 @@ BAD = {
     ("demo", "deep"): "write key=value",
     ("demo", "--max-force", "-1"): "must be a positive number of newtons",
     ("demo", "--max-force", "much"): "invalid",
+    ("--describe", "sinne"): "did you mean sine",
     (): "required",
 }
 
 
 @pytest.mark.parametrize("arguments", BAD)
 def test_bad_input_is_2_and_one_sentence(arguments):
-    with Domain() as domain, Processes(domain.environment()) as processes:
+    with Processes() as processes:
         process = processes.start("skin_motion_profiles", "execute", arguments)
         assert process.wait(30.0) == 2
         assert BAD[arguments] in process.output() and "Traceback" not in process.output()

@@ -20,6 +20,7 @@ class Battery(Group):
     """Several entries, one after the other."""
 
     kind: ClassVar[str] = "battery"
+    example: ClassVar = {"profiles": [{"type": "free_air"}, {"type": "step", "depth_mm": 1.0}, {"type": "free_air"}]}
 
     profiles: tuple[Entry, ...] = several("the entries", ...)
     arguments: Mapping[str, float] | None = names("names that the numbers of the entries may use, and their values")

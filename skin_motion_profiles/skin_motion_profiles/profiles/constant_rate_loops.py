@@ -15,6 +15,7 @@ class ConstantRateLoops(Moving):
     """For every depth, in the order given, and for every speed: `cycles` triangles from `base_mm` to the depth and back."""
 
     kind: ClassVar[str] = "constant_rate_loops"
+    example: ClassVar = {"depths_mm": [0.5, 1.0], "speeds_mm_s": [1.0, 5.0], "cycles": 1}
 
     depths_mm: tuple[float, ...] = numbers("mm, turning points of the loops", ..., lower=-150.0, upper=150.0)
     speeds_mm_s: tuple[float, ...] = numbers("mm/s, speeds of the loops", ..., lower=1e-3, upper=1e3)

@@ -15,6 +15,7 @@ class ConstantStrainHold(Moving):
     """For every depth: go there, hold, return to `base_mm` and rest. Depths in mm, or as strains of a skin `thickness_mm` thick."""
 
     kind: ClassVar[str] = "constant_strain_hold"
+    example: ClassVar = {"depths_mm": [0.5, 1.0], "hold_s": 3.0, "rest_s": 1.0}
 
     depths_mm: tuple[float, ...] | None = numbers("mm, depths at which to hold", None, lower=-150.0, upper=150.0)
     strains: tuple[float, ...] | None = numbers("depth as a fraction of the thickness", None, lower=0.0, upper=1.0)

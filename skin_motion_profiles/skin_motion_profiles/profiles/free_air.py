@@ -15,6 +15,7 @@ class FreeAir(Profile):
     """A rest above the surface."""
 
     kind: ClassVar[str] = "free_air"
+    example: ClassVar = {"duration_s": 2.0}
 
     duration_s: float = seconds("of the wait", 2.0)
     clearance_mm: float = number("mm, height above the surface", 1.0, lower=0.01, upper=150.0)

@@ -14,6 +14,7 @@ class Hold(Profile):
     """A rest at the present depth."""
 
     kind: ClassVar[str] = "hold"
+    example: ClassVar = {"duration_s": 2.0}
 
     duration_s: float = seconds("of the rest", ...)
 

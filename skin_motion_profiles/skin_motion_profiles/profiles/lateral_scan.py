@@ -18,6 +18,7 @@ class LateralScan(Group):
     """At every offset from (`x_mm`, `y_mm`), in direction `angle_deg`: up into the air, over to the point, then `profile`."""
 
     kind: ClassVar[str] = "lateral_scan"
+    example: ClassVar = {"offsets_mm": [0.0, 3.0, 6.0], "depth_mm": 1.0}
 
     offsets_mm: tuple[float, ...] = numbers("mm, distances from the origin of the scan", ..., lower=-150.0, upper=150.0)
     x_mm: float = depth("origin of the scan along x of the skin's frame", 0.0)

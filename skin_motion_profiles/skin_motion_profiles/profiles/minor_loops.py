@@ -18,6 +18,7 @@ class MinorLoops(Moving):
     """Unloading loops from the greatest depth, loading loops from the base."""
 
     kind: ClassVar[str] = "minor_loops"
+    example: ClassVar = {"depth_mm": 1.0, "returns_mm": [0.3, 0.6]}
 
     depth_mm: float = depth("greatest depth", ...)
     returns_mm: tuple[float, ...] = numbers("mm, depths at which the minor loops turn", ..., lower=-150.0, upper=150.0)

@@ -30,6 +30,7 @@ class Multisine(Profile):
     """`periods` periods of a multisine about `offset_mm`, and one more to fade in and one to fade out."""
 
     kind: ClassVar[str] = "multisine"
+    example: ClassVar = {"seed": 1, "amplitude_mm": 0.4, "base_frequency_hz": 0.25, "periods": 2}
 
     seed: int = whole("seed of the phases and of the lines left out", ...)
     amplitude_mm: float = number("mm, greatest distance from the offset", lower=1e-3, upper=75.0)

@@ -12,6 +12,7 @@ class Place(Action):
     """The point of the skin's frame to be under the plunger. A motorised stage goes there; a person turns the screws of a manual one."""
 
     kind: ClassVar[str] = "place"
+    example: ClassVar = {"x_mm": 3.0}
 
     x_mm: float = depth("along x of the skin's frame", 0.0)
     y_mm: float = depth("along y of the skin's frame", 0.0)

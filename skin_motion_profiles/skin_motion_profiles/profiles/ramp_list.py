@@ -16,6 +16,7 @@ class RampList(Moving):
     """One ramp to each depth after the first, where it begins. Speeds and holds are used in turn when there are fewer of them."""
 
     kind: ClassVar[str] = "ramp_list"
+    example: ClassVar = {"depths_mm": [0.0, 0.6, 0.2, 1.0, 0.5, 0.8, 0.0], "speeds_mm_s": 1.0}
 
     depths_mm: tuple[float, ...] = numbers("mm, depths in order; it begins at the first", ..., lower=-150.0, upper=150.0)
     speeds_mm_s: tuple[float, ...] = numbers("mm/s, speed of every ramp", (1.0,), lower=1e-3, upper=1e3)

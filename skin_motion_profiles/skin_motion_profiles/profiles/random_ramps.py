@@ -23,6 +23,7 @@ class RandomRamps(Moving):
     """`count` ramps between `shallowest_mm` and `deepest_mm`, then one back to `shallowest_mm`."""
 
     kind: ClassVar[str] = "random_ramps"
+    example: ClassVar = {"seed": 1, "deepest_mm": 1.0, "count": 12}
 
     seed: int = whole("seed of the depths, speeds and holds", ...)
     deepest_mm: float = depth("greatest depth", ...)

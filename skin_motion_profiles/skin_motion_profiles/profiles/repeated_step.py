@@ -14,6 +14,7 @@ class RepeatedStep(Moving):
     """`repeats` times from `base_mm` to `depth_mm` and back, with a wait at either end."""
 
     kind: ClassVar[str] = "repeated_step"
+    example: ClassVar = {"depth_mm": 1.0, "repeats": 3}
 
     depth_mm: float = depth("depth of every step", ...)
     base_mm: float = depth("depth in between", 0.0)

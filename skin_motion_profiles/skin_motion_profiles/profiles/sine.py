@@ -23,6 +23,7 @@ class Sine(Profile):
     """A sine of one frequency. Thesis section 4.3.1 records four periods."""
 
     kind: ClassVar[str] = "sine"
+    example: ClassVar = {"amplitude_mm": 0.3, "frequency_hz": 0.5, "offset_mm": 0.5, "periods": 4}
 
     amplitude_mm: float = number("mm, half of the way from crest to trough", lower=1e-3, upper=75.0)
     frequency_hz: float = number("Hz, frequency", lower=1e-3, upper=100.0)

@@ -15,6 +15,7 @@ class StairStep(Moving):
     """`steps` equal steps from `base_mm` down to `depth_mm` and the same steps back up."""
 
     kind: ClassVar[str] = "stair_step"
+    example: ClassVar = {"depth_mm": 1.0, "steps": 4, "hold_s": 0.5}
 
     depth_mm: float = depth("depth of the last step", ...)
     base_mm: float = depth("depth before the first step", 0.0)

@@ -13,6 +13,7 @@ class Step(Moving):
     """From `base_mm` to `depth_mm`, wait, and back. As quick as speed and acceleration allow: a stage cannot jump."""
 
     kind: ClassVar[str] = "step"
+    example: ClassVar = {"depth_mm": 1.0}
 
     depth_mm: float = depth("depth of the step", ...)
     base_mm: float = depth("depth before and after", 0.0)

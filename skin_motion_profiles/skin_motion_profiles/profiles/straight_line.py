@@ -17,6 +17,7 @@ class StraightLine(Moving):
     """From where the plunger is: absolute with `to_mm`, relative with `by_mm`."""
 
     kind: ClassVar[str] = "straight_line"
+    example: ClassVar = {"to_mm": 1.0}
 
     to_mm: float | None = depth("depth to go to")
     by_mm: float | None = depth("way to go, positive into the skin")

@@ -12,5 +12,6 @@ class Tare(Action):
     """To be done in free air."""
 
     kind: ClassVar[str] = "tare"
+    example: ClassVar = {}
 
     duration_s: float = seconds("over which to average; 0: the driver's own", 0.0)

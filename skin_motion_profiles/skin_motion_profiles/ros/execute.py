@@ -3,6 +3,7 @@
     ros2 run skin_motion_profiles execute full depth_mm=0.8 seed=3
     ros2 run skin_motion_profiles execute '{type: sine, amplitude_mm: 0.3, frequency_hz: 0.5}' --max-force 20 --hold
     ros2 run skin_motion_profiles execute my_profile.yaml
+    ros2 run skin_motion_profiles execute --list
 
 Exit status: 0 the profile was executed, 1 it was not (the sentence says why), 2 the input cannot be used. Ctrl-C cancels the goal and
 waits for the plunger to retract or hold.
@@ -12,6 +13,7 @@ import argparse
 import signal
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 import rclpy
@@ -24,6 +26,7 @@ from rclpy.utilities import remove_ros_args
 from skin_testbed_msgs.action import ExecuteProfile
 
 from skin_models.errors import SkinError
+from skin_motion_profiles.describe import description, overview
 from skin_motion_profiles.profile_file import entry_from_words, entry_to_text
 from skin_motion_profiles.ros.progress import ProgressLine
 
@@ -114,11 +117,29 @@ def _interrupt(client: Client) -> None:
 
 def _options(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="execute", description="Execute a profile or a battery on the testbed.")
+    parser.add_argument("--list", action=Show, nargs=0, show=lambda _: overview(), help="list profiles and batteries")
+    parser.add_argument("--describe", action=Show, show=description, metavar="TYPE", help="tell the parameters of a profile")
     parser.add_argument("profile", help="a YAML file, the name of a battery, or YAML text such as '{type: step, depth_mm: 1}'")
     parser.add_argument("settings", nargs="*", metavar="key=value", help="arguments of a battery, parameters of a profile")
     parser.add_argument("--max-force", type=_force, default=0.0, metavar="N", help="end the goal above this; default: the server's limit")
     parser.add_argument("--hold", action="store_true", help="on cancel, over-force or a fault stay where you are; default: retract")
     return parser.parse_args(arguments)
+
+
+class Show(argparse.Action):
+    """An option that prints something and ends, as --help does."""
+
+    def __init__(self, *words: Any, show: Callable[[Any], str], **more: Any) -> None:
+        super().__init__(*words, **more)
+        self._show = show
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, value: Any, option: Any = None) -> None:
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `execute --list | head` is no accident
+        try:
+            print(self._show(value))
+        except SkinError as error:
+            parser.exit(_complain(error, 2))
+        parser.exit(0)
 
 
 def _force(word: str) -> float:
