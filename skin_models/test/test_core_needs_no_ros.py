@@ -26,6 +26,7 @@ ROSDEP_KEYS = {
     "lz4": "mcap-ros2-support",
     "matplotlib": "python3-matplotlib",
     "mcap": "mcap-ros2-support",
+    "mujoco": None,
     "numpy": "python3-numpy",
     "ros_gz_interfaces": None,
     "rosbags": "python3-rosbags-pip",
