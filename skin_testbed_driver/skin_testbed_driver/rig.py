@@ -51,6 +51,8 @@ class Rig(ABC):
     # True where time belongs to the rig (simulation, replay): every sample is exactly one period after the last, however late the
     # driver's thread wakes. False for hardware: the driver reads its clock at every sample.
     owns_time: bool = False
+    # False for a recording: it cannot be commanded, its positions count from the surface already, and nothing in it is a danger.
+    moves: bool = True
 
     @abstractmethod
     def open(self, sample_rate: float) -> None:

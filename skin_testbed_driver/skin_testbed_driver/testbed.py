@@ -19,6 +19,8 @@ from skin_testbed_driver.taring import Offsets, Taring
 from skin_testbed_driver.trajectory import Trajectory
 from skin_testbed_driver.zeroing import Outcome, Zeroing, ZeroSettings
 
+_WAITING = "waiting for the first reading of the encoder and of the load cell"
+
 
 @dataclass(frozen=True)
 class Status:
@@ -49,27 +51,43 @@ class Testbed:
         self._lock = threading.Lock()
         rig.open(sample_rate)
         self._guard = Guard(limits, rig.travel)
-        zero = rig.read().position - start_depth
-        self._sensing = Sensing(calibration, 0.0 if math.isnan(zero) else zero, self.period, speed_samples)
+        self._sensing = Sensing(calibration, 0.0, self.period, speed_samples)
+        self._start_depth, self._begun = start_depth, False
         self._motion = Motion(limits, start_depth)
+        self._motion.stop(Stop(_WAITING, lost=True), 0.0)
         self._job, self._done = None, None
         self._zeroed = self._tared = False
         self._next = 0.0  # time of the next sample: the axis has been told where to be by then
         self._last: Sample | None = None
 
-    def tick(self, t: float) -> Sample:
-        """Take the sample of time `t`, check it, and command the axis for the next one."""
+    def tick(self, t: float) -> Sample | None:
+        """Take the sample of time `t`, check it, and command the axis for the next one. None until the rig has answered first."""
         with self._lock:
             self._next = t + self.period
-            sample = self._sensing.sample(self._read(t))
-            target, _ = self._motion.advance(t)
-            stop = self._guard.check(sample.position, sample.depth, target, sample.load)
-            if stop is not None:
-                self._stop(stop)
+            reading = self._read(t)
+            if not self._begun and not self._begin_with(reading, t):
+                return None
+            sample = self._last = self._sensing.sample(reading)
+            if self.rig.moves:
+                self._watch(sample, t)
             self._work(sample, t)
-            self._command()
-            self._last = sample
+            if self.rig.moves:
+                self._command()
         return sample
+
+    def _begin_with(self, r: Reading, t: float) -> bool:
+        """Whether the first reading is there: it says where the stage is."""
+        self._begun = not math.isnan(r.position) and not (math.isnan(r.force) and math.isnan(r.load_cell_voltage))
+        if self._begun:
+            self._sensing.zero = r.position - self._start_depth if self.rig.moves else 0.0
+            self._motion.reset(self._start_depth, t)
+        return self._begun
+
+    def _watch(self, sample: Sample, t: float) -> None:
+        target, _ = self._motion.advance(t)
+        stop = self._guard.check(sample.position, sample.depth, target, sample.load)
+        if stop is not None:
+            self._stop(stop)
 
     def status(self) -> Status:
         """The present state."""
@@ -83,6 +101,7 @@ class Testbed:
     def follow(self, command: Callable[[float], Trajectory]) -> None:
         """Follow the trajectory `command(now)`. One that cannot be followed stops the driver. Raises `CommandError`."""
         with self._lock:
+            self._must_move()
             if self._motion.stopped is not None:
                 raise CommandError(f"the driver is stopped ({self._motion.stopped.reason}): call the service reset first")
             try:
@@ -99,14 +118,21 @@ class Testbed:
             self._stop(Stop(reason))
 
     def reset(self) -> None:
-        """End a stop. Raises `CommandError` while the plunger moves or its depth is not known."""
+        """End a stop. Raises `CommandError` while the plunger moves, or while what stopped it would do so again."""
         with self._lock:
-            if self._last is None or self._motion.stopped is None:
+            if not self._begun:
+                raise CommandError(_WAITING)
+            if self._motion.stopped is None:
                 return
-            self._motion.reset(self._last.depth, self._next)
+            last = self._last
+            again = self._guard.check(last.position, last.depth, last.depth, last.load)
+            if again is not None:
+                raise CommandError(again.reason)
+            self._motion.reset(last.depth, self._next)
 
     def zero(self, settings: ZeroSettings, done: Callable[[Outcome], None]) -> None:
         """Find the surface; `done(outcome)` comes from the sampling thread. Raises `CommandError` unless the driver is ready."""
+        self._must_move()
         self._begin(Zeroing(settings), self._zero_found, done)
 
     def tare(self, duration: float, done: Callable[[Outcome], None]) -> None:
@@ -144,6 +170,10 @@ class Testbed:
         with self._lock:
             self._end_job(Outcome("the driver was closed"))
             self.rig.close()
+
+    def _must_move(self) -> None:
+        if not self.rig.moves:
+            raise CommandError("this rig replays a recording: it cannot be moved")
 
     def _read(self, t: float) -> Reading:
         try:

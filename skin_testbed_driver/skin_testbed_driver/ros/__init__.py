@@ -1,1 +1,3 @@
 """The lifecycle driver node and the recorder."""
+
+JOINT = "indentation"  # name of the axis in encoder and command

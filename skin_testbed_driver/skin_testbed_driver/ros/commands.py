@@ -3,7 +3,7 @@
 from builtin_interfaces.msg import Duration, Time
 from trajectory_msgs.msg import JointTrajectory
 
-from skin_testbed_driver.ros.publishing import JOINT
+from skin_testbed_driver.ros import JOINT
 from skin_testbed_driver.safety import CommandError
 from skin_testbed_driver.trajectory import Trajectory
 

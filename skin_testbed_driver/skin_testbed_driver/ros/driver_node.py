@@ -93,7 +93,7 @@ class DriverNode(LifecycleNode):
 
     def _configure(self) -> None:
         settings = self._settings.now
-        rig, calibration = settings.make_rig()
+        rig, calibration = settings.make_rig(self)
         self._testbed = Testbed(rig, calibration, settings.limits(), settings.sample_rate, settings.start_depth, settings.speed_samples)
         self._statistics = LoopStatistics(1.0 / (settings.sample_rate * settings.time_scale))
         # Only a rig that owns its time can run at another pace, and its first sample is now.
@@ -140,7 +140,8 @@ class DriverNode(LifecycleNode):
         try:
             self._stamp_ns = stamp_ns
             self._sample = self._testbed.tick((stamp_ns - self._epoch) * 1e-9)
-            self._publishing.sample(self._sample, _stamp(stamp_ns))
+            if self._sample is not None:
+                self._publishing.sample(self._sample, _stamp(stamp_ns))
             self._publishing.stage(self._testbed.rig.placed(), _stamp(stamp_ns))
             status = self._testbed.status()
             if status != self._published:

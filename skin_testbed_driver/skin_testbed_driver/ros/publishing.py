@@ -16,12 +16,12 @@ from std_msgs.msg import String
 from skin_models.ros.qos import LATCHED, overridable, stream
 from skin_testbed_driver.calibration import Calibration
 from skin_testbed_driver.rig import Rig
+from skin_testbed_driver.ros import JOINT
 from skin_testbed_driver.ros.driver_settings import DriverSettings
 from skin_testbed_driver.safety import Limits
 from skin_testbed_driver.sensing import Sample
 from skin_testbed_driver.testbed import Status
 
-JOINT = "indentation"
 _STAGE_PERIOD = 0.1  # s, between two messages on stage_position
 
 
@@ -29,7 +29,7 @@ class Publishing:
     """The publishers of the driver."""
 
     def __init__(self, node: LifecycleNode, settings: DriverSettings, rig: Rig, calibration: Calibration) -> None:
-        """Create the publishers; a rig that owns its time also tells the truth."""
+        """Create the publishers; a simulation also tells the truth."""
         # A second deep on both sides: a stall of a second loses nothing.
         qos = stream(settings.sample_rate)
 
@@ -38,7 +38,7 @@ class Publishing:
 
         self._streams = [publisher(JointState, "encoder"), publisher(WrenchStamped, "force"), publisher(TaxelArray, "taxels")]
         self._encoder, self._force, self._taxels = self._streams
-        self._truth = publisher(TaxelArray, "taxels_truth") if rig.owns_time else None
+        self._truth = publisher(TaxelArray, "taxels_truth") if rig.owns_time and rig.moves else None
         self._layout = node.create_publisher(TaxelLayout, "taxel_layout", LATCHED)
         self._texts = {name: node.create_publisher(String, name, LATCHED) for name in ("rig_description", "calibration")}
         self._stage = node.create_publisher(PointStamped, "stage_position", 10) if rig.placed() else None

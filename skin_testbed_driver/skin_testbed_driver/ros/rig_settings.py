@@ -1,8 +1,10 @@
 """The parameters that choose and describe the rig, and the rig they make."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from rclpy.node import Node
 
 from skin_models.errors import SkinError
 from skin_models.layout import Layout
@@ -14,7 +16,11 @@ from skin_models.ros.parameters import setting
 from skin_models.simulated_skin import spread_width
 from skin_testbed_driver.calibration import Calibration, load_calibration, thesis_calibration
 from skin_testbed_driver.rig import Rig
+from skin_testbed_driver.rigs.replay import ReplayRig
 from skin_testbed_driver.rigs.simulated import Imperfections, SimulatedRig, row_from_origin
+from skin_testbed_driver.rigs.table import read_table
+from skin_testbed_driver.ros.replayed_bag import read_bag
+from skin_testbed_driver.ros.topics_rig import TopicsRig, TopicsSettings
 
 _SURFACE = 0.075  # m, stage position of the simulated skin: the middle of the travel
 
@@ -23,7 +29,7 @@ _SURFACE = 0.075  # m, stage position of the simulated skin: the middle of the t
 class RigSettings:
     """Every parameter of every rig; a rig looks at its own."""
 
-    rig: str = setting("simulated", "which rig to drive", choices=("simulated",), fixed=True)
+    rig: str = setting("simulated", "which rig to drive", choices=("simulated", "replay", "topics"), fixed=True)
     sample_rate: float = setting(100.0, "Hz, synchronous samples per second", lower=1.0, upper=1000.0, fixed=True)
     calibration_file: str = setting("", "YAML with the slope of every taxel; empty: the thesis's slopes", fixed=True)
     start_depth: float = setting(
@@ -39,8 +45,8 @@ class RigSettings:
         fixed=True,
     )
     model: str = setting("silicone_4mm", "simulated rig: a shipped material, or YAML of the specimen and its hidden effects", fixed=True)
-    layout_file: str = setting("", "simulated rig: table of taxels (name, x_mm, y_mm, …); empty: a row, 14 mm apart", fixed=True)
-    taxels: int = setting(0, "simulated rig: taxels in that row; 0: as many as the model has", lower=0, upper=1000, fixed=True)
+    layout_file: str = setting("", "table of taxels (name, x_mm, y_mm, …); empty: a row, 14 mm apart", fixed=True)
+    taxels: int = setting(0, "taxels in that row; 0: as many as model or recording have", lower=0, upper=1000, fixed=True)
     seed: int = setting(0, "simulated rig: seed of noise, rest errors and random effects", lower=0, upper=2**31 - 1, fixed=True)
     surface_offset: float = setting(
         0.0, "m, simulated rig: by how much the surface lies deeper than start_depth says", lower=-0.02, upper=0.02, fixed=True
@@ -51,26 +57,59 @@ class RigSettings:
     screw_error: float = setting(2.5e-6, "m, simulated rig: amplitude of the screw's error", lower=0.0, upper=1e-3, fixed=True)
     quantised: bool = setting(True, "simulated rig: encoder of 1 um and converter of 4.88 mV; false: exact values", fixed=True)
 
-    def make_rig(self) -> tuple[Rig, Calibration]:
+    recording: str = setting(
+        "", "replay rig: a rosbag2 directory, an .mcap file, or a table (t_s, x_mm, force_n, taxel_0_n, …)", fixed=True
+    )
+    loop: bool = setting(False, "replay rig: begin again at the end", fixed=True)
+
+    joint: str = setting("indentation", "topics rig: name of the axis in axis_state and axis_command", fixed=True)
+    axis_sign: float = setting(
+        1.0, "topics rig: 1 if the joint grows towards the skin, -1 if away from it", lower=-1.0, upper=1.0, fixed=True
+    )
+    force_sign: float = setting(
+        -1.0, "topics rig: what makes force.z of force_in positive in compression", lower=-1.0, upper=1.0, fixed=True
+    )
+    stale_after: float = setting(0.1, "s, topics rig: silence after which a signal is lost", lower=0.001, upper=10.0, fixed=True)
+    command_type: str = setting(
+        "JointTrajectory", "topics rig: type of axis_command", choices=("JointTrajectory", "Float64MultiArray"), fixed=True
+    )
+    taxels_type: str = setting("TaxelArray", "topics rig: type of taxels_in", choices=("TaxelArray", "Float64MultiArray"), fixed=True)
+
+    def make_rig(self, node: Node) -> tuple[Rig, Calibration]:
         """The rig, closed, and the calibration that the driver believes in. Raises `SkinError` for files that cannot be used."""
-        rig, true = self._simulated()
-        return rig, load_calibration(self.calibration_file, rig.layout.names) if self.calibration_file else true
+        rig = {"simulated": self._simulated, "replay": self._replay, "topics": self._topics}[self.rig](node)
+        path, names = self.calibration_file, rig.layout.names
+        return rig, load_calibration(path, names) if path else thesis_calibration(len(names))
 
-    def _simulated(self) -> tuple[Rig, Calibration]:
+    def _simulated(self, node: Node) -> Rig:
         model = material(self.model).model if self.model in names() else load_model(self.model)
-        layout = self._layout(model)
-        calibration = thesis_calibration(len(layout))
-        real = Imperfections(self.load_cell_noise, self.taxel_noise, self.rest_error, self.screw_error, self.quantised)
-        start = _SURFACE - self.surface_offset + self.start_depth
-        rig = SimulatedRig(_spread(model, layout), calibration, layout, _SURFACE, start, self.seed, real)
-        return rig, calibration
-
-    def _layout(self, model: Model) -> Layout:
-        count = self.taxels or len(model.shares)
-        layout = load_layout(self.layout_file) if self.layout_file else row_from_origin(count)
+        layout = self._layout(len(model.shares))
         if len(model.shares) not in (1, len(layout)):
             raise SkinError(f"the model has shares for {len(model.shares)} taxels, but the layout has {len(layout)}")
-        return layout
+        real = Imperfections(self.load_cell_noise, self.taxel_noise, self.rest_error, self.screw_error, self.quantised)
+        start = _SURFACE - self.surface_offset + self.start_depth
+        return SimulatedRig(_spread(model, layout), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real)
+
+    def _replay(self, node: Node) -> Rig:
+        if not self.recording:
+            raise SkinError("rig:=replay needs the parameter recording")
+        if self.recording.endswith((".csv", ".tsv", ".txt")):
+            recorded, layout = read_table(self.recording), None
+        else:
+            recorded, layout = read_bag(self.recording)
+        return ReplayRig(recorded, layout or self._layout(recorded.taxels.values.shape[1]), loop=self.loop)
+
+    def _topics(self, node: Node) -> Rig:
+        if self.time_scale != 1.0:
+            raise SkinError("rig:=topics runs in the time of its drivers: leave time_scale at 1.0")
+        settings = TopicsSettings(
+            self.joint, math.copysign(1.0, self.axis_sign), math.copysign(1.0, self.force_sign), self.stale_after,
+            self.command_type, self.taxels_type,
+        )  # fmt: skip
+        return TopicsRig(node, settings, self._layout(1))
+
+    def _layout(self, count: int) -> Layout:
+        return load_layout(self.layout_file) if self.layout_file else row_from_origin(self.taxels or count)
 
 
 def _spread(model: Model, layout: Layout) -> Model:

@@ -1,0 +1,75 @@
+"""A recording as a rig: the driver publishes it again, sample by sample, at its own rate. It cannot be commanded."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from skin_models.layout import Layout
+from skin_testbed_driver.rig import Reading, Rig, RigError
+
+
+@dataclass(frozen=True)
+class Track:
+    """One recorded signal: times t (N,) s, growing, and values (N,) or (N, T). Between its samples it is linear."""
+
+    t: np.ndarray
+    values: np.ndarray
+
+    def at(self, times: np.ndarray) -> np.ndarray:
+        """Values at `times`, NaN outside the recording."""
+        if self.values.ndim == 1:
+            return np.interp(times, self.t, self.values, math.nan, math.nan)
+        columns = [np.interp(times, self.t, column, math.nan, math.nan) for column in self.values.T]
+        return np.array(columns).reshape(len(columns), len(times)).T
+
+
+def _no_track() -> Track:
+    return Track(np.zeros(1), np.empty((1, 0)))  # of no taxel
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What a recording holds, on one clock: depth (m), force (N), taxels (N), which may be missing."""
+
+    depth: Track
+    force: Track
+    taxels: Track = field(default_factory=_no_track)
+
+
+class ReplayRig(Rig):
+    """Plays a recording from its first common sample to its last, then says that it has ended."""
+
+    owns_time = True
+    moves = False
+    travel = (-math.inf, math.inf)
+
+    def __init__(self, recorded: Recorded, layout: Layout, facts: dict[str, Any] | None = None, loop: bool = False) -> None:
+        """`loop` starts again at the end."""
+        self.layout, self._recorded, self._facts, self._loop = layout, recorded, facts or {}, loop
+
+    def open(self, sample_rate: float) -> None:
+        """Raises `RigError` for a recording in which depth and force do not overlap."""
+        r = self._recorded
+        begin, end = max(r.depth.t[0], r.force.t[0]), min(r.depth.t[-1], r.force.t[-1])
+        if not end > begin:
+            raise RigError("the recording's depth and force have no time in common")
+        times = np.arange(begin, end + 0.5e-6, 1.0 / sample_rate)
+        self._depth, self._force = r.depth.at(times), r.force.at(times)
+        self._taxels = r.taxels.at(times)
+        self._i = 0
+
+    def read(self) -> Reading:
+        if self._i == self._depth.size:
+            if not self._loop:
+                raise RigError("the recording has ended")
+            self._i = 0
+        i, self._i = self._i, self._i + 1
+        return Reading(float(self._depth[i]), force=float(self._force[i]), taxel_force=self._taxels[i])
+
+    def command(self, position: float, velocity: float) -> None:
+        raise RigError("a recording cannot be commanded")
+
+    def facts(self) -> dict[str, Any]:
+        return self._facts

@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from skin_testbed_driver.rig import RigError
+from skin_testbed_driver.rigs.replay import Recorded, ReplayRig, Track
+from skin_testbed_driver.rigs.simulated import row_from_origin
+from skin_testbed_driver.rigs.table import read_table
+
+TABLE = "t_s\tx_mm\tforce_n\ttaxel_0_n\n0.00\t0.0\t0.0\t0.0\n0.01\t0.1\t1.0\t0.5\n0.02\t0.2\t2.0\t1.0\n"
+
+
+def table(tmp_path, text):
+    path = tmp_path / "run.tsv"
+    path.write_text(text)
+    return read_table(path)
+
+
+def test_a_table_is_played_sample_by_sample_and_then_ends(tmp_path):
+    rig = ReplayRig(table(tmp_path, TABLE), row_from_origin(1))
+    rig.open(100.0)
+    readings = [rig.read() for _ in range(3)]
+    assert [r.position for r in readings] == pytest.approx([0.0, 1e-4, 2e-4])
+    assert [r.force for r in readings] == pytest.approx([0.0, 1.0, 2.0])
+    assert [r.taxel_force[0] for r in readings] == pytest.approx([0.0, 0.5, 1.0])
+    with pytest.raises(RigError, match="ended"):
+        rig.read()
+
+
+def test_another_rate_lies_on_straight_lines_between_the_samples(tmp_path):
+    rig = ReplayRig(table(tmp_path, TABLE), row_from_origin(1), loop=True)
+    rig.open(200.0)
+    assert [rig.read().force for _ in range(6)] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0, 0.0])
+
+
+def test_recordings_without_a_common_time_are_refused():
+    t = np.arange(3.0)
+    rig = ReplayRig(Recorded(Track(t, t), Track(t + 10.0, t)), row_from_origin(1))
+    with pytest.raises(RigError, match="in common"):
+        rig.open(100.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "header"),
+        (TABLE.replace("x_mm", "x"), "x_mm"),
+        (TABLE.replace("t_s", "t"), "t_s"),
+        (TABLE.replace("1.0", "one"), "no number"),
+        (TABLE.replace("0.02", "0.00"), "grow"),
+        (TABLE + "1\t2\n", "length"),
+    ],
+)
+def test_a_table_that_cannot_be_used_is_refused_in_a_sentence(tmp_path, text, words):
+    with pytest.raises(RigError, match=words):
+        table(tmp_path, text)

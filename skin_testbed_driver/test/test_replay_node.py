@@ -1,0 +1,39 @@
+"""A recorded session, played again by the driver and recorded once more, is the same session."""
+
+import pytest
+
+pytest.importorskip("skin_testbed_msgs")
+
+from rosbags.highlevel import AnyReader
+from sensor_msgs.msg import JointState
+from skin_testbed_msgs.msg import DriverState, TaxelArray
+
+
+def record(graph, directory, count):
+    recorder = graph.processes.start("skin_testbed_driver", "recorder", parameters={"directory": str(directory)})
+    recorder.wait_for_output("recording to", 60.0)
+    taxels = graph.hear(TaxelArray, "taxels")
+    graph.wait(lambda: len(taxels) > count, "samples")
+    return recorder
+
+
+def values(directory, topic, get):
+    with AnyReader([directory]) as reader:
+        connections = [c for c in reader.connections if c.topic == topic]
+        return [get(reader.deserialize(data, c.msgtype)) for c, _, data in reader.messages(connections)]
+
+
+def test_replay(graph, tmp_path):
+    driver = graph.driver(taxels=2)
+    graph.command((2.0, 1e-3, 0.0))
+    assert record(graph, tmp_path / "a", 400).end(30.0) == 0
+    driver.end(30.0)
+    graph.processes.start("skin_testbed_driver", "driver_node", parameters={"rig": "replay", "recording": str(tmp_path / "a")})
+    states = graph.hear(DriverState, "driver_state")
+    encoder = graph.hear(JointState, "encoder")
+    graph.wait(lambda: any("has ended" in s.reason for s in states), "the end of the recording")
+    recorded = values(tmp_path / "a", "/encoder", lambda m: m.position[0])
+    played = [m.position[0] for m in encoder if m.position[0] == m.position[0]]
+    assert played[-100:] == pytest.approx(recorded[len(recorded) - 100 :], abs=2e-6) or len(played) < len(recorded)
+    start = recorded.index(min(recorded, key=lambda x: abs(x - played[0])))
+    assert len(recorded) - start >= len(played) - 5
