@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skin_motion_profiles.control import Controlled
 from skin_motion_profiles.entry import Entry, leaves
 from skin_motion_profiles.limits import Limits
 from skin_motion_profiles.moves import brake, brake_end, line
@@ -94,6 +95,9 @@ def rehearse(plan: Iterable[Stage], start: float, travel: Travel, limits: Limits
     durations, here = [], start
     for stage in plan:
         durations.append(0.0)
+        if isinstance(stage.entries[0], Controlled):
+            stage.entries[0].check_limits(limits, stage.names[0])
+            durations[-1] = stage.entries[0].duration
         if not stage.is_motion:
             continue
         for profile, name in zip(stage.entries, stage.names, strict=True):

@@ -191,6 +191,24 @@ def test_a_stopped_driver_takes_no_goal(bench):
     assert result.error_code == Result.DRIVER_FAULT and "somebody pressed the button" in result.error_string
 
 
+@pytest.mark.parametrize("text, error", [
+    ("{type: explicit_force, forces_n: 6, stiffness_n_mm: 12, deepest_mm: 1.5, speed_mm_s: 4, ramp_n_s: 20, hold_s: 4}", 0.1),
+    ("{type: incremental_force, force_n: 6, deepest_mm: 1.5, duration_s: 6, highest_mm: -0.1, speed_mm_s: 5}", 0.4),
+])  # fmt: skip
+def test_a_controlled_force_is_reached(bench, text, error):
+    result = bench.run(text)
+    assert result.error_code == Result.SUCCESS, result.error_string
+    assert 12000.0 * bench.depth == pytest.approx(6.0, abs=error)
+
+
+def test_a_controlled_force_can_be_cancelled(bench):
+    handle = bench.give("{type: explicit_force, forces_n: 6, stiffness_n_mm: 12, deepest_mm: 1.5, speed_mm_s: 4, hold_s: 30}")
+    bench.moving(0.0002)
+    handle.cancel_goal_async()
+    assert bench.end(handle)[1].error_code == Result.CANCELLED
+    assert bench.depth == pytest.approx(RETRACTED, abs=2e-6)
+
+
 def test_without_a_driver_a_goal_ends_with_a_hint():
     bench = Bench(driver=False)
     try:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from rclpy.time import Time
 from skin_testbed_msgs.action import ExecuteProfile
 
+from skin_motion_profiles.control import Controlled
 from skin_motion_profiles.entry import Action, Entry
 from skin_motion_profiles.errors import ProfileError
 from skin_motion_profiles.plan import Motion, Stage, Travel, rehearse, stages, stop
@@ -17,13 +18,14 @@ from skin_motion_profiles.profile_file import entry_from_text, entry_to_text
 from skin_motion_profiles.ros.asking import Asking
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.settings import Settings
+from skin_motion_profiles.ros.steering import Steering
 from skin_motion_profiles.ros.streaming import HEAD_START, REACTION, Stream
 from skin_motion_profiles.ros.watching import Ended, Watch
 
 Result = ExecuteProfile.Result
 _LOOK = 0.02  # s between two looks at the driver; messages wake it earlier
 
-_MEETING = 2.0  # s
+_MEETING = 5.0  # s
 
 
 class Run:
@@ -63,10 +65,13 @@ class Run:
         self.whole = sum(durations)
         self.announce(entry_to_text(entry))
         for stage, duration in zip(plan, durations, strict=True):
-            if stage.is_motion:
-                self.follow(stage.motion(self.link.depth.value, self.travel()))
-            else:
-                self.perform(stage)
+            match stage.entries[0]:
+                case Action():
+                    self.perform(stage)
+                case Controlled():
+                    self.steer(stage)
+                case _:
+                    self.follow(stage.motion(self.link.depth.value, self.travel()))
             self.done += duration
 
     def meet_driver(self) -> None:
@@ -95,6 +100,19 @@ class Run:
             self.watch.check(self.stream)
             self.stream.hand_over()
             self.feed_back(motion.name_at(self.stream.time()), self.stream.time())
+            self.wait()
+
+    def steer(self, stage: Stage) -> None:
+        """Control the force until its time is over. Raises `Ended`."""
+        steering = Steering(self.link, stage.entries[0], stage.names[0])
+        self.started = self.started or steering.base
+        self.watch.is_quick_enough(stage.entries[0], steering.delay)
+        while not steering.ended():
+            self.stream = steering.stream
+            self.watch.check(self.stream)
+            if steering.time() < stage.entries[0].duration:
+                steering.answer()
+            self.feed_back(stage.names[0], steering.time())
             self.wait()
 
     def perform(self, stage: Stage) -> None:
@@ -140,7 +158,7 @@ class Run:
         length = last.motion.trajectory.duration
         patience = time.monotonic() + length / self.link.rate + 2.0
         while last.time() < length and time.monotonic() < patience and self.watch.alive():
-            self.feed_back("stop", self.stream.time())
+            self.feed_back("stop", 0.0)
             self.wait()
 
     def feed_back(self, segment: str, t: float) -> None:
@@ -148,7 +166,7 @@ class Run:
         if time.monotonic() - self.fed_back < 0.1:
             return
         self.fed_back = time.monotonic()
-        done = self.done + min(max(t, 0.0), self.stream.motion.trajectory.duration if self.stream else 0.0)
+        done = self.done + max(t, 0.0)
         self.publish(
             ExecuteProfile.Feedback(
                 progress=min(done / self.whole, 1.0) if self.whole else 0.0,

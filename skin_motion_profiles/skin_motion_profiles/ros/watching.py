@@ -5,6 +5,7 @@ from collections.abc import Callable
 from skin_testbed_msgs.action import ExecuteProfile
 from skin_testbed_msgs.msg import DriverState
 
+from skin_motion_profiles.control import Controlled
 from skin_motion_profiles.entry import Action
 from skin_motion_profiles.profiles.place import Place
 from skin_motion_profiles.profiles.tare import Tare
@@ -55,6 +56,15 @@ class Watch:
         if isinstance(action, (Place, Tare)) and self.link.depth.value > 0.0:
             where = f"{self.link.depth.value * 1e3:.3f} mm in the skin"
             raise Ended(Result.INVALID_PROFILE, f"{action.label} needs the plunger in the air, but it is {where}: put free_air before it")
+
+    def is_quick_enough(self, controlled: Controlled, delay: float) -> None:
+        """Is a force answered soon enough for this control?"""
+        if delay > controlled.slowest_sampling():
+            raise Ended(
+                Result.INVALID_PROFILE,
+                f"{controlled.label}: a force is answered after {delay * 1e3:.0f} ms, but this control needs it within "
+                f"{controlled.slowest_sampling() * 1e3:.0f} ms: lower its bandwidth, or the time_scale of the rig",
+            )
 
     def check(self, stream: Stream | None) -> None:
         """May the goal go on? `stream` is the motion under way, if there is one."""
