@@ -36,12 +36,24 @@ class Band:
         """Taps of the low-pass; their number less one is a multiple of `every`, so that decimation starts on a whole window."""
         return _low_pass(self.edge, self.dt, self.every)
 
-    def smooth_depth(self, x: np.ndarray) -> np.ndarray:
+    def smooth(self, x: np.ndarray) -> np.ndarray:
         """The depth as effects see it: low-passed far above the band, ends extended, same length."""
-        edge = min(WIDER * self.edge, 0.4 / self.dt)
-        kernel = _low_pass(edge, self.dt)
-        half = kernel.size // 2
-        return oaconvolve(np.pad(x, half, mode="reflect", reflect_type="odd"), kernel, mode="valid")
+        return _filtered(x, self._wide)
+
+    def speed(self, x: np.ndarray) -> np.ndarray:
+        """Its rate of change, by the derivative of the same filter: a central difference would lose 4 % at 8 Hz from 100 Hz data."""
+        half = self._wide.size // 2
+        n = np.arange(-half, half + 1)
+        taps = _differentiator(self._wide_edge, self.dt, n)
+        return _filtered(x, taps / -np.sum(n * self.dt * taps))
+
+    @property
+    def _wide_edge(self) -> float:
+        return min(WIDER * self.edge, 0.4 / self.dt)
+
+    @cached_property
+    def _wide(self) -> np.ndarray:
+        return _low_pass(self._wide_edge, self.dt)
 
     def thin(self, y: np.ndarray) -> np.ndarray:
         """Low-pass the rows of `y` (..., N), drop the edges and decimate; only the samples that are kept are worked out."""
@@ -52,6 +64,19 @@ class Band:
         """The instants of what `thin` returns."""
         half = self.kernel.size // 2
         return t[half : t.size - half : self.every]
+
+
+def _filtered(x: np.ndarray, taps: np.ndarray) -> np.ndarray:
+    half = taps.size // 2
+    return oaconvolve(np.pad(x, half, mode="reflect", reflect_type="odd"), taps, mode="valid")
+
+
+def _differentiator(edge: float, dt: float, n: np.ndarray) -> np.ndarray:
+    """Derivative of the windowed sinc of `_low_pass`, per second."""
+    w, t = 2.0 * np.pi * edge, n * dt
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ideal = np.where(n == 0, 0.0, (w * t * np.cos(w * t) - np.sin(w * t)) / (np.pi * t**2))
+    return ideal * dt * np.kaiser(n.size, 5.0)
 
 
 def _low_pass(edge: float, dt: float, multiple: int = 1) -> np.ndarray:

@@ -19,6 +19,7 @@ from skin_models.model import Model
 MOST_FINDINGS = 5
 SHORTLIST = 4  # causes that are refitted before one is chosen
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
+SHADOW = 0.03  # of the largest fall of a mean square so far, below which a further cause is not named
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
 Progress = Callable[[str], None]
@@ -73,7 +74,8 @@ def criticise(train: list[Session], held: list[Session], given: Model | None = N
         if len(rounds) == MOST_FINDINGS:
             break
         trials = _trials(present, last, train, which, progress)
-        accepted = _first_believed(present, trials, last.noise, train, held, refused)
+        largest = max((n.gain.squares for n in named), default=0.0)
+        accepted = _first_believed(present, trials, last.noise, train, held, refused, largest)
         rounds.append((last, accepted and accepted[1].cause))
         if accepted is None:
             break
@@ -117,8 +119,11 @@ def _trials(present: Fit, last: Survey, train, which: tuple[Direction, ...], pro
     return sorted(trials, key=lambda t: -t.score)
 
 
-def _first_believed(present: Fit, trials: list[_Trial], noise: Whitener, train, held, refused: list[Named]):
-    """The best trial that held-out data support, as (fit, finding), or None. What they do not support is kept in `refused`."""
+def _first_believed(present: Fit, trials: list[_Trial], noise: Whitener, train, held, refused: list[Named], explained: float):
+    """The best trial that held-out data support, as (fit, finding), or None. What they do not support is kept in `refused`.
+
+    `explained` is the largest fall of a mean square so far (N^2): what is small beside it may be the imperfect form of that effect.
+    """
     for trial in trials:
         if trial.score <= 0.0:
             continue
@@ -126,7 +131,7 @@ def _first_believed(present: Fit, trials: list[_Trial], noise: Whitener, train, 
         rivals = [t for t in trials if t is not trial and t.score > trial.score - max(10.0, REACH * trial.score)]
         alternatives = tuple(Rival(t.ranked.cause, t.ranked.where, trial.score - t.score) for t in rivals)
         finding = Named(trial.ranked.cause, trial.ranked.where, gain, trial.score, alternatives)
-        if gain.passed:
+        if gain.passed and gain.squares > SHADOW * explained:
             return trial.fit, finding
         refused.append(finding)
     return None

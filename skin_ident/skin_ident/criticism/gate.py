@@ -18,7 +18,8 @@ from skin_models.model import Model
 
 BLOCK_S = 2.0
 RESAMPLES = 1000
-MATERIAL = 0.01  # fall of the held-out mean square below which an effect is not worth naming
+MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming
+MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
 FOLD_ITERATIONS = 3
 
@@ -43,7 +44,12 @@ class Gain:
     @property
     def passed(self) -> bool:
         """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error."""
-        return self.lower > 0.0 and self.relative > MATERIAL and self.after < self.before
+        return self.lower > 0.0 and self.relative > MATERIAL and self.after < (1.0 - MATERIAL_RMSE) * self.before
+
+    @property
+    def squares(self) -> float:
+        """Fall of the mean square in `channel`, N^2."""
+        return self.before**2 - self.after**2
 
 
 def held_out_gain(

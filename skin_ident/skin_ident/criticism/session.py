@@ -10,6 +10,7 @@ from skin_models.dispersion import Dispersion
 from skin_models.signals import Motion, motion
 
 NOMINAL = 1e4  # N/m, scale of a skin that is known by ratios alone
+JUMP = 0.03
 SHALLOW = 0.1  # of the greatest depth
 PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
 
@@ -41,8 +42,9 @@ class Session:
 def prepare(recording, bad: np.ndarray | None = None) -> Session:
     """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering)."""
     band = Band(recording.dt)
-    drive = band.smooth_depth(recording.force) if recording.depth is None else None
-    s = motion(recording.t, band.smooth_depth(recording.depth) if drive is None else drive / NOMINAL)
+    drive = band.smooth(recording.force) if recording.depth is None else None
+    moved = recording.depth if drive is None else recording.force / NOMINAL
+    s = motion(recording.t, band.smooth(moved), band.speed(moved))
     channels, raw = stacked(recording)
     bad = np.zeros(raw.shape, bool) if bad is None else bad
     measured = band.thin(np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)]))
@@ -70,11 +72,13 @@ def motion_under(session: Session, skin: Dispersion) -> Motion:
 
 
 def without_parting(session: Session, skin: Dispersion) -> Session:
-    """The session less the moments when the plunger may have left the skin behind it, or met it again on its way back.
+    """The session less the moments when the plunger may have left the skin behind it, or met it so fast that the force jumps.
 
-    Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin and says nothing about the rest of the model.
+    Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin, and a jump between two samples cannot be
+    known to better than a sample: neither says anything about the rest of the model.
     """
-    kept = session.band.thin(parted(session.motion, skin).astype(float)) < 0.02
+    left_out = parted(session.motion, skin) | impacts(session.motion, skin)
+    kept = session.band.thin(left_out.astype(float)) < 0.02
     return replace(session, weight=session.weight * kept)
 
 
@@ -82,6 +86,14 @@ def parted(s: Motion, skin: Dispersion) -> np.ndarray:
     """Mask (N,) of samples below the surface at which skin that recovers a little slower than the fitted one would not be touched."""
     slow = replace(skin, b1=PARTING * max(skin.b1, 0.0), b2=PARTING * max(skin.b2, 0.0))
     return (s.x > 0.0) & ~slow.contact(s)
+
+
+def impacts(s: Motion, skin: Dispersion) -> np.ndarray:
+    """Mask (N,) of samples beside a contact made or lost at a speed whose damping force alone is more than `JUMP` of the greatest force."""
+    greatest = (skin.k1 + skin.k2) * max(float(s.x.max()), 1e-9)
+    fast = np.abs((skin.b1 + skin.b2) * s.v) > JUMP * greatest
+    edges = np.diff((s.x > 0.0).astype(int), prepend=int(s.x[0] > 0.0)) != 0
+    return np.convolve(edges & fast, np.ones(5), mode="same") > 0.5
 
 
 def meeting(s: Motion, skin: Dispersion, around: int = 8) -> np.ndarray:

@@ -26,7 +26,7 @@ class Testbed:
         self.simulated_time = {"use_sim_time": True} if time_scale != 1.0 else {}
         driver = {"seed": seed, "time_scale": time_scale, **({"model": str(model)} if model else {})}
         self._ready("skin_testbed_driver", "driver_node", driver)
-        self._ready("skin_motion_profiles", "profile_server", self.simulated_time)
+        self._ready("skin_motion_profiles", "profile_server", {"feedback_timeout": 10.0, **self.simulated_time})
 
     def simulate_beside(self, model: Path, namespace: str) -> None:
         """Start a simulated skin that follows the encoder; it publishes `<namespace>/force` and `<namespace>/taxels`."""

@@ -1,0 +1,141 @@
+"""Every static force that this criticism can imagine: one family of curves with the thesis's model as its plainest member.
+
+    force(r, z) = min( max(A(z) S(r, z) - threshold, 0) + offset + drift * order, ceiling )
+
+    A(z)   level     k z (1 + square z' + cube z'^2), k z'^exponent, or either met `shift` deeper;   z' = z / deepest
+    S      spread    exp(-u^power),  (1 + tail u^2)^(-1 / tail),  a Gaussian averaged over a disc,  or a Gaussian times a polynomial,
+                     with u = |r - centre| / c and c = width (1 + growth (z - mean depth)) (z / mean depth)^depth_power exp(along ratio)
+
+The thesis's model is A = k z (a linear skin) times exp(-(r / c)^2): what the simulated skin does, too.
+
+Sources: thesis eq 27 and section 4.3.4; S. Nadarajah, J. Applied Statistics 32 (2005) 685-694 (generalised Gaussian); K. L. Johnson,
+Contact Mechanics, 1985, ch. 3 (tails of an elastic layer); E. Kreyszig, Advanced Engineering Mathematics, 10th ed., section 11.6 (the
+polynomials of Laguerre, which are orthogonal over a Gaussian's disc).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ive
+
+from skin_ident.criticism.scan.cells import Cells
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One parameter of the family: the value that removes it, the size that matters (see `sizes`), bounds, unit."""
+
+    name: str
+    unit: str
+    neutral: float
+    lower: float
+    upper: float
+
+
+_INF = float("inf")
+QUANTITIES = {
+    q.name: q
+    for q in (
+        Quantity("width", "m", np.nan, 1e-7, 10.0),
+        Quantity("power", "1", 2.0, 0.6, 12.0),
+        Quantity("tail", "1", 0.0, 0.0, 0.95),
+        Quantity("disc", "m", 0.0, 0.0, 10.0),
+        Quantity("bend2", "1", 0.0, -0.6, 0.6),
+        Quantity("bend3", "1", 0.0, -0.6, 0.6),
+        Quantity("bend4", "1", 0.0, -0.6, 0.6),
+        Quantity("growth", "1/m", 0.0, -1e6, 1e6),
+        Quantity("depth_power", "1", 0.0, -1.0, 1.0),
+        Quantity("centre", "m", 0.0, -1.0, 1.0),
+        Quantity("ratio", "1", 0.0, -2.0, 2.0),
+        Quantity("offset", "N", 0.0, -_INF, _INF),
+        Quantity("drift", "N", 0.0, -_INF, _INF),
+        Quantity("threshold", "N", 0.0, 0.0, _INF),
+        Quantity("ceiling", "N", _INF, 0.0, _INF),
+        Quantity("square", "1", 0.0, -5.0, 20.0),
+        Quantity("cube", "1", 0.0, -20.0, 20.0),
+        Quantity("exponent", "1", 1.0, 0.1, 6.0),
+        Quantity("shift", "m", 0.0, -0.1, 0.1),
+    )
+}
+Values = dict[str, float]
+
+
+def plain(width: float) -> Values:
+    """The thesis's model with a width (m): every other parameter at the value that removes it."""
+    return {name: q.neutral for name, q in QUANTITIES.items()} | {"width": width}
+
+
+def sizes(cells: Cells, width: float) -> Values:
+    """What is an ordinary amount of each parameter in these scans; steps of derivatives and bounds of `excluded` refer to it."""
+    mean, deepest = cells.depth_span
+    force = float(np.percentile(np.abs(cells.y), 98.0))
+    relative = {"power": 0.5, "tail": 0.1, "bend2": 0.05, "bend3": 0.05, "bend4": 0.05, "depth_power": 0.1, "ratio": 0.1}
+    level = {"square": 0.2, "cube": 0.2, "exponent": 0.2, "shift": 0.1 * deepest, "growth": 0.2 / max(deepest, 1e-9)}
+    lengths = {"width": 0.1 * width, "disc": 0.8 * width, "centre": 0.15 * width}
+    return relative | level | lengths | {name: 0.04 * force for name in ("offset", "drift", "threshold", "ceiling")}
+
+
+@dataclass(frozen=True, eq=False)
+class Scale:
+    """Depths that the family is written about, m: fixed once per diagnosis, so that values keep their meaning. `law` maps depth to
+    the level of a given model per its own size (None: the depth over the deepest)."""
+
+    mean: float
+    deepest: float
+    law: object = None
+
+
+def level(p: Values, z: np.ndarray, scale: Scale) -> np.ndarray:
+    """A(z) for a size of 1: the deepest row of a linear skin has level 1."""
+    tip = np.maximum(z - p["shift"], 0.0)
+    d = tip / scale.deepest
+    base = scale.law(tip) if scale.law is not None else d
+    if p["exponent"] != 1.0:
+        base = base * np.maximum(d, 1e-9) ** (p["exponent"] - 1.0)
+    return base * (1.0 + p["square"] * d + p["cube"] * d * d)
+
+
+def spread(p: Values, cells: Cells, scale: Scale) -> np.ndarray:
+    """S(r, z), 1 at the centre (but for the polynomial)."""
+    c = p["width"] * np.maximum(1.0 + p["growth"] * (cells.z - scale.mean), 0.1) * np.exp(p["ratio"] * cells.along)
+    if p["depth_power"]:
+        c = c * (cells.z / scale.mean) ** p["depth_power"]
+    r = np.abs(cells.r - p["centre"])
+    if p["disc"] > 0.0:
+        return disc_of_gaussian(r, c, p["disc"])
+    u = r / c
+    if p["tail"] > 1e-7:
+        return np.exp(-np.log1p(p["tail"] * u * u) / p["tail"])
+    v = u * u
+    s = np.exp(-v) if p["power"] == 2.0 else np.exp(-(u ** p["power"]))
+    if p["bend2"] or p["bend3"] or p["bend4"]:
+        l2, l3 = 0.5 * v * v - 2.0 * v + 1.0, ((-v / 6.0 + 1.5) * v - 3.0) * v + 1.0
+        l4 = (((v / 24.0 - 2.0 / 3.0) * v + 3.0) * v - 4.0) * v + 1.0
+        s = s * (1.0 + p["bend2"] * l2 + p["bend3"] * l3 + p["bend4"] * l4)
+    return s
+
+
+_X, _W = np.polynomial.legendre.leggauss(16)
+
+
+def disc_of_gaussian(r: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
+    """A Gaussian of width c averaged over a disc, at distance r, over its value at the centre; all m."""
+    q = 0.5 * radius * (_X + 1.0)
+    weight = _W * q
+    c2 = np.asarray(c)[..., None] ** 2
+    inner = np.exp(-((r[..., None] - q) ** 2) / c2) * ive(0, 2.0 * r[..., None] * q / c2)
+    return (inner @ weight) / (np.exp(-(q**2) / c2) @ weight)
+
+
+def sensed(p: Values, through: np.ndarray, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
+    """What the taxel reads of the force that reaches it (N,), and the derivative of one by the other."""
+    passed = through - p["threshold"]
+    slope = np.ones_like(through)
+    if p["threshold"] > 0.0:
+        slope = (passed > 0.0).astype(float)
+        passed = np.maximum(passed, 0.0)
+    y = passed + p["offset"] + p["drift"] * cells.order
+    if np.isfinite(p["ceiling"]):
+        slope = slope * (y < p["ceiling"])
+        y = np.minimum(y, p["ceiling"])
+    return y, slope

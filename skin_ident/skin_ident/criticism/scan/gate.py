@@ -1,0 +1,136 @@
+"""The gate: a cause is believed when depths and distances that were not used to fit it are predicted better.
+
+Every depth is left out in turn, and every distance in turn (or whole scans, where some are held out for good). A depth left out is
+predicted entirely where the cause bends the level or the reading; where it bends the spread, the size of that depth alone is fitted
+again, from every other column, and the columns between are predicted. A distance left out is predicted entirely. The squared errors of
+depths (of distances) are resampled as blocks: B. Efron, R. Tibshirani, An Introduction to the Bootstrap, 1993, ch. 8.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from skin_ident.criticism.scan.candidates import Candidate
+from skin_ident.criticism.scan.cells import Cells
+from skin_ident.criticism.scan.fitting import Member, fit
+from skin_ident.criticism.scan.whitening import Noise
+
+RESAMPLES = 1000
+DOUBT = 5.0  # percentile of the resampled gain that must be above zero
+FEWEST = 4  # groups that must be left out in turn before their resampling means anything
+ITERATIONS, TOLERANCE = 4, 1e-3
+SIZED_AGAIN, WHOLE = "spread", "whole"
+
+
+@dataclass(frozen=True, eq=False)
+class Test:
+    """How to hold out: `held` are cells of scans never used to fit; without them depths and distances are left out in turn."""
+
+    __test__ = False  # no test for pytest
+
+    start: Member
+    held: Cells | None = None
+    known: dict = field(default_factory=dict)  # errors of models that were asked for before
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Held-out RMSE before and after, N, and the 95 % interval of its fall; `relative` is the fall of the weighted mean square over
+    depths left out, `lower` its lower bound, `across` the same over distances left out (NaN where there are too few)."""
+
+    before: float
+    after: float
+    ci95: tuple[float, float]
+    relative: float
+    lower: float
+    across: float
+    held_out: str
+
+    @property
+    def passed(self) -> bool:
+        """Better beyond doubt at depths unseen, not worse at distances unseen, and better in newtons."""
+        across_too = not np.isfinite(self.across) or self.across > 0.0
+        return self.lower > 0.0 and across_too and self.after < self.before
+
+
+def gain_of(before: Member, after: Member, c: Candidate, noise: Noise, cells: Cells, test: Test) -> Gain:
+    """What `after` gains over `before` on cells that were not used to fit either."""
+    how = SIZED_AGAIN if c.bends == "spread" else WHOLE
+    if test.held is not None:
+        errors = [held_scans(m, test.held, how) for m in (before, after)]
+        return _gain(errors, np.ones(len(test.held)), test.held.row, np.nan, "the scans held out")
+    weight = 1.0 / noise.total() ** 2
+    errors = [left_out(m, cells, noise, cells.row, how, test) for m in (before, after)]
+    across = [left_out(m, cells, noise, cells.column, WHOLE, test) for m in (before, after)]
+    fall = _fall(across, weight) if np.unique(cells.column).size >= FEWEST else np.nan
+    words = "each depth in turn" + (", its size fitted to every other distance" if how == SIZED_AGAIN else "")
+    if np.unique(cells.row).size < FEWEST:
+        return _gain(across, weight, cells.column, fall, "each distance in turn")
+    return _gain(errors, weight, cells.row, fall, words)
+
+
+def left_out(m: Member, cells: Cells, noise: Noise, groups: np.ndarray, how: str, test: Test | None = None) -> np.ndarray:
+    """Errors (N,) of cells predicted by a fit to all other groups, N."""
+    key = (m.free, m.k_free, tuple(m.values.items()), how, groups is cells.row, id(noise))
+    if test is not None and key in test.known:
+        return test.known[key][1]
+    e = np.empty(len(cells))
+    for g in np.unique(groups):
+        out = groups == g
+        fitted = fit(m, cells.only(~out), noise.whitener(~out), ITERATIONS, TOLERANCE).member
+        e[out] = _errors(fitted, cells.only(out), how)
+    if test is not None:
+        test.known[key] = (noise, e)  # the noise is kept alive, so that its id stays its own
+    return e
+
+
+def held_scans(m: Member, held: Cells, how: str) -> np.ndarray:
+    """Errors (N,) in scans that were not fitted; the skin's stiffness there is not known, so its size comes from every other column."""
+    if how == SIZED_AGAIN:
+        parts = [(held.row == row) for row in np.unique(held.row)]
+    else:
+        parts = [(held.scan == scan) for scan in held.scans]
+    e = np.empty(len(held))
+    for part in parts:
+        e[part] = _errors(m, held.only(part), SIZED_AGAIN)
+    return e
+
+
+def _errors(m: Member, out: Cells, how: str) -> np.ndarray:
+    if how == WHOLE:
+        return out.y - m.predict(out)
+    e = np.empty(len(out))
+    by_distance = np.argsort(np.argsort(out.column, kind="stable"), kind="stable") % 2
+    for half in (0, 1):
+        seen, asked = out.only(by_distance == half), out.only(by_distance != half)
+        e[by_distance != half] = asked.y - resized(m, seen).predict(asked)
+    return e
+
+
+def resized(m: Member, seen: Cells) -> Member:
+    """`m` with all sizes changed by the factor that fits some cells best (never below zero)."""
+    factor = 1.0
+    for _ in range(3 if m.values["threshold"] or np.isfinite(m.values["ceiling"]) else 1):
+        now = Member(m.values, m.k * factor, m.free, m.scale, m.steps, m.k_free)
+        through = now.through(seen)
+        e = seen.y - now.predict(seen)
+        factor = max(factor * (1.0 + float(e @ through) / max(float(through @ through), 1e-300)), 0.0)
+    return Member(m.values, m.k * factor, m.free, m.scale, m.steps, m.k_free)
+
+
+def _fall(errors: list[np.ndarray], weight: np.ndarray) -> float:
+    before, after = ((e**2 * weight).sum() for e in errors)
+    return float(1.0 - after / max(before, 1e-300))
+
+
+def _gain(errors: list[np.ndarray], weight: np.ndarray, groups: np.ndarray, across: float, words: str) -> Gain:
+    index = np.unique(groups, return_inverse=True)[1]
+    n = index.max() + 1
+    draws = np.random.default_rng(0).integers(0, n, (RESAMPLES, n))
+    weighted = [np.bincount(index, e**2 * weight)[draws].sum(axis=1) for e in errors]
+    count = np.bincount(index)[draws].sum(axis=1)
+    rms = [np.sqrt(np.bincount(index, e**2)[draws].sum(axis=1) / count) for e in errors]
+    falls = 1.0 - weighted[1] / np.maximum(weighted[0], 1e-300)
+    low, high = np.percentile(rms[0] - rms[1], [2.5, 97.5])
+    before, after = (float(np.sqrt(np.mean(e**2))) for e in errors)
+    return Gain(before, after, (float(low), float(high)), _fall(errors, weight), float(np.percentile(falls, DOUBT)), across, words)

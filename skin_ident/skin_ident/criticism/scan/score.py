@@ -1,0 +1,71 @@
+"""How much a cause is worth: a likelihood ratio, brought down for noise that is known from few rows or columns, less a charge.
+
+The estimate of a cause's size is a weighted sum of the cells. Its variance has a part from the cells by themselves, one from the
+placing of columns and one from the repeat of rows, and each of these is known from its own number of degrees of freedom. By
+Satterthwaite's rule the whole then has about
+
+    nu = (v_cells + v_columns + v_rows)^2 / (v_cells^2 / nu_cells + v_columns^2 / nu_columns + v_rows^2 / nu_rows)
+
+so the ratio is an F; it is turned into the chi-square of the same rarity.
+
+Source: F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110-114.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+from scipy.stats import f as f_distribution
+
+from skin_ident.criticism.scan.cells import Cells
+from skin_ident.criticism.scan.fitting import Fit, jacobian
+from skin_ident.criticism.scan.whitening import Noise, Whitener
+
+CHARGE = 8.0  # squared units of the noise: about one false name in 300 scans for each cause that is tried
+MANY = 60.0  # degrees of freedom from which an F is taken for a chi-square
+USED = 5  # columns' or rows' degrees of freedom that the directions of the family use up, at most
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """Judges fits in one noise whose overall scale is known from `spare` degrees of freedom."""
+
+    noise: Noise
+    whitener: Whitener
+    cells: Cells
+    spare: int
+
+    def score(self, fall: float, after: Fit, names: tuple[str, ...], count: int) -> float:
+        """Worth of a fall of the cost that `count` parameters (among them `names`) gave in the fit `after`."""
+        if fall <= 0.0 or count == 0:
+            return -CHARGE
+        return rarity(fall, count, self.degrees(after, names)) - count * float(np.log(len(self.cells))) - CHARGE
+
+    def degrees(self, after: Fit, names: tuple[str, ...]) -> float:
+        """The least degrees of freedom behind the estimates of `names`, or of the sizes where there are none."""
+        n, m = self.noise, after.member
+        if n.placing == 0.0 and n.repeat == 0.0:
+            return float(self.spare)
+        J = jacobian(m, self.cells)
+        W = self.whitener.apply(J)
+        weights = self.whitener.solve(J) @ np.linalg.pinv(W.T @ W)  # (N, unknowns): each estimate is weights.T @ y
+        picked = [m.free.index(name) for name in names if name in m.free] or list(range(len(m.free), weights.shape[1]))
+        return min(self._degrees(weights[:, i]) for i in picked) if picked else float(self.spare)
+
+    def _degrees(self, w: np.ndarray) -> float:
+        n = self.noise
+        parts = [float(w @ (n.variance() * w)), _grouped(w * n.placing * n.slope, n.column), _grouped(w * n.repeat * n.through, n.row)]
+        known = [self.spare, max(np.unique(n.column).size - USED, 2), max(np.unique(n.row).size - USED, 2)]
+        return sum(parts) ** 2 / max(sum(p * p / k for p, k in zip(parts, known, strict=True)), 1e-300)
+
+
+def _grouped(x: np.ndarray, group: np.ndarray) -> float:
+    return float(np.sum(np.bincount(group, x) ** 2))
+
+
+def rarity(fall: float, count: int, degrees: float) -> float:
+    """The chi-square with `count` degrees of freedom that is as rare as the fall is as `count` times an F."""
+    if degrees > MANY:
+        return fall
+    log_p = float(f_distribution.logsf(fall / count, count, degrees))
+    return float(chi2.isf(np.exp(max(log_p, -600.0)), count))
