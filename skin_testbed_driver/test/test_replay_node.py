@@ -33,7 +33,7 @@ def test_replay(graph, tmp_path):
     encoder = graph.hear(JointState, "encoder")
     graph.wait(lambda: any("has ended" in s.reason for s in states), "the end of the recording")
     recorded = values(tmp_path / "a", "/encoder", lambda m: m.position[0])
-    played = [m.position[0] for m in encoder if m.position[0] == m.position[0]]
-    assert played[-100:] == pytest.approx(recorded[len(recorded) - 100 :], abs=2e-6) or len(played) < len(recorded)
-    start = recorded.index(min(recorded, key=lambda x: abs(x - played[0])))
-    assert len(recorded) - start >= len(played) - 5
+    played = [m.position[0] for m in encoder if m.position[0] == m.position[0]]  # without NaN: nothing comes after the end
+    assert len(played) > 100
+    ends = [recorded[len(recorded) - len(played) - i : len(recorded) - i] for i in range(3)]  # force may have ended a sample earlier
+    assert any(played == pytest.approx(end, abs=1e-12) for end in ends)
