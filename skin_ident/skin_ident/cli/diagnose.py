@@ -63,7 +63,9 @@ def summary(findings: dict[str, Any]) -> str:
         gain = f["gain"]
         if gain["held_out_rmse_before"] is not None and gain["held_out_rmse_before"] != gain["held_out_rmse_after"]:
             interval = f"falls by {gain['ci95'][0]:.3g} to {gain['ci95'][1]:.3g} {gain['unit']}, 95 %"
-            lines.append(f"    held-out error of {gain['channel']}: {gain['held_out_rmse_before']:.3g} -> {gain['held_out_rmse_after']:.3g} {gain['unit']} ({interval})")
+            lines.append(
+                f"    held-out error of {gain['channel']}: {gain['held_out_rmse_before']:.3g} -> {gain['held_out_rmse_after']:.3g} {gain['unit']} ({interval})"
+            )
         lines += [f"    cannot be told from: {a['cause']} in the {a['where']}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
     lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]
@@ -84,8 +86,12 @@ def progress_line() -> Callable[[str], None]:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
     common.add_recordings(parser)
-    parser.add_argument("--model", metavar="YAML", help="the simulation to criticise; left out: the dispersion model fitted to the recordings")
-    parser.add_argument("--hold-out", nargs="+", default=[], metavar="RECORDING", help="sessions never used to fit; left out: each session in turn")
+    parser.add_argument(
+        "--model", metavar="YAML", help="the simulation to criticise; left out: the dispersion model fitted to the recordings"
+    )
+    parser.add_argument(
+        "--hold-out", nargs="+", default=[], metavar="RECORDING", help="sessions never used to fit; left out: each session in turn"
+    )
     parser.add_argument("--out", required=True, metavar="DIR", help="where findings.json, model.yaml and report.html go")
     return parser
 

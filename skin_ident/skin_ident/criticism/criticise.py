@@ -57,7 +57,9 @@ class Criticism:
     rounds: tuple[tuple[Survey, str | None], ...] = ()
 
 
-def criticise(train: list[Session], held: list[Session], given: Model | None = None, progress: Progress = lambda stage: None, mass: float = 0.0) -> Criticism:
+def criticise(
+    train: list[Session], held: list[Session], given: Model | None = None, progress: Progress = lambda stage: None, mass: float = 0.0
+) -> Criticism:
     """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg."""
     which = directions(train[0])
     progress("fitting the baseline")

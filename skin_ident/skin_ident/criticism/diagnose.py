@@ -8,7 +8,7 @@ import numpy as np
 from skin_ident.criticism.criticise import Criticism, criticise
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.findings import as_findings
-from skin_ident.criticism.leftover import is_systematic, systematic_rest
+from skin_ident.criticism.leftover import systematic_rest
 from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.residual import simulated
@@ -19,7 +19,9 @@ MASS_PER_THICKNESS = 0.108  # kg/m
 BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out
 
 
-def diagnose(recordings: list, hold_out: list | None = None, model: Model | None = None, progress: Callable[[str], None] = lambda stage: None) -> Outcome:
+def diagnose(
+    recordings: list, hold_out: list | None = None, model: Model | None = None, progress: Callable[[str], None] = lambda stage: None
+) -> Outcome:
     """Criticise the dispersion model, or `model`, on `recordings`; `hold_out` are sessions never used to fit.
 
     Raises `DiagnosisError` where the sessions do not belong together or lack what is needed.
@@ -35,7 +37,8 @@ def diagnose(recordings: list, hold_out: list | None = None, model: Model | None
     c = criticise(train, held, model, progress, skin_mass(every[0]))
     progress("asking what is left")
     rest = systematic_rest(c.last, train, held)
-    verdict = _verdict(bool(c.named or looked.symptoms), is_systematic(*rest))
+    explained = max((n.gain.squares for n in c.named), default=0.0)
+    verdict = _verdict(bool(c.named or looked.symptoms), rest.is_systematic(explained))
     findings = as_findings(c, looked.symptoms, every, train, held, rest, verdict, model is not None)
     shown = looked.sessions if len(every) > 1 else looked.sessions[:1]
     traces = tuple(_trace(c, s, any(s is h for h in held)) for s in shown)

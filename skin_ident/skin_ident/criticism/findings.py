@@ -7,6 +7,7 @@ import numpy as np
 from skin_ident.criticism.bounds import excluded_and_untestable
 from skin_ident.criticism.criticise import Criticism, Named
 from skin_ident.criticism.growing import instances
+from skin_ident.criticism.leftover import Rest
 from skin_ident.criticism.residual import residual, rmse
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -29,7 +30,10 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
     parameters = {
         u.label: {"value": float(v), "unit": u.parameter.unit, "std": std.get(u.label)} for u, v in zip(which, present, strict=True)
     }
-    errors = {part: rmse([residual(model, s) for s in sessions], sessions) if sessions else {} for part, sessions in (("train", train), ("held_out", held))}
+    errors = {
+        part: rmse([residual(model, s) for s in sessions], sessions) if sessions else {}
+        for part, sessions in (("train", train), ("held_out", held))
+    }
     channels = train[0].channels
     return {
         "model": model.name,
@@ -107,7 +111,12 @@ def noise_floor(c: Criticism, train: list[Session]) -> dict[str, Any]:
     for i, channel in enumerate(train[0].channels):
         rows = [(residual(c.extended.model, s)[i])[s.weight[i] > 0] for s in train]
         e = np.concatenate(rows)
-        floor[channel] = {"rms": float(np.sqrt(np.mean(e**2))), "unit": "N", "lag_one": float(np.corrcoef(e[1:], e[:-1])[0, 1]), "band_hz": float(train[0].band.edge)}
+        floor[channel] = {
+            "rms": float(np.sqrt(np.mean(e**2))),
+            "unit": "N",
+            "lag_one": float(np.corrcoef(e[1:], e[:-1])[0, 1]),
+            "band_hz": float(train[0].band.edge),
+        }
     return floor
 
 
@@ -124,7 +133,9 @@ def telemetry_words(recordings: list, symptoms: tuple[Symptom, ...], given: bool
     return words
 
 
-def as_findings(c: Criticism, symptoms, recordings: list, train: list[Session], held: list[Session], rest: tuple[float, float], verdict: str, given: bool) -> dict[str, Any]:
+def as_findings(
+    c: Criticism, symptoms, recordings: list, train: list[Session], held: list[Session], rest: Rest, verdict: str, given: bool
+) -> dict[str, Any]:
     """The whole of findings.json."""
     baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, train, held)
     entries = [seen(s, baseline) for s in symptoms] + [found(n, c.extended.model, c.extended.std) for n in c.named]
@@ -132,14 +143,30 @@ def as_findings(c: Criticism, symptoms, recordings: list, train: list[Session], 
     excluded, untestable = excluded_and_untestable(c.last.projected, named, telemetry_words(recordings, symptoms, given))
     return {
         "schema": SCHEMA,
-        "recordings": [{"name": r.name, "samples": len(r), "seconds": float(r.t[-1] - r.t[0]), "rate_hz": float(1.0 / r.dt), "held_out": any(r.name == s.name for s in held), "warnings": list(r.warnings)} for r in recordings],
+        "recordings": [
+            {
+                "name": r.name,
+                "samples": len(r),
+                "seconds": float(r.t[-1] - r.t[0]),
+                "rate_hz": float(1.0 / r.dt),
+                "held_out": any(r.name == s.name for s in held),
+                "warnings": list(r.warnings),
+            }
+            for r in recordings
+        ],
         "baseline": baseline,
         "findings": entries,
         "excluded": excluded,
         "untestable": untestable,
         "extended": described(c.extended.model, c.extended.unknowns, c.extended.std, train, held),
         "noise_floor": noise_floor(c, train),
-        "systematic_rest": {"fall_of_mean_square": rest[0], "lower_bound": rest[1]},
+        "systematic_rest": {
+            "fall_of_mean_square": rest.fall,
+            "lower_bound": rest.lower,
+            "rmse_before": rest.before,
+            "rmse_after": rest.after,
+            "unit": "N",
+        },
         "verdict": verdict,
         "warnings": _warnings(recordings, held),
     }
@@ -149,5 +176,7 @@ def _warnings(recordings: list, held: list[Session]) -> list[str]:
     """What the reader must know before believing any of it."""
     warnings = [f"{r.name}: {w}" for r in recordings for w in (*r.warnings, *r.declared.warnings)]
     if len(recordings) == 1:
-        warnings.append("only one session: blocks of it were held out instead of a session, which passes more than it should; record a second one")
+        warnings.append(
+            "only one session: blocks of it were held out instead of a session, which passes more than it should; record a second one"
+        )
     return warnings

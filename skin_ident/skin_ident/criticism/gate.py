@@ -63,7 +63,9 @@ def held_out_gain(
         pairs = [(s, before, after) for s in held]
         said = ", ".join(s.name for s in held)
     elif len(train) > 1:
-        pairs = [(s, *_refitted((before, refit_before), (after, fit), sessions=[o for o in train if o is not s], noise=noise)) for s in train]
+        pairs = [
+            (s, *_refitted((before, refit_before), (after, fit), sessions=[o for o in train if o is not s], noise=noise)) for s in train
+        ]
         said = "each session in turn"
     else:
         pairs = [(s, before, after) for s in train]

@@ -48,7 +48,9 @@ def inspect(recordings: list) -> Inspected:
     late += find_interference(channels, rest, recordings[0].dt, n)
     symptoms += [s for s in late if not dead & set(s.channels)]
     bad = {r.name: _bad_samples(r.name, sessions[0].channels, len(r), symptoms) for r in recordings}
-    return Inspected(tuple(symptoms), [prepare(r, bad[r.name]) if bad[r.name].any() else s for r, s in zip(recordings, sessions, strict=True)])
+    return Inspected(
+        tuple(symptoms), [prepare(r, bad[r.name]) if bad[r.name].any() else s for r, s in zip(recordings, sessions, strict=True)]
+    )
 
 
 def _first_fit(sessions: list[Session]) -> Model:

@@ -43,7 +43,7 @@ NOTHING = "none"
 SESSIONS = 3
 # No search for the surface: it ends where the load cell first feels it, some 15 um deep, and the diagnosis would rightly name that.
 TARE = "{type: battery, profiles: [{type: free_air, clearance_mm: 1.0, duration_s: 0.5}, {type: tare}]}"
-FASTER = 5.0  # than real time
+FASTER = 4.0  # than real time
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
