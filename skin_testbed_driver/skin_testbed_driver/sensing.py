@@ -66,23 +66,23 @@ class Differentiator:
 
 
 class Stuckness:
-    """Which of several signals repeat their raw value while the drive changes by more than `change`."""
+    """Which of several signals repeat their raw value while what drives them goes farther than `change` from where it was."""
 
-    def __init__(self, count: int, samples: int, change: float) -> None:
-        """`count` signals; `samples` repeats are needed."""
-        self._last = np.full(count, np.nan)
-        self._repeats = np.zeros(count, int)
-        self._lowest, self._highest = np.full(count, np.inf), np.full(count, -np.inf)
-        self._samples, self._change = samples, change
+    def __init__(self, change: np.ndarray, samples: int) -> None:
+        """`change` (n,), in the unit of each signal's drive; `samples` repeats are needed."""
+        self._change, self._samples = change, samples
+        self._last = np.full(change.size, np.nan)
+        self._repeats = np.zeros(change.size, int)
+        self._start, self._farthest = np.zeros(change.size), np.zeros(change.size)
 
-    def add(self, raw: np.ndarray, drive: float) -> np.ndarray:
-        """Take one more sample (count,) and what drives it; gives booleans (count,)."""
+    def add(self, raw: np.ndarray, drive: np.ndarray) -> np.ndarray:
+        """Take one more sample (n,) and what drives it (n,); gives booleans (n,)."""
         same = raw == self._last
         self._last = raw
-        self._repeats = np.where(same, self._repeats + 1, 0)
-        self._lowest = np.where(same, np.minimum(self._lowest, drive), drive)
-        self._highest = np.where(same, np.maximum(self._highest, drive), drive)
-        return (self._repeats >= self._samples) & (self._highest - self._lowest > self._change)
+        self._repeats = (self._repeats + 1) * same
+        self._start = np.where(same, self._start, drive)
+        self._farthest = np.fmax(np.where(same, self._farthest, 0.0), np.abs(drive - self._start))  # fmax: a drive may be NaN for a while
+        return (self._repeats >= self._samples) & (self._farthest > self._change)
 
 
 class Sensing:
@@ -93,19 +93,24 @@ class Sensing:
         count, repeats = calibration.taxels.size, max(round(stuck_time / period), 2)
         self.calibration, self.zero = calibration, zero
         self.force_offset, self.taxel_offset = 0.0, np.zeros(count)
-        self.load_cell_stuck = False
         self._speed = Differentiator(speed_samples, period)
-        self._load_cell, self._taxels = Stuckness(1, repeats, _STUCK_DEPTH), Stuckness(count, repeats, _STUCK_FORCE)
+        # The load cell first: the plunger's depth drives it, and the load drives the taxels.
+        self._stuck = Stuckness(np.array([_STUCK_DEPTH] + count * [_STUCK_FORCE]), repeats)
 
     def sample(self, r: Reading) -> Sample:
         """The sample of one reading."""
         depth = r.position - self.zero
-        load, force = self._force(r, depth)
-        untared, status = self._taxel(r, load)
+        volts = not math.isnan(r.load_cell_voltage)
+        load = self.calibration.force(r.load_cell_voltage) if volts else r.force
+        stuck = self._repeating(r, r.load_cell_voltage if volts else r.force, depth, load)
+        load = math.nan if stuck[0] else load
+        saturated = abs(r.load_cell_voltage) >= LOAD_CELL_FULL_SCALE
+        untared, status = self._taxel(r, stuck[1:])
         return Sample(
-            depth=depth, speed=self._speed.add(depth), force=force, force_voltage=r.load_cell_voltage,
-            taxel_force=untared - self.taxel_offset, taxel_voltage=r.taxel_voltage, taxel_status=status,
-            position=r.position, load=load, taxel_untared=untared, force_truth=r.force_truth, taxels_truth=r.taxels_truth,
+            depth=depth, speed=self._speed.add(depth), force=math.nan if saturated else load - self.force_offset,
+            force_voltage=r.load_cell_voltage, taxel_force=untared - self.taxel_offset, taxel_voltage=r.taxel_voltage,
+            taxel_status=status, position=r.position, load=load, taxel_untared=untared,
+            force_truth=r.force_truth, taxels_truth=r.taxels_truth,
         )  # fmt: skip
 
     def move_zero(self, depth: float) -> None:
@@ -113,15 +118,14 @@ class Sensing:
         self.zero += depth
         self._speed.clear()
 
-    def _force(self, r: Reading, depth: float) -> tuple[float, float]:
-        raw = r.force if math.isnan(r.load_cell_voltage) else r.load_cell_voltage
-        load = r.force if math.isnan(r.load_cell_voltage) else self.calibration.force(r.load_cell_voltage)
+    def _repeating(self, r: Reading, load_cell: float, depth: float, load: float) -> np.ndarray:
+        raw, drive = np.empty(self.taxel_offset.size + 1), np.empty(self.taxel_offset.size + 1)
+        raw[0], raw[1:] = load_cell, r.taxel_voltage if r.taxel_voltage.size else r.taxel_force
         # In the air a quiet cell may well repeat itself.
-        self.load_cell_stuck = bool(self._load_cell.add(np.array([raw]), max(depth, 0.0))[0])
-        trusted = not self.load_cell_stuck and not abs(r.load_cell_voltage) >= LOAD_CELL_FULL_SCALE
-        return load if not self.load_cell_stuck else math.nan, load - self.force_offset if trusted else math.nan
+        drive[0], drive[1:] = max(depth, 0.0), load
+        return self._stuck.add(raw, drive)
 
-    def _taxel(self, r: Reading, load: float) -> tuple[np.ndarray, np.ndarray]:
+    def _taxel(self, r: Reading, stuck: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         volts = r.taxel_voltage.size > 0
         raw = r.taxel_voltage if volts else r.taxel_force
         force = self.calibration.taxel_force(raw) if volts else raw
@@ -129,7 +133,6 @@ class Sensing:
         status[np.isnan(force)] = UNCALIBRATED
         if volts:
             status[raw >= TAXEL_FULL_SCALE] = SATURATED
-        if not math.isnan(load):
-            status[self._taxels.add(raw, load)] = STUCK
+        status[stuck] = STUCK
         status[np.isnan(raw)] = STALE
         return np.where(status == OK, force, np.nan), status

@@ -138,11 +138,11 @@ class DriverNode(LifecycleNode):
 
     def _tick(self, stamp_ns: int) -> None:
         try:
-            self._stamp_ns = stamp_ns
+            self._stamp_ns, stamp = stamp_ns, _stamp(stamp_ns)
             self._sample = self._testbed.tick((stamp_ns - self._epoch) * 1e-9)
             if self._sample is not None:
-                self._publishing.sample(self._sample, _stamp(stamp_ns))
-            self._publishing.stage(self._testbed.rig.placed(), _stamp(stamp_ns))
+                self._publishing.sample(self._sample, stamp)
+            self._publishing.stage(stamp)
             status = self._testbed.status()
             if status != self._published:
                 self._publish_state(status)

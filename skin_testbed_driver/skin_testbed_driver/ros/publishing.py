@@ -80,13 +80,15 @@ class Publishing:
         message.force, message.status = floats(truth), array("B", bytes(truth.size))
         self._truth.publish(message)
 
-    def stage(self, place: tuple[float, float] | None, stamp: Time) -> None:
+    def stage(self, stamp: Time) -> None:
         """Publish now and then which point of the skin is under the plunger, where that is known."""
         self._ticks += 1
-        if self._stage is not None and place is not None and self._ticks % self._stage_period == 0:
-            message = PointStamped(point=Point(x=place[0], y=place[1]))
-            message.header.stamp, message.header.frame_id = stamp, self._settings.skin_frame
-            self._stage.publish(message)
+        if self._stage is None or self._ticks % self._stage_period:
+            return
+        x, y = self._rig.placed()
+        message = PointStamped(point=Point(x=x, y=y))
+        message.header.stamp, message.header.frame_id = stamp, self._settings.skin_frame
+        self._stage.publish(message)
 
     def describe(self, stamp: Time) -> None:
         """Publish once what does not change: where the taxels are, the rig's facts, the calibration in use."""

@@ -1,0 +1,162 @@
+"""How well the driver keeps its time, beside what a user would write instead.
+
+    ./skin bench sampling [--seconds 10] [--rates 100 500 1000] [--taxels 4 64]
+
+Same machine, same minute, same messages (JointState, WrenchStamped, TaxelArray):
+    driver       the installed driver with its simulated rig
+    rclpy timer  a node whose timer publishes, on SingleThreadedExecutor: what a tutorial shows
+    bare loop    time.sleep to absolute deadlines, nothing else: what this machine can do
+
+Every publisher is a process of its own; period and latency are those of the force messages as they reach this process. Jitter is the
+deviation of the period between publications (source timestamps; of the loop's own clock for the bare loop). CPU is that of the publisher.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import rclpy
+from geometry_msgs.msg import WrenchStamped
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from skin_testbed_msgs.msg import TaxelArray
+
+from skin_models.ros.processes import Domain, Process, executable
+
+TICK = os.sysconf("SC_CLK_TCK")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table: s, and CPU in shares of one core."""
+
+    name: str
+    periods: np.ndarray
+    latencies: np.ndarray
+    cpu: float
+
+
+class Timer(Node):
+    """What a tutorial shows."""
+
+    def __init__(self, rate: float, taxels: int) -> None:
+        super().__init__("timer")
+        self.force = self.create_publisher(WrenchStamped, "force", 10)
+        self.encoder = self.create_publisher(JointState, "encoder", 10)
+        self.taxels, self.count = self.create_publisher(TaxelArray, "taxels", 10), taxels
+        self.create_timer(1.0 / rate, self.tick)
+
+    def tick(self) -> None:
+        force, encoder = WrenchStamped(), JointState(name=["indentation"], position=[0.0], velocity=[0.0])
+        taxels = TaxelArray(force=[0.0] * self.count, voltage=[0.0] * self.count, status=[0] * self.count)
+        force.header.stamp = encoder.header.stamp = taxels.header.stamp = self.get_clock().now().to_msg()
+        self.encoder.publish(encoder)
+        self.force.publish(force)
+        self.taxels.publish(taxels)
+
+
+def bare_loop(rate: float, seconds: float) -> np.ndarray:
+    """Periods of a loop that only sleeps, s."""
+    times = np.empty(int(rate * seconds))
+    deadline = time.monotonic()
+    for i in range(times.size):
+        deadline += 1.0 / rate
+        time.sleep(max(deadline - time.monotonic(), 0.0))
+        times[i] = time.monotonic()
+    return np.diff(times)
+
+
+def cpu_seconds(pid: int) -> float:
+    """CPU time that a process has used."""
+    with open(f"/proc/{pid}/stat") as file:  # noqa: PTH123
+        fields = file.read().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / TICK
+
+
+def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Periods, latencies and CPU share of a publisher while it runs steadily."""
+    context = rclpy.context.Context()
+    rclpy.init(context=context, domain_id=domain.id)
+    node = rclpy.create_node("bench", context=context)
+    executor = rclpy.executors.SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    sent, latency = [], []
+
+    def on_force(_: WrenchStamped, info: dict) -> None:
+        sent.append(info["source_timestamp"])
+        latency.append(info["received_timestamp"] - info["source_timestamp"])
+
+    node.create_subscription(WrenchStamped, "force", on_force, QoSProfile(depth=5000))
+    while len(sent) < rate:  # the first second is for settling
+        executor.spin_once(timeout_sec=0.1)
+    skipped, cpu, start = len(sent), cpu_seconds(process.pid), time.monotonic()
+    while time.monotonic() - start < seconds:
+        executor.spin_once(timeout_sec=0.1)
+    share = (cpu_seconds(process.pid) - cpu) / (time.monotonic() - start)
+    executor.shutdown()
+    node.destroy_node()
+    rclpy.shutdown(context=context)
+    return 1e-9 * np.diff(sent[skipped:]), 1e-9 * np.array(latency[skipped:]), share
+
+
+def measure(rate: float, taxels: int, seconds: float) -> list[Row]:
+    """The three publishers, one after the other."""
+    rows = []
+    here = [sys.executable, __file__, "--rates", str(rate), "--taxels", str(taxels)]
+    driver = [str(executable("skin_testbed_driver", "driver_node")), "--ros-args", "-p", f"sample_rate:={rate}", "-p", f"taxels:={taxels}"]
+    for name, command in (("driver", driver), ("rclpy timer", [*here, "--timer"])):
+        with Domain() as domain:
+            os.environ.update(domain.environment())
+            process = Process(command, domain.environment(), name)
+            rows.append(Row(name, *listen(domain, process, rate, seconds)))
+            process.end()
+    loop = subprocess.run([*here, "--loop", "--seconds", str(seconds)], capture_output=True, check=True)
+    rows.append(Row("bare loop", np.frombuffer(loop.stdout), np.empty(0), float("nan")))
+    return rows
+
+
+def show(rate: float, taxels: int, rows: list[Row]) -> None:
+    """One block of the table, µs."""
+    print(f"\n{rate:g} Hz, {taxels} taxels")
+    print(f"{'':14}{'samples':>8}{'missed':>8}{'p50':>8}{'p99':>8}{'p99.9':>8}   {'latency p50':>12}{'p99':>8}{'CPU':>7}   µs, % of a core")
+    for row in rows:
+        jitter = 1e6 * np.abs(row.periods - 1.0 / rate)
+        missed = max(round(row.periods.sum() * rate) - row.periods.size, 0)
+        p50, p99, p999 = np.percentile(jitter, (50, 99, 99.9))
+        line = f"{row.name:14}{row.periods.size + 1:8d}{missed:8d}{p50:8.0f}{p99:8.0f}{p999:8.0f}"
+        if row.latencies.size:
+            half, most = 1e6 * np.percentile(row.latencies, (50, 99))
+            line += f"   {half:12.0f}{most:8.0f}{100.0 * row.cpu:7.1f}"
+        print(line)
+    driver, timer = (row.cpu * row.periods.sum() / row.periods.size for row in rows[:2])
+    p99 = [np.percentile(np.abs(r.periods - 1.0 / rate), 99) for r in rows]
+    print(f"driver / bare loop: p99 jitter x {p99[0] / p99[2]:.2f}; driver / timer: CPU per sample x {driver / timer:.2f}")
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--rates", type=float, nargs="+", default=[100.0, 500.0, 1000.0])
+    parser.add_argument("--taxels", type=int, nargs="+", default=[4, 64])
+    parser.add_argument("--timer", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--loop", action="store_true", help=argparse.SUPPRESS)
+    chosen = parser.parse_args()
+    if chosen.loop:
+        sys.stdout.buffer.write(bare_loop(chosen.rates[0], chosen.seconds).tobytes())
+    elif chosen.timer:
+        rclpy.init()
+        rclpy.spin(Timer(chosen.rates[0], chosen.taxels[0]))
+    else:
+        for rate in chosen.rates:
+            for taxels in chosen.taxels:
+                show(rate, taxels, measure(rate, taxels, chosen.seconds))
+
+
+if __name__ == "__main__":
+    main()
