@@ -118,6 +118,7 @@ class Recorder(Node):
         self.create_subscription(message_class, name, callback, matching(infos, self._settings.depth), raw=True)
 
     def _on_message(self, index: int, data: bytes) -> None:
+        # The time of publication would come with the message, but the events executor of Jazzy cannot pass it on.
         now = self.get_clock().now().nanoseconds
         self._queue.append((index, data, now, now))
 
