@@ -17,6 +17,7 @@ from skin_motion_profiles.trajectory import Arc, Piece, State
 
 _CRUISE = 0.1  # s that a new speed is kept before braking, unless another answer comes first
 _CREEP = 2e-6  # m/s; a micrometre in half a second is no motion
+_NEAR = 1e-6  # m
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,9 @@ class Controlled(Entry, ABC):
 
     deepest_mm: float = depth("the plunger never goes deeper", ...)
     highest_mm: float = depth("nor higher", -1.0)
-    speed_mm_s: float = speed("mm/s, greatest speed; also that of the search for contact", 1.0)
+    speed_mm_s: float = speed("mm/s, greatest speed", 1.0)
+    search_mm_s: float = speed("mm/s, speed of the search for contact; what it overshoots is this times the delay of an answer", 0.2)
+    contact_n: float = number("N, force that is contact: the time of the control begins there", 0.3, lower=0.0, upper=1e3)
     acceleration_mm_s2: float = number("mm/s^2, greatest acceleration", 100.0, lower=0.1, upper=1e5)
 
     def check(self) -> None:
@@ -46,8 +49,20 @@ class Controlled(Entry, ABC):
         """The wanted force (N) and its rate (N/s) at time `t` (s)."""
 
     @abstractmethod
-    def answer(self, t: float, state: State, force: float) -> tuple[Piece, ...]:
-        """How to go on from `state`, which the plunger will have at time `t`, after `force` (N) was measured. Empty: as planned."""
+    def answer(self, t: float, state: State, force: float, age: float) -> tuple[Piece, ...]:
+        """How to go on from `state`, which the plunger will have at `t` (s). `force` (N) was measured `age` s before. Empty: as planned."""
+
+    def search(self, state: State) -> tuple[Piece, ...]:
+        """How to go on from `state` while there is no contact; empty once the plunger rests at its greatest depth."""
+        if state.v == 0.0 and state.x >= self.deepest_mm * MM - _NEAR:
+            return ()
+        return self.change_speed(state, min(self.search_mm_s, self.speed_mm_s) * MM)
+
+    def change_speed(self, state: State, wanted: float) -> tuple[Piece, ...]:
+        """From `state` to speed `wanted` (m/s) within the room and speed that this control has."""
+        fastest = self.speed_mm_s * MM
+        room = (self.highest_mm * MM, self.deepest_mm * MM)
+        return change_speed(state, min(max(wanted, -fastest), fastest), room, self.acceleration_mm_s2 * MM)
 
     def slowest_sampling(self) -> float:
         """Longest time (s) from a force to its answer with which the control is sound."""
@@ -71,7 +86,8 @@ def change_speed(state: State, wanted: float, room: tuple[float, float], acceler
     The speed is lowered where the motion would otherwise end outside the depths of `room` (m).
     """
     highest, deepest = _fastest(-state.v, state.x - room[0], acceleration), _fastest(state.v, room[1] - state.x, acceleration)
-    u = min(max(wanted if abs(wanted) > _CREEP else 0.0, -highest), deepest)
+    u = min(max(wanted, -highest), deepest)
+    u = u if abs(u) > _CREEP else 0.0
     change, rest = abs(u - state.v) / acceleration, abs(u) / acceleration
     x1 = state.x + 0.5 * (state.v + u) * change
     pieces = (

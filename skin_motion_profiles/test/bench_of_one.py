@@ -108,6 +108,7 @@ class Bench:
         assert math.isclose(self.depth, -0.002, abs_tol=1e-5)
 
     def close(self) -> None:
+        self.executor.shutdown()
         self.node.destroy_node()
         rclpy.shutdown(context=self.context)
         self.processes.end()

@@ -13,12 +13,13 @@ from skin_motion_profiles.plan import Travel, rehearse, stages
 from skin_motion_profiles.trajectory import Arc, State, Trajectory
 
 PERIOD, DELAY = 0.01, 0.03
+SEARCH = 2.0  # s, enough to find the surface
 
 
-def close_loop(controlled, stiffness, damping=0.0, seconds=None, start=-0.0005, offset=0.0):
-    """Times, depths and forces of a run on a skin F = k (x - offset) + b v that does not pull."""
-    base, motion = 0.0, Trajectory((Arc(0.1, start),))
-    t = np.arange(0.0, seconds or controlled.duration, PERIOD)
+def close_loop(controlled, stiffness, damping=0.0, start=-0.0002, offset=0.0):
+    """Times from contact on, depths and forces of a run on a skin F = k (x - offset) + b v that does not pull."""
+    base, motion, contact_time = 0.0, Trajectory((Arc(0.1, start),)), None
+    t = np.arange(0.0, controlled.duration + SEARCH, PERIOD)
     depths, forces, pending = [], [], []
     for now in t:
         while pending and pending[0][0] <= now:
@@ -30,9 +31,13 @@ def close_loop(controlled, stiffness, damping=0.0, seconds=None, start=-0.0005, 
         latest_base, latest = pending[-1] if pending else (base, motion)
         state = latest.sample(now + DELAY - latest_base)
         state = State(state.x, 0.0 if abs(state.v) < 1e-9 else state.v, state.a)
-        if pieces := controlled.answer(now + DELAY, state, forces[-1]):
-            pending.append((now + DELAY, Trajectory(tuple(pieces))))
-    return t, np.array(depths), np.array(forces)
+        if contact_time is None and forces[-1] >= controlled.contact_n:
+            contact_time = now
+        later = now + DELAY
+        searching = contact_time is None
+        if pieces := controlled.search(state) if searching else controlled.answer(later - contact_time, state, forces[-1], DELAY):
+            pending.append((later, Trajectory(tuple(pieces))))
+    return t - (contact_time or 0.0), np.array(depths), np.array(forces)
 
 
 def explicit(**more):
@@ -43,7 +48,7 @@ def test_explicit_control_follows_its_profile():
     controlled = explicit()
     t, _, force = close_loop(controlled, 12000.0)
     wanted = np.array([controlled.target(now)[0] for now in t])
-    for begin, end in ((3.5, 4.0), (7.0, 7.6), (11.0, 11.8)):  # the last part of every hold
+    for begin, end in ((3.3, 3.9), (6.9, 7.5), (11.1, 11.7)):  # the last part of every hold
         late = (t > begin) & (t < end)
         assert np.abs(force - wanted)[late].max() < 0.02 * wanted[late].max()
     assert force.max() < 8.0 * 1.02
@@ -78,6 +83,17 @@ def test_a_tolerance_ends_the_chatter():
 def test_never_goes_deeper_than_told(content):
     _, depth, _ = close_loop(entry_from_dict(content), 100.0)
     assert depth.max() == pytest.approx(0.0004, abs=2e-6) and depth.max() <= 0.0004 + 1e-12
+
+
+def test_search_gives_up_at_the_greatest_depth():
+    controlled = explicit(deepest_mm=0.1)
+    assert controlled.search(State(0.00005, 0.0, 0.0)) and not controlled.search(State(0.0001, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("search, overshoot", [(0.1, 0.2), (1.0, 1.0)])
+def test_what_a_search_overshoots_is_its_speed_times_the_delay(search, overshoot):
+    _, _, force = close_loop(explicit(forces_n=[0.3], search_mm_s=search, speed_mm_s=5), 12000.0)
+    assert force.max() < 0.3 + 12.0 * search * (DELAY + PERIOD + search / 100.0) + 0.02 * overshoot
 
 
 @settings(deadline=None, max_examples=300)

@@ -18,6 +18,7 @@ from skin_motion_profiles.profile_file import entry_from_text
 Result = ExecuteProfile.Result
 LONG = "{type: step, depth_mm: 1, hold_s: 20, rest_s: 0}"
 RETRACTED = -0.002
+EXPLICIT = "{type: explicit_force, forces_n: 6, stiffness_n_mm: 12, deepest_mm: 1.5, search_mm_s: 2, speed_mm_s: 4"
 
 
 @pytest.fixture(scope="module")
@@ -192,8 +193,8 @@ def test_a_stopped_driver_takes_no_goal(bench):
 
 
 @pytest.mark.parametrize("text, error", [
-    ("{type: explicit_force, forces_n: 6, stiffness_n_mm: 12, deepest_mm: 1.5, speed_mm_s: 4, ramp_n_s: 20, hold_s: 4}", 0.1),
-    ("{type: incremental_force, force_n: 6, deepest_mm: 1.5, duration_s: 6, highest_mm: -0.1, speed_mm_s: 5}", 0.4),
+    (EXPLICIT + ", ramp_n_s: 20, hold_s: 3}", 0.1),
+    ("{type: incremental_force, force_n: 6, deepest_mm: 1.5, duration_s: 5, search_mm_s: 1, speed_mm_s: 5}", 0.4),
 ])  # fmt: skip
 def test_a_controlled_force_is_reached(bench, text, error):
     result = bench.run(text)
@@ -201,8 +202,13 @@ def test_a_controlled_force_is_reached(bench, text, error):
     assert 12000.0 * bench.depth == pytest.approx(6.0, abs=error)
 
 
+def test_a_search_that_finds_nothing_ends_the_goal(bench):
+    result = bench.run("{type: incremental_force, force_n: 6, deepest_mm: -0.5, highest_mm: -2, search_mm_s: 4, speed_mm_s: 4}")
+    assert result.error_code == Result.DEPTH_ERROR and "no contact of 0.3 N down to deepest_mm = -0.5" in result.error_string
+
+
 def test_a_controlled_force_can_be_cancelled(bench):
-    handle = bench.give("{type: explicit_force, forces_n: 6, stiffness_n_mm: 12, deepest_mm: 1.5, speed_mm_s: 4, hold_s: 30}")
+    handle = bench.give(EXPLICIT + ", hold_s: 30}")
     bench.moving(0.0002)
     handle.cancel_goal_async()
     assert bench.end(handle)[1].error_code == Result.CANCELLED

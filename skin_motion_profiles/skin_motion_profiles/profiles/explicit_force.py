@@ -16,7 +16,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from skin_motion_profiles.control import Controlled, change_speed
+from skin_motion_profiles.control import Controlled
 from skin_motion_profiles.fields import number, numbers
 from skin_motion_profiles.profile import MM, seconds
 from skin_motion_profiles.trajectory import Piece, State
@@ -24,7 +24,7 @@ from skin_motion_profiles.trajectory import Piece, State
 
 @dataclass(frozen=True)
 class ExplicitForce(Controlled):
-    """From 0 N through `forces_n`, one ramp and one hold each, by the measured force."""
+    """From contact through `forces_n`, one ramp and one hold each, by the measured force."""
 
     kind: ClassVar[str] = "explicit_force"
     example: ClassVar = {"forces_n": [5.0, 2.0, 8.0], "stiffness_n_mm": 12.0, "deepest_mm": 1.5}
@@ -42,8 +42,8 @@ class ExplicitForce(Controlled):
     @property
     def _corners(self) -> tuple[np.ndarray, np.ndarray]:
         """Times (s) and forces (N) between which the target is linear."""
-        times, forces = [0.0], [0.0]
-        for a, b in pairwise((0.0, *self.forces_n)):
+        times, forces = [0.0], [self.contact_n]
+        for a, b in pairwise((self.contact_n, *self.forces_n)):
             times += [times[-1] + abs(b - a) / self.ramp_n_s, times[-1] + abs(b - a) / self.ramp_n_s + self.hold_s]
             forces += [b, b]
         return np.array(times), np.array(forces)
@@ -55,11 +55,9 @@ class ExplicitForce(Controlled):
         rate = (forces[i + 1] - forces[i]) / span if span > 0.0 and t < times[-1] else 0.0
         return float(np.interp(t, times, forces)), float(rate)
 
-    def answer(self, t: float, state: State, force: float) -> tuple[Piece, ...]:
-        wanted, rate = self.target(t)
-        speed = (rate + self.bandwidth_rad_s * (wanted - force)) / (self.stiffness_n_mm / MM)
-        speed = min(max(speed, -self.speed_mm_s * MM), self.speed_mm_s * MM)
-        return change_speed(state, speed, (self.highest_mm * MM, self.deepest_mm * MM), self.acceleration_mm_s2 * MM)
+    def answer(self, t: float, state: State, force: float, age: float) -> tuple[Piece, ...]:
+        (wanted, _), (_, rate) = self.target(t - age), self.target(t)
+        return self.change_speed(state, (rate + self.bandwidth_rad_s * (wanted - force)) / (self.stiffness_n_mm / MM))
 
     def slowest_sampling(self) -> float:
         return 0.5 / self.bandwidth_rad_s

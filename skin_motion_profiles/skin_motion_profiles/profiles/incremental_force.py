@@ -34,7 +34,7 @@ class IncrementalForce(Controlled):
     def target(self, t: float) -> tuple[float, float]:
         return self.force_n, 0.0
 
-    def answer(self, t: float, state: State, force: float) -> tuple[Piece, ...]:
+    def answer(self, t: float, state: State, force: float, age: float) -> tuple[Piece, ...]:
         error = self.force_n - force
         if state.v != 0.0 or abs(error) <= self.tolerance_n:
             return ()

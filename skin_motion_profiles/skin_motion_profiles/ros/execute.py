@@ -59,6 +59,12 @@ class Client(Node):
             self._still_there()
         return result.result().result
 
+    def close(self) -> None:
+        """Let go of ROS in order: an executor that outlives its context complains."""
+        self.spinner.shutdown()
+        self.destroy_node()
+        rclpy.try_shutdown()
+
     def _answer(self, future: Future) -> Any:
         self._until(future.done, _PATIENCE, "the profile server does not answer")
         return future.result()
@@ -105,6 +111,8 @@ def _status(argv: list[str]) -> int:
     except SkinError as error:
         show.close()
         return _complain(error, 1)
+    finally:
+        client.close()
     show.close()
     return _report(result)
 

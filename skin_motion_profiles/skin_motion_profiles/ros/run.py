@@ -105,13 +105,13 @@ class Run:
     def steer(self, stage: Stage) -> None:
         """Control the force until its time is over. Raises `Ended`."""
         steering = Steering(self.link, stage.entries[0], stage.names[0])
-        self.started = self.started or steering.base
+        self.started = self.started or steering.begin
         self.watch.is_quick_enough(stage.entries[0], steering.delay)
         while not steering.ended():
             self.stream = steering.stream
             self.watch.check(self.stream)
-            if steering.time() < stage.entries[0].duration:
-                steering.answer()
+            self.watch.finds_contact(steering)
+            steering.answer()
             self.feed_back(stage.names[0], steering.time())
             self.wait()
 

@@ -11,6 +11,7 @@ from skin_motion_profiles.profiles.place import Place
 from skin_motion_profiles.profiles.tare import Tare
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.settings import Settings
+from skin_motion_profiles.ros.steering import Steering
 from skin_motion_profiles.ros.streaming import Stream
 
 Result = ExecuteProfile.Result
@@ -65,6 +66,12 @@ class Watch:
                 f"{controlled.label}: a force is answered after {delay * 1e3:.0f} ms, but this control needs it within "
                 f"{controlled.slowest_sampling() * 1e3:.0f} ms: lower its bandwidth, or the time_scale of the rig",
             )
+
+    def finds_contact(self, steering: Steering) -> None:
+        """Is there anything to press against?"""
+        if steering.lost:
+            c = steering.controlled
+            raise Ended(Result.DEPTH_ERROR, f"{c.label}: no contact of {c.contact_n:g} N down to deepest_mm = {c.deepest_mm:g}")
 
     def check(self, stream: Stream | None) -> None:
         """May the goal go on? `stream` is the motion under way, if there is one."""

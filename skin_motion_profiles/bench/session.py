@@ -1,0 +1,74 @@
+"""The installed driver and profile server as processes, and a client that executes goals and keeps what the sensors said."""
+
+import time
+from typing import Any
+
+import numpy as np
+import rclpy
+from geometry_msgs.msg import WrenchStamped
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+from sensor_msgs.msg import JointState
+from skin_testbed_msgs.action import ExecuteProfile
+
+from skin_models.ros.processes import Domain, Processes, wait_until
+from skin_models.ros.qos import LISTENING
+
+
+class Session:
+    """A simulated rig, ready for goals. Use as a context."""
+
+    def __init__(self, driver: dict[str, Any] | None = None, server: dict[str, Any] | None = None) -> None:
+        self.domain = Domain()
+        self.processes = Processes(self.domain.environment())
+        self.processes.start("skin_testbed_driver", "driver_node", parameters=driver)
+        self.server = self.processes.start("skin_motion_profiles", "profile_server", parameters=server)
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=self.domain.id)
+        self.node = rclpy.create_node("client", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.client = ActionClient(self.node, ExecuteProfile, "execute_profile")
+        self.encoder: list[tuple[float, float]] = []
+        self.force: list[tuple[float, float]] = []
+        self.node.create_subscription(JointState, "encoder", lambda m: self.encoder.append((_time(m), m.position[0])), LISTENING)
+        self.node.create_subscription(WrenchStamped, "force", lambda m: self.force.append((_time(m), -m.wrench.force.z)), LISTENING)
+        self._until(lambda: self.client.server_is_ready() and self.encoder, "driver and server")
+
+    def execute(self, profile: str, **goal: Any) -> tuple[ExecuteProfile.Result, np.ndarray, np.ndarray]:
+        """Execute a profile; returns the result, and (N, 2) times (s) with depths (m), and with forces (N)."""
+        self.encoder.clear()
+        self.force.clear()
+        sent = self.client.send_goal_async(ExecuteProfile.Goal(profile=profile, **goal))
+        self._until(sent.done, "acceptance")
+        ended = sent.result().get_result_async()
+        self._until(ended.done, "the end of the goal", 300.0)
+        end = time.monotonic() + 0.1  # the last samples are still on their way
+        self._until(lambda: time.monotonic() > end, "samples")
+        return ended.result().result, np.array(self.encoder), np.array(self.force)
+
+    def _until(self, condition: Any, what: str, timeout: float = 30.0) -> None:
+        def check() -> bool:
+            self.executor.spin_once(timeout_sec=0.02)
+            return bool(condition())
+
+        wait_until(check, timeout, what, period=0.0)
+
+    def __enter__(self) -> "Session":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.executor.shutdown()
+        self.node.destroy_node()
+        rclpy.shutdown(context=self.context)
+        self.processes.end()
+        self.domain.__exit__()
+
+
+def seconds(stamp: Any) -> float:
+    """A stamp in s."""
+    return stamp.sec + 1e-9 * stamp.nanosec
+
+
+def _time(message: Any) -> float:
+    return seconds(message.header.stamp)
