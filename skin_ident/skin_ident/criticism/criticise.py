@@ -27,22 +27,24 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Rival:
-    """A cause that explains the data almost as well: by how much less (squared whitened units)."""
+    """A cause that explains the data almost as well: by how much less (squared whitened units), and the model fitted with it."""
 
     cause: str
     where: str
     short_by: float
+    model: Model | None = None
 
 
 @dataclass(frozen=True)
 class Named:
-    """One cause in the extended model, with its evidence."""
+    """One cause in the extended model, with its evidence, and the model as it was when the cause was named."""
 
     cause: str
     where: str
     gain: Gain
     explained: float
     alternatives: tuple[Rival, ...]
+    model: Model | None = None
 
 
 @dataclass(frozen=True)
@@ -131,8 +133,8 @@ def _first_believed(present: Fit, trials: list[_Trial], noise: Whitener, train, 
             continue
         gain = held_out_gain(present.model, trial.fit.model, train, held, noise)
         rivals = [t for t in trials if t is not trial and t.score > trial.score - max(10.0, REACH * trial.score)]
-        alternatives = tuple(Rival(t.ranked.cause, t.ranked.where, trial.score - t.score) for t in rivals)
-        finding = Named(trial.ranked.cause, trial.ranked.where, gain, trial.score, alternatives)
+        alternatives = tuple(Rival(t.ranked.cause, t.ranked.where, trial.score - t.score, t.fit.model) for t in rivals)
+        finding = Named(trial.ranked.cause, trial.ranked.where, gain, trial.score, alternatives, trial.fit.model)
         if gain.passed and gain.squares > SHADOW * explained:
             return trial.fit, finding
         refused.append(finding)

@@ -1,0 +1,102 @@
+"""Motions that might tell causes apart: profiles at several speeds and amplitudes, and the batteries that are shipped.
+
+Every candidate begins and ends in free air, so that it can be recorded as a session of its own.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from skin_ident.separating.path import planned, within
+from skin_models.signals import Motion
+from skin_motion_profiles.battery_file import battery_names
+from skin_motion_profiles.catalogue import entry_from_dict
+from skin_motion_profiles.errors import ProfileError
+from skin_motion_profiles.profile_file import entry_to_text
+
+LONGEST = 120.0  # s
+BRISK = 500.0  # mm/s^2
+BATTERIES = ("demo", "full", "hysteresis_and_rate", "relaxation", "stiffness", "sinusoidal_identification", "pseudo_random_validation")
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A battery by its words: YAML text that the profile server runs, and the motion that it makes."""
+
+    name: str
+    text: str
+    motion: Motion
+
+    @property
+    def seconds(self) -> float:
+        """How long it takes."""
+        return len(self.motion) * self.motion.dt
+
+
+def candidates(deepest: float, dt: float) -> list[Candidate]:
+    """Every motion that goes no deeper than `deepest` (m) and that the rig can make, sampled every `dt` s."""
+    found = []
+    for name, content in _described(round(deepest * 1e3, 3)):
+        try:
+            entry = entry_from_dict(content)
+            motion = planned(entry, dt, within(deepest * 1.001))
+        except ProfileError:
+            continue  # not at this depth, or not by motions alone
+        if len(motion) * dt <= LONGEST:
+            found.append(Candidate(name, entry_to_text(entry), motion))
+    return found
+
+
+def _described(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Name and content of every candidate for a depth of `d` mm."""
+    for name, profile in (*_sines(d), *_loops(d), *_rests(d), *_rich(d)):
+        air = {"type": "free_air", "duration_s": 1.5}
+        about = "tells rival causes apart"
+        yield name, {"type": "battery", "name": "separating", "about": about, "profiles": [air, profile, air]}
+    for name in sorted(set(BATTERIES) & set(battery_names())):
+        yield f"the battery {name}", {"battery": name, "depth_mm": d}
+
+
+def _sines(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    for share in (0.2, 0.45):
+        for f in (0.2, 0.5, 1.0, 2.0, 4.0, 7.0):
+            yield (
+                f"a sine of {share * d:.2g} mm at {f:g} Hz",
+                {"type": "sine", "amplitude_mm": share * d, "offset_mm": 0.5 * d, "frequency_hz": f, "periods": max(2.0, 3.0 * f)},
+            )
+    yield "a sine of 0.5 mm at 3 Hz in the air", {"type": "sine", "amplitude_mm": 0.5, "offset_mm": -1.5, "frequency_hz": 3, "periods": 12}
+
+
+def _loops(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    common = {"type": "constant_rate_loops", "acceleration_mm_s2": BRISK}
+    for pace in (0.2, 0.5, 1.0, 3.0, 10.0):
+        yield f"triangles to {d:g} mm at {pace:g} mm/s", {**common, "base_mm": -0.1, "depths_mm": d, "speeds_mm_s": pace, "cycles": 2}
+    deep = [0.4 * d, 0.7 * d, d]
+    yield "triangles of three depths at 1 and 10 mm/s", {**common, "base_mm": -0.1, "depths_mm": deep, "speeds_mm_s": [1, 10], "cycles": 2}
+    yield "small triangles at 0.1 and 1 mm/s", {**common, "base_mm": 0.5 * d, "depths_mm": 0.65 * d, "speeds_mm_s": [0.1, 1], "cycles": 2}
+    yield "a slow approach", {**common, "base_mm": -0.3, "depths_mm": 0.3 * d, "speeds_mm_s": 0.2, "cycles": 2}
+    for pace in (0.5, 2.0, 8.0):
+        returns = [0.7 * d, 0.35 * d]
+        minor = {"type": "minor_loops", "depth_mm": d, "returns_mm": returns, "speed_mm_s": pace, "acceleration_mm_s2": BRISK}
+        yield f"minor loops at {pace:g} mm/s", minor
+
+
+def _rests(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    for seconds in (2.0, 6.0, 15.0):
+        hold = {"type": "constant_strain_hold", "depths_mm": [0.5 * d, d], "hold_s": seconds, "rest_s": 0.5 * seconds}
+        yield f"holds of {seconds:g} s at two depths", {**hold, "acceleration_mm_s2": BRISK}
+    yield "a stair of holds down and up", {
+        "type": "ramp_list", "depths_mm": [0.0, 0.25 * d, 0.5 * d, 0.75 * d, d, 0.75 * d, 0.5 * d, 0.25 * d, 0.0],
+        "speeds_mm_s": 5, "hold_s": 2.0, "acceleration_mm_s2": BRISK,
+    }  # fmt: skip
+    yield "a long wait in the air", {"type": "free_air", "duration_s": 12.0}
+
+
+def _rich(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    for share in (0.15, 0.4):
+        yield (
+            f"a multisine of {share * d:.2g} mm up to 8 Hz",
+            {"type": "multisine", "seed": 0, "amplitude_mm": share * d, "offset_mm": 0.5 * d, "base_frequency_hz": 0.25, "highest_hz": 8},
+        )
+    ramps = {"type": "random_ramps", "seed": 0, "deepest_mm": d, "slowest_mm_s": 0.3, "fastest_mm_s": 8, "acceleration_mm_s2": BRISK}
+    yield "random ramps", {**ramps, "count": 12}

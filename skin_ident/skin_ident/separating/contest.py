@@ -1,0 +1,108 @@
+"""How well a motion tells rival models apart.
+
+If rival i is the truth, its signals on the motion are y_i, and what rival j cannot imitate of them is
+
+    D_ij = min |W (y_i - y_j - J_j z - A_j a)|^2
+
+with the common band and whitener W, the tangents J_j of everything in j that a fit may change, and the directions A_j of j's own cause
+(within their signs, as in the ranking), so that another form of the same cause is no evidence. Half of D_ij is the expected log likelihood
+ratio. G_i, likewise, is what cause i explains over a model without it: the criticism tells two causes apart when D exceeds a share of G.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.band import Band
+from skin_ident.criticism.fitting import tangents
+from skin_ident.criticism.proposals import Direction, bank
+from skin_ident.criticism.ranking import project, rank
+from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.session import Session, without_parting
+from skin_ident.criticism.unknowns import unknowns
+from skin_ident.criticism.whitening import Whitener, stack
+from skin_models.model import Model
+from skin_models.signals import Motion
+
+
+@dataclass(frozen=True)
+class Contender:
+    """One rival: its cause, its place, and the model fitted with it."""
+
+    cause: str
+    where: str
+    model: Model
+
+    @property
+    def without(self) -> Model:
+        """The same model without its cause."""
+        rest = tuple(e for e in self.model.effects if (e.cause, e.where) != (self.cause, self.where))
+        return replace(self.model, effects=rest)
+
+
+@dataclass(frozen=True)
+class Contest:
+    """`distance` (R, R) is D_ij with the truth i along the rows, `explained` (R,) is G_i, in squared whitened units."""
+
+    distance: np.ndarray
+    explained: np.ndarray
+
+    def __add__(self, other: "Contest") -> "Contest":
+        return Contest(self.distance + other.distance, self.explained + other.explained)
+
+    def __rmul__(self, times: float) -> "Contest":
+        return Contest(times * self.distance, times * self.explained)
+
+    @property
+    def evidence(self) -> float:
+        """Expected log likelihood ratio of the two rivals that are hardest to tell apart."""
+        return 0.5 * float(self._apart.min())
+
+    def margin(self, floor: float, reach: float) -> float:
+        """How many times over the criticism's bound the worst pair lies; above 1 one name is left."""
+        bound = np.maximum(floor, reach * self.explained)
+        return float((self._apart / bound[:, None]).min())
+
+    @property
+    def _apart(self) -> np.ndarray:
+        return np.where(np.eye(self.explained.size, dtype=bool), np.inf, self.distance)
+
+
+def contest(rivals: tuple[Contender, ...], sessions: list[Session], noise: Whitener, which: tuple[Direction, ...]) -> Contest:
+    """What the motion of `sessions` says about `rivals`; their measured channels do not matter. `which` are the catalogue's directions."""
+    signals = [[s.band.thin(simulated(r.model, s)) for s in sessions] for r in rivals]
+    distance = np.zeros((len(rivals), len(rivals)))
+    explained = np.zeros(len(rivals))
+    for j, rival in enumerate(rivals):
+        differences = [[a - b for a, b in zip(y, signals[j], strict=True)] for y in signals]
+        distance[:, j] = _unlike(rival, differences, sessions, noise, which)
+        plain = [s.band.thin(simulated(rival.without, s)) for s in sessions]
+        lacking = stack([a - b for a, b in zip(signals[j], plain, strict=True)], sessions, noise)
+        own = stack(tangents(rival.without, sessions, unknowns(rival.without, sessions[0])), sessions, noise)
+        explained[j] = project((), np.zeros((lacking.size, 0)), own, lacking).energy
+    return Contest(distance, explained)
+
+
+def _unlike(rival: Contender, differences: list[list[np.ndarray]], sessions, noise, which) -> list[float]:
+    """What of each difference (C, n) per session `rival` cannot imitate."""
+    mine = tuple(d for d in which if (d.cause, d.where) == (rival.cause, rival.where))
+    own = stack(tangents(rival.model, sessions, unknowns(rival.model, sessions[0])), sessions, noise)
+    forms = stack(bank(rival.model, mine, sessions), sessions, noise)
+    return [_left(mine, forms, own, stack(d, sessions, noise)) for d in differences]
+
+
+def _left(mine: tuple[Direction, ...], forms: np.ndarray, own: np.ndarray, difference: np.ndarray) -> float:
+    if not difference.any():
+        return 0.0
+    p = project(mine, forms, own, difference)
+    return max(p.energy - sum(r.gain for r in rank(p)), 0.0)
+
+
+def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
+    """A session of `motion` with the channels of `like` and nothing measured, less the moments that a criticism leaves out."""
+    band = Band(motion.dt, like.band.cutoff)
+    t = band.times(motion.t)
+    shape = (len(like.channels), t.size)
+    drive = None if like.drive is None else np.zeros(len(motion))
+    blank = Session("rehearsed", motion, like.channels, np.zeros((shape[0], len(motion))), band, t, np.zeros(shape), np.ones(shape), drive)
+    return without_parting(blank, model.dispersion)

@@ -1,0 +1,33 @@
+"""From a battery to the sampled motion that the profile server would make of it."""
+
+import numpy as np
+
+from skin_models.signals import Motion
+from skin_motion_profiles.entry import Entry
+from skin_motion_profiles.errors import ProfileError
+from skin_motion_profiles.limits import Limits
+from skin_motion_profiles.plan import Travel, stages
+
+START = -1e-3  # m, above the surface
+TRAVEL = Travel(speed=5e-3, acceleration=0.5)  # of the profile server, where no profile says how
+MM = 1e-3
+
+
+def within(deepest: float) -> Limits:
+    """What a rig of the thesis's kind allows (its section 3.1), no deeper than `deepest` (m)."""
+    return Limits(min_depth=-5e-3, max_depth=deepest, max_speed=20e-3, max_acceleration=1.0)
+
+
+def planned(entry: Entry, dt: float, limits: Limits | None = None) -> Motion:
+    """The whole motion of a battery, sampled every `dt` s, from rest above the surface.
+
+    Raises `ProfileError` where it holds more than one uninterrupted motion, or leaves the limits.
+    """
+    rows = stages(entry)
+    if len(rows) != 1 or not rows[0].is_motion:
+        raise ProfileError(f"{entry.label} does not consist of motions alone")
+    trajectory = rows[0].motion(START, TRAVEL).trajectory
+    if limits is not None:
+        limits.check(trajectory, entry.label)
+    t = np.arange(int(trajectory.duration / dt) + 1) * dt
+    return Motion(t, *trajectory.sample(t), dt)
