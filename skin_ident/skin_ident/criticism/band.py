@@ -13,6 +13,10 @@ from scipy.signal import firwin, oaconvolve, upfirdn
 CUTOFF_HZ = 8.0  # above the thesis's motions and below what the encoder's steps disturb
 WIDER = 2.5  # the depth itself, which effects look at, keeps this many times the band
 
+# Half length in periods of the cut-off, and the Kaiser window's beta: short for the band, so that an edge costs few samples; sharp for the
+# depth, whose ripple would pass into every force.
+SHORT, SHARP = (1.5, 5.0), (3.0, 8.0)
+
 
 @dataclass(frozen=True)
 class Band:
@@ -44,7 +48,7 @@ class Band:
         """Its rate of change, by the derivative of the same filter: a central difference would lose 4 % at 8 Hz from 100 Hz data."""
         half = self._wide.size // 2
         n = np.arange(-half, half + 1)
-        taps = _differentiator(self._wide_edge, self.dt, n)
+        taps = _differentiator(self._wide_edge, self.dt, n, SHARP)
         return _filtered(x, taps / -np.sum(n * self.dt * taps))
 
     @property
@@ -53,7 +57,7 @@ class Band:
 
     @cached_property
     def _wide(self) -> np.ndarray:
-        return _low_pass(self._wide_edge, self.dt)
+        return _low_pass(self._wide_edge, self.dt, shape=SHARP)
 
     def thin(self, y: np.ndarray) -> np.ndarray:
         """Low-pass the rows of `y` (..., N), drop the edges and decimate; only the samples that are kept are worked out."""
@@ -71,14 +75,14 @@ def _filtered(x: np.ndarray, taps: np.ndarray) -> np.ndarray:
     return oaconvolve(np.pad(x, half, mode="reflect", reflect_type="odd"), taps, mode="valid")
 
 
-def _differentiator(edge: float, dt: float, n: np.ndarray) -> np.ndarray:
+def _differentiator(edge: float, dt: float, n: np.ndarray, shape: tuple[float, float]) -> np.ndarray:
     """Derivative of the windowed sinc of `_low_pass`, per second."""
     w, t = 2.0 * np.pi * edge, n * dt
     with np.errstate(divide="ignore", invalid="ignore"):
         ideal = np.where(n == 0, 0.0, (w * t * np.cos(w * t) - np.sin(w * t)) / (np.pi * t**2))
-    return ideal * dt * np.kaiser(n.size, 5.0)
+    return ideal * dt * np.kaiser(n.size, shape[1])
 
 
-def _low_pass(edge: float, dt: float, multiple: int = 1) -> np.ndarray:
-    half = int(np.ceil(1.5 / (edge * dt * multiple))) * multiple
-    return firwin(2 * half + 1, edge, fs=1.0 / dt, window=("kaiser", 5.0))
+def _low_pass(edge: float, dt: float, multiple: int = 1, shape: tuple[float, float] = SHORT) -> np.ndarray:
+    half = int(np.ceil(shape[0] / (edge * dt * multiple))) * multiple
+    return firwin(2 * half + 1, edge, fs=1.0 / dt, window=("kaiser", shape[1]))

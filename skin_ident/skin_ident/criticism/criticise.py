@@ -37,13 +37,14 @@ class Rival:
 
 @dataclass(frozen=True)
 class Named:
-    """One cause in the extended model, with its evidence, and the model as it was when the cause was named."""
+    """One cause in the extended model, with its evidence, and the models fitted without it (`before`) and with it, when it was named."""
 
     cause: str
     where: str
     gain: Gain
     explained: float
     alternatives: tuple[Rival, ...]
+    before: Model | None = None
     model: Model | None = None
 
 
@@ -134,7 +135,7 @@ def _first_believed(present: Fit, trials: list[_Trial], noise: Whitener, train, 
         gain = held_out_gain(present.model, trial.fit.model, train, held, noise)
         rivals = [t for t in trials if t is not trial and t.score > trial.score - max(10.0, REACH * trial.score)]
         alternatives = tuple(Rival(t.ranked.cause, t.ranked.where, trial.score - t.score, t.fit.model) for t in rivals)
-        finding = Named(trial.ranked.cause, trial.ranked.where, gain, trial.score, alternatives, trial.fit.model)
+        finding = Named(trial.ranked.cause, trial.ranked.where, gain, trial.score, alternatives, present.model, trial.fit.model)
         if gain.passed and gain.squares > SHADOW * explained:
             return trial.fit, finding
         refused.append(finding)

@@ -1,6 +1,6 @@
 """The record's own faults, found before the search for causes and kept out of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,8 +8,10 @@ from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session, meeting, prepare
 from skin_ident.criticism.start import dispersion_start
-from skin_ident.criticism.telemetry.copied import find_copies, find_unit_changes
+from skin_ident.criticism.telemetry.copied import find_copies
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
+from skin_ident.criticism.telemetry.encoder import find_encoder_faults
+from skin_ident.criticism.telemetry.excursions import runs
 from skin_ident.criticism.telemetry.lines import find_interference
 from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.criticism.telemetry.pile_up import find_saturation
@@ -17,6 +19,8 @@ from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.whitening import fit_whitener
 from skin_models.model import Model
+
+HARMLESS = 3  # samples of depth that a straight line replaces to well within the band's noise
 
 
 @dataclass(frozen=True)
@@ -34,23 +38,27 @@ class Inspected:
 
 def inspect(recordings: list) -> Inspected:
     """Look at the records themselves, then at what a first fit leaves at full rate."""
-    symptoms = [*find_copies(recordings), *find_unit_changes(recordings), *find_dead_taxels(recordings), *find_quantization(recordings)]
-    sessions = [prepare(r) for r in recordings]
+    early = [*find_copies(recordings), *find_dead_taxels(recordings), *find_quantization(recordings), *find_encoder_faults(recordings)]
+    mended = [_mended(r, early) for r in recordings]
+    sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
+    late = _in_residuals(mended, sessions)
+    dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
+    symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
+    return Inspected(symptoms, [prepare(r, _bad_samples(r, symptoms)) for r in mended])
+
+
+def _in_residuals(recordings: list, sessions: list[Session]) -> list[Symptom]:
+    """What shows in measured less simulated, at full rate; outliers are taken out before the rest is looked for."""
     first = _first_fit(sessions)
     raw = [s.raw for s in sessions]
     predicted = [simulated(first, s) for s in sessions]
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
-    channels, n = sessions[0].channels, sessions[0].n_taxels
-    names = [s.name for s in sessions]
-    dead = {c for s in symptoms if s.cause == "dead_taxel" for c in s.channels}
+    channels, n, dt = sessions[0].channels, sessions[0].n_taxels, recordings[0].dt
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
-    late = [*find_outliers(names, channels, rest, raw, jumps, n), *find_saturation(channels, raw, predicted, n)]
-    late += find_interference(channels, rest, recordings[0].dt, n)
-    symptoms += [s for s in late if not dead & set(s.channels)]
-    bad = {r.name: _bad_samples(r.name, sessions[0].channels, len(r), symptoms) for r in recordings}
-    return Inspected(
-        tuple(symptoms), [prepare(r, bad[r.name]) if bad[r.name].any() else s for r, s in zip(recordings, sessions, strict=True)]
-    )
+    outliers = find_outliers([s.name for s in sessions], channels, rest, raw, jumps, n, dt)
+    bad = [_bad_samples(r, outliers) for r in recordings]
+    rest, raw = ([_bridged(y, b) for y, b in zip(rows, bad, strict=True)] for rows in (rest, raw))
+    return [*outliers, *find_saturation(channels, raw, predicted, n), *find_interference(channels, rest, predicted, dt, n)]
 
 
 def _first_fit(sessions: list[Session]) -> Model:
@@ -59,10 +67,36 @@ def _first_fit(sessions: list[Session]) -> Model:
     return fit(start, sessions, noise, 4).model
 
 
-def _bad_samples(name: str, channels: tuple[str, ...], n: int, symptoms: list[Symptom]) -> np.ndarray:
-    bad = np.zeros((len(channels), n), bool)
-    for symptom in symptoms:
-        for (session, channel), mask in symptom.bad.items():
-            if session == name:
-                bad[channels.index(channel)] |= mask
+def _mended(recording, symptoms: list[Symptom]):
+    """The recording with its depth bridged where the encoder was wrong, and its force where that drives the test."""
+    for channel in ("depth", "force") if recording.depth is None else ("depth",):
+        for mask in _masks(recording.name, channel, symptoms):
+            recording = replace(recording, **{channel: _bridged(getattr(recording, channel)[None], mask[None])[0]})
+    return recording
+
+
+def _masks(name: str, channel: str, symptoms) -> list[np.ndarray]:
+    return [mask for s in symptoms for (session, c), mask in s.bad.items() if session == name and c == channel]
+
+
+def _bad_samples(recording, symptoms) -> np.ndarray:
+    """Mask (C, N) of what is not to be believed. Without a depth no channel can be compared, so long gaps of it count for all."""
+    channels = [c for c in recording.channels if c != "force" or recording.depth is not None]
+    bad = np.zeros((len(channels), len(recording)), bool)
+    for c, channel in enumerate(channels):
+        for mask in _masks(recording.name, channel, symptoms):
+            bad[c] |= mask
+    for mask in _masks(recording.name, "depth", symptoms):
+        for a, b in zip(*runs(mask), strict=True):
+            if b - a > HARMLESS:
+                bad[:, a:b] = True
     return bad
+
+
+def _bridged(rows: np.ndarray, bad: np.ndarray) -> np.ndarray:
+    """`rows` (C, N) with straight lines over the bad samples."""
+    out = rows.copy()
+    for row, b in zip(out, bad, strict=True):
+        if b.any() and not b.all():
+            row[b] = np.interp(np.flatnonzero(b), np.flatnonzero(~b), row[~b])
+    return out

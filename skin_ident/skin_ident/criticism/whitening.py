@@ -1,11 +1,12 @@
-"""The noise of a recording: autoregressive in each channel, correlated between channels.
+"""The noise of a recording: autoregressive, and correlated between channels.
 
-A residual that is not white makes every test too sure of itself. Each channel's noise is modelled as AR(p),
+A residual that is not white makes every test too sure of itself. The channels are first turned into uncorrelated mixtures (an encoder's
+error reaches all of them and makes the strongest one; the eigenvectors of the residual's covariance); the noise of each mixture is AR(p),
 
     e[n] = a1 e[n-1] + … + ap e[n-p] + w[n],
 
-fitted by the covariance method over all sessions, and the innovations w of the channels (an encoder's error reaches all of them) by one
-covariance matrix. `Whitener.apply` turns residuals and directions alike into samples of unit variance.
+fitted by the covariance method over all sessions; what correlation is left between the innovations w goes by one covariance matrix.
+`Whitener.apply` turns residuals and directions alike into samples of unit variance.
 """
 
 from dataclasses import dataclass
@@ -20,33 +21,39 @@ FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must
 
 @dataclass(frozen=True)
 class Whitener:
-    """`filters` (C, p+1) are the prediction-error filters, `root` (C, C) the lower Cholesky factor of the innovations' covariance."""
+    """`mix` (C, C) makes uncorrelated mixtures of the channels, `filters` (C, p+1) are their prediction-error filters, `root` (C, C) the lower
+    Cholesky factor of the innovations' covariance."""
 
+    mix: np.ndarray
     filters: np.ndarray
     root: np.ndarray
 
     def apply(self, e: np.ndarray, weight: np.ndarray) -> np.ndarray:
-        """Whiten (..., C, n). Samples whose neighbourhood is not believed, and the first p, come back as zeros."""
+        """Whiten (..., C, n). Samples that one of the channels or their neighbourhood spoils, and the first p, come back as zeros."""
         order = self.filters.shape[1] - 1
-        w = np.stack([lfilter(a, [1.0], e[..., c, :], axis=-1) for c, a in enumerate(self.filters)], axis=-2)
-        believed = np.stack([lfilter(np.ones(order + 1), [1.0], 1.0 - row) < 0.5 for row in weight])
-        believed[:, :order] = False
-        w = w * believed
-        flat = np.moveaxis(w, -2, 0).reshape(self.root.shape[0], -1)
-        white = solve_triangular(self.root, flat, lower=True, check_finite=False)
-        return np.moveaxis(white.reshape(np.moveaxis(w, -2, 0).shape), 0, -2)
+        believed = lfilter(np.ones(order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
+        believed[:order] = False
+        mixed = np.matmul(self.mix, e)
+        for c, taps in enumerate(self.filters):
+            mixed[..., c, :] = lfilter(taps, [1.0], mixed[..., c, :], axis=-1)
+        to_unit = solve_triangular(self.root, np.eye(len(self.root)), lower=True)
+        return np.matmul(to_unit, mixed * believed)
 
 
 def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], order: int = ORDER) -> Whitener:
     """The noise model of residuals [(C, n), …]. Constant channels are given a tiny floor so that nothing divides by zero."""
     n_channels = residuals[0].shape[0]
-    filters = np.array([_prediction_error_filter([r[c] for r in residuals], [w[c] for w in weights], order) for c in range(n_channels)])
-    unit = Whitener(filters, np.eye(n_channels))
-    w = np.concatenate([unit.apply(r, q) for r, q in zip(residuals, weights, strict=True)], axis=1)
-    used = np.all(w != 0.0, axis=0)
+    kept = np.concatenate([e[:, w.min(axis=0) > 0] for e, w in zip(residuals, weights, strict=True)], axis=1)
+    _, vectors = np.linalg.eigh(np.atleast_2d(kept @ kept.T / max(kept.shape[1], 1)))
+    mixed = [vectors.T @ e for e in residuals]
+    together = [w.min(axis=0) for w in weights]
+    filters = np.array([_prediction_error_filter([m[c] for m in mixed], together, order) for c in range(n_channels)])
+    unit = Whitener(vectors.T, filters, np.eye(n_channels))
+    w = np.concatenate([unit.apply(e, q) for e, q in zip(residuals, weights, strict=True)], axis=1)
+    used = np.any(w != 0.0, axis=0)
     covariance = np.atleast_2d(w[:, used] @ w[:, used].T / max(used.sum(), 1))
     floor = np.diag(np.full(n_channels, 1e-18) + 1e-6 * np.diag(covariance))
-    return Whitener(filters, np.linalg.cholesky(covariance + floor))
+    return Whitener(vectors.T, filters, np.linalg.cholesky(covariance + floor))
 
 
 def _prediction_error_filter(rows: list[np.ndarray], weights: list[np.ndarray], order: int) -> np.ndarray:

@@ -1,0 +1,62 @@
+"""The criticism finds what is hidden, says where, and is silent when nothing is hidden.
+
+The recordings come from `world`: another integrator, other functional forms, noise, quantization and unit-to-unit variation of its own.
+A handful of cases run here; the campaign runs them all and prints the rates.
+"""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hide_and_seek import seek
+from skin_ident.criticism.vocabulary import CAUSES
+
+FOUND = [
+    ("stress_relaxation", "skin", "prony2"),
+    ("stress_relaxation", "skin", "stretched"),
+    ("nonlinear_stiffness", "skin", "fung"),
+    ("rate_dependence", "skin", "hunt_crossley"),
+    ("hysteresis", "skin", "bouc_wen"),
+    ("backlash", "rig", "play"),
+    ("position_offset", "rig", "constant"),
+    ("force_offset", "taxel_0", "constant"),
+    ("lag", "taxel_0", "one_pole"),
+]
+
+
+@pytest.mark.parametrize(("cause", "where", "form"), FOUND, ids=lambda x: x)
+def test_a_hidden_effect_of_the_size_of_the_noise_is_named_at_its_place(tmp_path, cause, where, form):
+    found = seek(tmp_path, cause, where=where, form=form, size=1.0, seed=31)
+    assert found.right, found.names
+    gain = found.findings["findings"][0]["gain"]
+    assert gain["held_out_rmse_after"] < gain["held_out_rmse_before"]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_silence_when_nothing_is_hidden(tmp_path, seed):
+    found = seek(tmp_path, None, seed=500 + seed)
+    assert found.names == [] and found.findings["verdict"] == "nothing_wrong", found.names
+
+
+def test_every_cause_is_found_excluded_or_untestable(tmp_path):
+    findings = seek(tmp_path, None, seed=3).findings
+    said = [e["cause"] for part in ("findings", "excluded", "untestable") for e in findings[part]]
+    assert set(said) == {c.name for c in CAUSES}
+    json.dumps(findings, allow_nan=False)
+
+
+@pytest.mark.campaign
+def test_campaign_over_all_causes(tmp_path: Path, capsys):
+    """Every cause and form at the size of the noise: rates with their counts."""
+    from world.hidden import PLACES
+
+    rows = []
+    for cause in PLACES:
+        for seed in range(5):
+            case = seek(tmp_path / f"{cause}_{seed}", cause, size=1.0, seed=seed, taxels=3 if cause in ("off_centre", "crosstalk") else 1)
+            rows.append((cause, case.right, case.extra))
+    with capsys.disabled():
+        for cause in PLACES:
+            own = [r for r in rows if r[0] == cause]
+            print(f"{cause:22} found {sum(r[1] for r in own)} of {len(own)}; extra names in {sum(bool(r[2]) for r in own)}")

@@ -1,0 +1,109 @@
+"""The parts of the criticism, each against something independent of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+from scipy.signal import lfilter
+
+from skin_ident.criticism.band import Band
+from skin_ident.criticism.fitting import fit
+from skin_ident.criticism.ranking import signed_pursuit
+from skin_ident.criticism.residual import residual
+from skin_ident.criticism.session import motion_under, parted, prepare
+from skin_ident.criticism.unknowns import unknowns, values, with_values
+from skin_ident.criticism.whitening import fit_whitener
+from skin_ident.recordings.recording import Recording
+from skin_models.catalogue import effects
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
+from skin_models.signals import motion
+
+SILICONE = Model(Dispersion(m=0.000432, b1=939.5, k1=9619.0, b2=629.2, k2=2766.0), shares=(1.0, 0.4))
+T = np.arange(4000) / 100.0
+DEPTH = 0.5e-3 + 0.3e-3 * np.sin(0.9 * T) + 0.1e-3 * np.sin(4.1 * T)
+
+
+def recording(model: Model, noise: float = 0.0, seed: int = 0) -> Recording:
+    response = model.simulate(motion(T, DEPTH))
+    rng = np.random.default_rng(seed)
+    return Recording(
+        "made",
+        T,
+        DEPTH,
+        response.force + noise * rng.standard_normal(T.size),
+        response.taxels + noise * rng.standard_normal((len(model.shares), T.size)),
+    )
+
+
+@pytest.mark.parametrize("rate", [50.0, 100.0, 1000.0])
+def test_the_band_keeps_what_is_slow_and_where_it_is(rate):
+    band, t = Band(1.0 / rate), np.arange(int(20 * rate)) / rate
+    for hertz in (0.2, 1.0, 3.0):
+        wave, slope = np.sin(2 * np.pi * hertz * t), 2 * np.pi * hertz * np.cos(2 * np.pi * hertz * t)
+        inner = slice(int(2 * rate), int(-2 * rate))
+        assert np.allclose(band.smooth(wave)[inner], wave[inner], atol=0.01)
+        assert np.allclose(band.speed(wave)[inner], slope[inner], atol=0.01 * np.abs(slope).max())
+        assert np.allclose(band.thin(wave), np.interp(band.times(t), t, wave), atol=0.01)
+
+
+def test_whitening_makes_coloured_and_common_noise_white_and_independent():
+    rng = np.random.default_rng(1)
+    common = lfilter([1.0], [1.0, -0.95], rng.standard_normal(20_000))
+    e = np.array([common + 0.5 * rng.standard_normal(20_000), 0.7 * common + 0.2 * rng.standard_normal(20_000)])
+    noise = fit_whitener([e], [np.ones_like(e)])
+    w = noise.apply(e, np.ones_like(e))[:, 50:]
+    assert np.allclose(np.cov(w), np.eye(2), atol=0.05)
+    assert np.all(np.abs([np.corrcoef(row[1:], row[:-1])[0, 1] for row in w]) < 0.05)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_signed_pursuit_reaches_the_constrained_optimum_where_it_may_use_all_directions(seed):
+    rng = np.random.default_rng(seed)
+    A, r, signs = rng.standard_normal((60, 5)), rng.standard_normal(60), rng.integers(-1, 2, 5)
+    z, gain = signed_pursuit(A.T @ A, A.T @ r, signs)
+    low, high = np.where(signs > 0, 0.0, -np.inf), np.where(signs < 0, 0.0, np.inf)
+    best = lsq_linear(A, r, (low, np.where(high == 0.0, 1e-12, high)))
+    assert gain == pytest.approx(r @ r - 2 * best.cost, rel=1e-3)
+    assert np.all(z * signs >= 0.0)
+
+
+def test_a_fit_recovers_the_truth_from_a_wrong_start():
+    session = prepare(recording(SILICONE, noise=0.02))
+    start = replace(SILICONE, dispersion=Dispersion(m=0.000432, b1=500.0, k1=6000.0, b2=900.0, k2=5000.0), shares=(1.0, 0.8))
+    noise = fit_whitener([residual(SILICONE, session)], [session.weight])
+    found = fit(start, [session], noise)
+    truth = values(SILICONE, found.unknowns)
+    std = np.array([found.std[u.label] for u in found.unknowns])
+    assert np.all(np.abs(values(found.model, found.unknowns) - truth) < 5.0 * std + 1e-3 * np.abs(truth))
+
+
+def test_unknowns_are_a_vector_and_back():
+    session = prepare(recording(SILICONE))
+    which = unknowns(SILICONE, session)
+    assert [u.label for u in which] == ["b1", "k1", "b2", "k2", "share_1"]
+    moved = with_values(SILICONE, which, values(SILICONE, which) * 1.1)
+    assert np.allclose(values(moved, which), values(SILICONE, which) * 1.1)
+
+
+@pytest.mark.parametrize("cls", effects(), ids=lambda c: f"{c.__name__}")
+def test_trying_an_effect_gives_what_simulating_it_gives(cls):
+    word = next(iter(cls.places))
+    e, s = cls.typical(word), motion(T, DEPTH)
+    tried, whole = SILICONE.bent(SILICONE.trace(s), e), SILICONE.extended(e).simulate(s)
+    assert np.allclose(tried.force, whole.force, atol=1e-12) and np.allclose(tried.taxels, whole.taxels, atol=1e-12)
+
+
+def test_a_force_driven_skin_is_pressed_to_the_depth_that_gives_the_force():
+    whole = recording(replace(SILICONE, dispersion=replace(SILICONE.dispersion, m=0.0)))
+    session = prepare(replace(whole, depth=None))
+    depth = motion_under(session, SILICONE.dispersion).x
+    inner = slice(300, -300)
+    assert np.allclose(depth[inner], DEPTH[inner], atol=2e-6)
+
+
+def test_skin_left_behind_by_a_fast_plunger_is_left_out():
+    slow, fast = (motion(T, 0.5e-3 * (1 - np.cos(2 * np.pi * hertz * T))) for hertz in (0.1, 4.0))
+    assert not parted(slow, SILICONE.dispersion)[100:-100].mean() > 0.12
+    assert parted(fast, SILICONE.dispersion).mean() > 0.3
