@@ -6,6 +6,7 @@ import signal
 from pathlib import Path
 
 import pytest
+import yaml
 
 pytest.importorskip("skin_testbed_msgs")
 
@@ -119,6 +120,20 @@ def test_a_rig_file_goes_into_the_recording_and_beside_it(graph, tmp_path):
     assert (tmp_path / "s" / "rig.yaml").read_text() == "plunger_diameter_mm: 9.9\n"
     with mcap_of(tmp_path / "s").open("rb") as file:
         assert next(make_reader(file).iter_attachments()).name == "rig.yaml"
+
+
+def test_what_the_driver_says_of_its_rig_goes_into_the_recording_and_beside_it(graph, tmp_path):
+    graph.driver(taxels=2)
+    recorder = record(graph, tmp_path / "s")
+    files = [tmp_path / "s" / name for name in ("rig.yaml", "calibration.yaml")]
+    graph.wait(lambda: all(f.is_file() and f.stat().st_size for f in files), "both files")
+    assert recorder.end(30.0) == 0
+    rig, calibration = (yaml.safe_load(f.read_text()) for f in files)
+    assert rig["sample_rate_hz"] == 100.0 and rig["taxel_positions_mm"] == [[0.0, 0.0], [14.0, 0.0]]
+    assert rig["force_step_n"] == pytest.approx(0.0679, abs=1e-4)
+    assert set(calibration["taxels_n_per_v"]) == {"taxel_0", "taxel_1"}
+    with mcap_of(tmp_path / "s").open("rb") as file:
+        assert {a.name for a in make_reader(file).iter_attachments()} == {"rig.yaml", "calibration.yaml"}
 
 
 def test_a_vanished_directory_ends_with_one_sentence(graph, tmp_path):

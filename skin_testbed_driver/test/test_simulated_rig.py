@@ -88,3 +88,16 @@ def test_truth_is_beside_what_is_measured():
     truth = np.array([r.taxels_truth for r in readings])
     np.testing.assert_allclose(truth[:, 1], 0.25 * truth[:, 0])
     np.testing.assert_allclose([r.taxel_voltage[0] * 9.40825 for r in readings], truth[:, 0], atol=1e-12)
+
+
+def test_the_x_y_stage_brings_other_taxels_under_the_plunger():
+    model = replace(SILICONE, shares=(1.0, math.exp(-((0.014 / 0.00525) ** 2))))
+    rig = rig_of(model, imperfections=IDEAL)
+    rig.open(100.0)
+    rig.place(0.014, 0.0)
+    rig.command(SURFACE + 1e-3, 0.0)
+    for _ in range(200):
+        reading = rig.read()
+    assert rig.placed() == pytest.approx((0.014, 0.0))
+    assert reading.taxels_truth[1] == pytest.approx(9.619, rel=1e-6)
+    assert reading.taxels_truth[0] == pytest.approx(9.619 * math.exp(-((0.014 / 0.00525) ** 2)), rel=1e-6)

@@ -154,3 +154,15 @@ def test_a_refused_command_stops_whatever_moves():
     bench.run(1.0)
     assert "refused" in bench.testbed.status().reason
     assert abs(bench.samples[-1].depth - bench.samples[-30].depth) <= 3e-6
+
+
+def test_the_x_y_stage_moves_only_while_the_plunger_is_in_the_air():
+    bench = Bench()
+    bench.run(0.1)
+    bench.testbed.place(1e-3, 0.0)
+    bench.run(1.0)
+    assert bench.rig.placed() == pytest.approx((1e-3, 0.0))
+    bench.go(1e-3, 2.0)
+    bench.run(2.5)
+    with pytest.raises(CommandError, match="in the skin"):
+        bench.testbed.place(0.0, 0.0)

@@ -1,0 +1,134 @@
+"""How nodes run, declare parameters and are started: a small node of the test, as a real process."""
+
+import signal
+import sys
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from skin_models.errors import SkinError
+from skin_models.ros.processes import Domain, Process, executable, wait_until
+
+NODE = """
+import sys
+from dataclasses import dataclass
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from skin_models.errors import SkinError
+from skin_models.ros.node import end, run
+from skin_models.ros.parameters import Parameters, setting
+
+@dataclass(frozen=True)
+class Settings:
+    rate: float = setting(100.0, "Hz, how often", lower=1.0, upper=1000.0)
+    kind: str = setting("a", "which", choices=("a", "b"))
+    ports: tuple[float, ...] = setting((), "some numbers")
+    fast: float = setting(200.0, "Hz, at least rate", lower=1.0, upper=1000.0)
+
+    def __post_init__(self):
+        if self.fast < self.rate:
+            raise SkinError(f"fast ({self.fast}) must be at least rate ({self.rate})")
+
+class Small(Node):
+    def __init__(self):
+        super().__init__("small")
+        self.parameters = Parameters(self, Settings)
+        for name, value in (("rate", 50.0), ("rate", 5000.0), ("rate", 300.0), ("kind", "c"), ("rate", float("nan"))):
+            result = self.set_parameters([Parameter(name, value=value)])[0]
+            print(name, value, result.successful, result.reason)
+        print("ready", self.parameters.now, flush=True)
+        if "fail" in sys.argv:
+            end(SkinError("the disk is full: free some room"))
+        if "done" in sys.argv:
+            end()
+
+    def destroy_node(self):
+        print("farewell", flush=True)
+        super().destroy_node()
+
+run(Small)
+"""
+
+
+@pytest.fixture(scope="module")
+def domain():
+    with Domain() as domain:
+        yield domain
+
+
+@pytest.fixture
+def start(domain, tmp_path):
+    started = []
+
+    def start(*arguments):
+        script = tmp_path / "small.py"
+        script.write_text(NODE)
+        started.append(Process([sys.executable, str(script), *arguments], domain.environment(), "small"))
+        return started[-1]
+
+    yield start
+    for process in started:
+        process.kill()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_end_an_idle_node_with_its_farewell_and_status_0(start, number):
+    process = start()
+    process.wait_for_output("ready", 60.0)
+    process.send(number)
+    assert process.wait(30.0) == 0
+    assert process.output().rstrip().endswith("farewell")
+
+
+def test_a_node_ends_by_itself(start):
+    assert start("done").wait(60.0) == 0
+
+
+def test_a_skin_error_is_one_line_and_status_2(start):
+    process = start("fail")
+    assert process.wait(60.0) == 2
+    assert process.output().rstrip().endswith("small.py: the disk is full: free some room")
+    assert "Traceback" not in process.output()
+
+
+def test_parameters_are_checked_on_set_one_by_one_and_together(start):
+    process = start("done")
+    assert process.wait(60.0) == 0
+    lines = [line.split(" ", 3) for line in process.output().splitlines() if line.startswith(("rate", "kind"))]
+    assert [line[2] for line in lines] == ["True", "False", "False", "False", "False"]
+    assert "fast" in lines[2][3] and "a, b" in lines[3][3]
+    assert "rate=50.0" in process.output()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["-p", "rate:=5"], "decimal point"),
+        (["-p", "rate:=5000.0"], "between 1.0 and 1000.0"),
+        (["-p", "kind:=c"], "one of a, b"),
+        (["-p", "ports:=[a]"], "list"),
+        (["-p", "rate:=300.0"], "fast (200.0) must be at least rate (300.0)"),
+    ],
+)
+def test_a_start_with_values_that_cannot_be_used_is_one_line_and_status_2(start, arguments, words):
+    process = start("--ros-args", *arguments)
+    assert process.wait(60.0) == 2
+    assert words in process.output() and len(process.output().splitlines()) == 1
+
+
+def test_what_is_not_installed_is_named():
+    with pytest.raises(SkinError, match="no_such_package is not installed"):
+        executable("no_such_package", "node")
+    with pytest.raises(SkinError, match="no executable nothing"):
+        executable("skin_models", "nothing")
+
+
+def test_waiting_is_bounded_and_says_for_what():
+    with pytest.raises(SkinError, match="for rain"):
+        wait_until(lambda: False, 0.05, "rain")
+
+
+def test_two_domains_differ():
+    with Domain() as a, Domain() as b:
+        assert a.id != b.id
