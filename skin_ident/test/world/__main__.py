@@ -23,7 +23,7 @@ def main():
     o = parser.parse_args()
     sessions, truth = make_sessions(o.cause, o.where, o.form, o.size, o.seed, o.protocol, o.sessions, o.taxels, o.noise)
     write_case(sessions, o.out)
-    print(json.dumps([h.__dict__ for h in truth.hidden], indent=1, default=str))
+    print(json.dumps([{k: v for k, v in vars(h).items() if k != "effect"} for h in truth.hidden], indent=1))
     print(f"{len(sessions)} sessions of {sessions[0].t.size} samples in {o.out}; noise {truth.noise}")
 
 

@@ -52,6 +52,8 @@ class Effect:
 
     fixed = False  # the amplitude is not scaled to a size
     by_difference = False  # sized by what it changes in the measured signals, depth counted as force
+    limit = float("inf")  # largest amplitude that makes sense
+    stiff = False  # needs the fine steps even for sizing
     static_array = False  # shows only against the declared spread over several taxels
 
     def laws(self, laws, a):

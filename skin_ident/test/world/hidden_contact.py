@@ -53,14 +53,14 @@ class Mullins:
 
 
 class Damage:
-    """Stiffness lost to the largest depth so far, D = 1 - exp(-um/c), returned as -k u D."""
+    """Stiffness lost to the largest depth um so far: the force is less by k u (exp(-u/c) - exp(-um/c)), by nothing on the virgin curve."""
 
     def __init__(self, k, c, heal=1e9):
         self.k, self.c, self.heal, self.deepest = k, c, heal, 0.0
 
     def step(self, u, du, dt):
         self.deepest = max(self.deepest * exp(-dt / self.heal), u)
-        return -self.k * u * (1 - exp(-self.deepest / self.c)) if u > 0 else 0.0
+        return -self.k * u * (exp(-u / self.c) - exp(-self.deepest / self.c)) if u > 0 else 0.0
 
 
 class Fatigue:

@@ -85,8 +85,9 @@ class OtherNoise(Effect):
         mine = self.where.startswith("taxel") if channel != "force" else self.where == "load_cell"
         if not mine:
             return noise
-        changes = {"level": {"level": noise.level * (1 + 2 * a)}, "colour": {"kind": "ar", "rho": 0.97}, "growth": {"kind": "hetero", "growth": 6.0}}
-        return replace(noise, **changes[self.kind])
+        if self.kind == "level":
+            return replace(noise, level=noise.level * (1 + 2 * a))
+        return replace(noise, kind="ar", rho=0.97) if self.kind == "colour" else replace(noise, kind="hetero", growth=6.0)
 
 
 class DataError(Effect):

@@ -44,6 +44,8 @@ def _dahl(x, limit, stiffness_length):
 class Mount(Effect):
     """A spring between encoder and tip; a = 1 is ten times the skin's stiffness. `harden` (1/m) makes it stiffer as it stretches."""
 
+    limit, stiff = 3.0, True
+
     def __init__(self, c, harden=0.0, seat=0.0):
         self.k, self.harden, self.seat = 10 * c.skin.stiffness, harden / c.skin.depth_max, seat * c.skin.depth_max
 
@@ -135,7 +137,8 @@ def _loaded(c):
 FORMS = {
     "backlash": {"play": Play, "rounded": lambda c: Play(c, soft=c.rng.uniform(0.15, 0.4)), "several": lambda c: Play(c, count=3)},
     "mount_compliance": {
-        "spring": Mount, "hardening": lambda c: Mount(c, harden=c.rng.uniform(3, 15)), "seating": lambda c: Mount(c, seat=c.rng.uniform(0.02, 0.1)),
+        "spring": Mount, "hardening": lambda c: Mount(c, harden=c.rng.uniform(3, 15)),
+        "seating": lambda c: Mount(c, seat=c.rng.uniform(0.02, 0.1)),
     },
     "position_offset": {"constant": Offset, "lost_counts": lambda c: Offset(c, jumps=True)},
     "off_centre": {"shift": OffCentre, "walk": lambda c: OffCentre(c, "walk"), "lean": lambda c: OffCentre(c, "lean")},

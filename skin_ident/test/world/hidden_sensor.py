@@ -135,16 +135,16 @@ def _lag_one_sided(c):
 
 
 class _Loop:
-    """Memory of a sensor: an element driven by load over typical load."""
+    """Memory of a sensor: an element driven by load over typical load. `way` -1: the reading lags, as it mostly does."""
 
     def __init__(self, c, make):
-        self.c, self.make = c, make
+        self.c, self.make, self.way = c, make, c.rng.choice([-1, -1, -1, 1])
 
     def __call__(self, y, fine, a, rng):
         element, unit = self.make(), self.c.load * (_peak(y) / (2 * self.c.load))
         z = y / unit
         steps = np.diff(z, prepend=z[0]).tolist()
-        return y + a * unit * np.array([element.step(u, du, fine.dt) for u, du in zip(z.tolist(), steps, strict=True)])
+        return y + self.way * a * unit * np.array([element.step(u, du, fine.dt) for u, du in zip(z.tolist(), steps, strict=True)])
 
 
 def _loop(kind):

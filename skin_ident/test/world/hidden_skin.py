@@ -104,7 +104,7 @@ def _eyring_arm(c):
 
 def _relays(c):
     rng, d = c.rng, c.skin.depth_max
-    low = rng.uniform(-0.05, 0.9, 300) * d
+    low = rng.uniform(0.01, 0.9, 300) * d
     high = low + rng.exponential(rng.uniform(0.1, 0.3), 300) * d + 0.01 * d
     return Skin(lambda: memory.Relays(c.load, high, low, d / 300))
 

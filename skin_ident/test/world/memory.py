@@ -59,18 +59,24 @@ class Plays:
 
 
 class Relays:
-    """Preisach: a cloud of relays, up above alpha, down below beta (m); force is height times the mean of their states."""
+    """Preisach: a cloud of relays, up above alpha, down below beta (m); force is height times minus the mean of their states.
+
+    A force on the skin must take up work, so a relay that is late adds force on the way in. The middle between the rising and
+    the falling curve is taken out: that is a shape, which another cause has the name for.
+    """
 
     def __init__(self, height, alpha, beta, grain):
         self.height, self.alpha, self.beta, self.grain = height, alpha, beta, grain
-        self.state, self.last, self.value = np.zeros(alpha.size), -1.0, 0.0
+        self.state, self.last, self.value = np.zeros(alpha.size), -1e9, 0.0
+        self.rise, self.fall = np.sort(alpha), np.sort(beta)
 
     def step(self, u, du, dt):
         if abs(u - self.last) > self.grain:
             self.last = u
             self.state[u >= self.alpha] = 1.0
             self.state[u <= self.beta] = 0.0
-            self.value = self.height * float(self.state.mean())
+            middle = 0.5 * (np.searchsorted(self.rise, u, "right") + np.searchsorted(self.fall, u))
+            self.value = self.height * float(middle / self.state.size - self.state.mean())
         return self.value
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .effect import Fine, Record
+from .effect import Effect, Fine, Record
 from .protocols import make_path
 from .skin import Laws, press
 
@@ -50,6 +50,12 @@ class Rig:
         v = np.gradient(x, dt)
         return x, v, np.gradient(v, dt), dt
 
+    @staticmethod
+    def coarse(effects):
+        """Fine steps to skip while looking for a size: 1 where the skin need not be pressed again, or would not bear it."""
+        untouched = all(type(e).laws is Effect.laws and type(e).tip is Effect.tip for e in effects)
+        return 1 if untouched or any(e.stiff for e in effects) else 2
+
     def base(self, number, coarse, said=None):
         """The bare skin under the true path, or under what an encoder said."""
         x, v, a, dt = self.path(number, coarse)
@@ -63,7 +69,7 @@ class Rig:
 
     def clean(self, number, effects, coarse=1):
         """(Record, encoder path) without noise and converter, with [(effect, amplitude)] up to the sensors."""
-        x, v, a, dt = self.path(number, coarse)
+        x, _, a, dt = self.path(number, coarse)
         tip, laws = x, Laws()
         for i, (effect, size) in enumerate(effects):
             tip = effect.tip(tip, dt, size, self.stream(5, 0, i, number))
@@ -123,9 +129,10 @@ class Rig:
         level = np.hypot(self.noise.level, 12**-0.5)
         return {"force": float(level * FORCE_STEP), "taxels": [float(level * s) for s in self.taxel_steps]}
 
-    def declared(self):
-        """What `rig.yaml` says."""
-        return {
+    def declared(self, noise=False):
+        """What `rig.yaml` says; with the noise's level where that is what is wrong."""
+        level = {"force_noise_n": self.noise.level * FORCE_STEP, "taxel_noise_n": (self.noise.level * self.taxel_steps).tolist()}
+        return (level if noise else {}) | {
             "sample_rate_hz": self.rate, "force_step_n": FORCE_STEP, "taxel_step_n": self.taxel_steps.tolist(),
             "encoder_step_um": 1e6 * self.encoder_step, "taxel_positions_mm": (1e3 * self.skin.positions).tolist(),
             "plunger_diameter_mm": PLUNGER_MM, "skin_thickness_mm": self.skin.thickness_mm,

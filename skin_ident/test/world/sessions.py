@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .effect import Context, Effect
+from .effect import Context
 from .hidden import RIVALS, Hide, build, complete
 from .noise import as_noise
 from .rig import FORCE_STEP, OVER, Rig
@@ -39,6 +39,7 @@ class Hidden:
     visible: list
     channels: list
     rivals: tuple
+    effect: object = None
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class Truth:
     seed: int
     protocol: str
     given_model: dict | None = None
+    rig: object = None
 
     @property
     def cause(self):
@@ -83,7 +85,7 @@ def make_sessions(
     Raises KeyError for unknown names.
     """
     rng = np.random.default_rng([seed, 1])
-    hides = [complete(h, rng) for h in _listed(cause, where, form, size)]
+    hides = [complete(h, np.random.default_rng([seed, 7, i])) for i, h in enumerate(_listed(cause, where, form, size))]
     skin = draw_specimen(rng, thickness_mm, n_taxels, layout)
     steps = 4.88e-3 * skin.slopes
     rig = Rig(seed, protocol, skin, as_noise(noise, rng), rate, 1e-6 * encoder_step_um, steps, between, 1e-6 * wobble_um)
@@ -91,14 +93,16 @@ def make_sessions(
     scaled = [(e, _amplitude(rig, e, h)) for e, h in zip(effects, hides, strict=True)]
     cleans = [rig.clean(i, scaled) for i in range(n_sessions)]
     measured = [rig.measure(c[0], i, scaled) for i, c in enumerate(cleans)]
-    sessions = [Session(m.t, m.x, m.force, m.taxels, rig.declared()) for m in measured]
-    if any(getattr(e, "kind", None) == "copied_session" for e in effects):
+    declared = rig.declared(noise=any(h.cause == "noise" for h in hides))
+    sessions = [Session(m.t, m.x, m.force, m.taxels, declared) for m in measured]
+    if n_sessions > 1 and any(getattr(e, "kind", None) == "copied_session" for e in effects):
         sessions[1:2] = sessions[:1]
     signals = [rig.finish(c[0], i, scaled) for i, c in enumerate(cleans)]
     plain = [rig.clean(i, [])[0] for i in range(n_sessions)]
     known = list(zip(signals, cleans, strict=True)) if len(hides) == 1 else None
     hidden = [_describe(rig, h, e, a, n_sessions, known) for h, (e, a) in zip(hides, scaled, strict=True)]
-    return sessions, Truth(hidden, skin, rig.noise, rig.noise_rms(), signals, plain, seed, protocol, _given(skin, hides, effects))
+    given = _given(skin, hides, effects)
+    return sessions, Truth(hidden, skin, rig.noise, rig.noise_rms(), signals, plain, seed, protocol, given, rig)
 
 
 def _listed(cause, where, form, size):
@@ -132,8 +136,8 @@ def _sizes(rig, number, effect, a, known=None, coarse=1):
 def _amplitude(rig, effect, hide):
     if effect.fixed:
         return 1.0
-    quick = type(effect).laws is Effect.laws and type(effect).tip is Effect.tip  # the skin need not be pressed again
-    return find_amplitude(lambda a: max(_sizes(rig, 0, effect, a, coarse=1 if quick else 2)), hide.size)
+    coarse = rig.coarse([effect])
+    return find_amplitude(lambda a: max(_sizes(rig, 0, effect, a, coarse=coarse)), hide.size, limit=effect.limit)
 
 
 def _describe(rig, hide, effect, a, n_sessions, known):
@@ -141,7 +145,7 @@ def _describe(rig, hide, effect, a, n_sessions, known):
     names = ["force", *(f"taxel_{i}" for i in range(len(rig.skin.positions)))]
     largest = np.max(sizes, axis=0)
     touched = [n for n, value in zip(names, largest, strict=True) if value > max(0.1 * largest.max(), 1e-6)]
-    return Hidden(hide.cause, hide.where, hide.form, hide.size, a, sizes, touched, RIVALS.get(hide.cause, ()))
+    return Hidden(hide.cause, hide.where, hide.form, hide.size, a, sizes, touched, RIVALS.get(hide.cause, ()), effect)
 
 
 def _given(skin, hides, effects):

@@ -9,16 +9,15 @@ def visible(record, base, every):
     `base`: the bare skin pressed along what the encoder says, on a grid `every` times as fine as the samples.
     """
     u, w, on, use = _sampled(base, every)
-    force = _left(record.force[use], (on * u)[use], (on * w)[use])
-    return force, np.column_stack([_left(y[use], u[use], w[use]) for y in record.taxels.T])
+    return _left(record.force, on * u, on * w, use), np.column_stack([_left(y, u, w, use) for y in record.taxels.T])
 
 
 def visible_in_array(record, base, every, shares):
     """The same for the taxels with one stiffness and damping for all, spread as declared."""
     u, w, _, use = _sampled(base, every)
-    n, share = shares.size, np.repeat(shares, use.sum())
-    left = _left(record.taxels[use].T.ravel(), share * np.tile(u[use], n), share * np.tile(w[use], n))
-    return np.zeros(use.sum()), left.reshape(n, -1).T
+    n, share = shares.size, np.repeat(shares, u.size)
+    left = _left(record.taxels.T.ravel(), share * np.tile(u, n), share * np.tile(w, n), np.tile(use, n))
+    return np.zeros(u.size), left.reshape(n, -1).T
 
 
 def _sampled(base, every):
@@ -31,9 +30,11 @@ def _sampled(base, every):
     return base.u[::every], base.w[::every], touching, use
 
 
-def _left(y, u, w):
-    columns = np.column_stack([u, w])
+def _left(y, u, w, use):
+    """Residual of y on u and w, 0 where samples do not count."""
+    columns = np.column_stack([u, w]) * use[:, None]
     scale = np.sqrt(np.mean(columns**2, 0)) + 1e-15
+    y = y * use
     return y - columns @ (np.linalg.lstsq(columns / scale, y, rcond=None)[0] / scale)
 
 
@@ -42,11 +43,13 @@ def rms(y, axis=0):
     return np.sqrt(np.mean(np.square(y), axis=axis))
 
 
-def find_amplitude(size_at, wanted, tries=9, tolerance=0.05):
+def find_amplitude(size_at, wanted, tries=9, tolerance=0.05, limit=float("inf")):
     """The amplitude with size_at(a) = wanted: secants in the logarithm, kept inside what is bracketed; the nearest if out of reach."""
     tried = []
     for _ in range(tries):
-        a = _next(tried, wanted) if tried else 1.0
+        a = min(_next(tried), limit) if tried else 1.0
+        if any(a == before for before, _ in tried):
+            break
         miss = float(np.log(max(size_at(a), 1e-6) / wanted))
         tried.append((a, miss))
         if abs(miss) < tolerance:
@@ -54,7 +57,7 @@ def find_amplitude(size_at, wanted, tries=9, tolerance=0.05):
     return min(tried, key=lambda pair: abs(pair[1]))[0]
 
 
-def _next(tried, wanted):
+def _next(tried):
     below = max((np.log(a) for a, miss in tried if miss < 0), default=-np.inf)
     above = min((np.log(a) for a, miss in tried if miss > 0), default=np.inf)
     a, miss = np.log(tried[-1][0]), tried[-1][1]

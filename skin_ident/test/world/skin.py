@@ -114,17 +114,26 @@ def _press_mounted(x, v, dt, skin, laws):
     """As above with a spring between encoder and tip: the tip is the state, driven by the spring; exact for a straight path."""
     k, b = skin.stiffness, skin.damping
     memory, rate, spring = _Memory(laws.elements), laws.rate, laws.mount_stiffness
-    u, w, last = 0.0, 0.0, x[0]
+    u, w, last, stretch = 0.0, 0.0, x[0], 0.0
     rows = []
     for xi in x:
-        stiff = spring(xi - u) if xi > u else 0.0
         added = memory.force + (rate(u, w) if rate else 0.0)
-        pole = (k + stiff) / b
-        gone = 1 - exp(-pole * dt)
-        path = last * gone + (xi - last) * (1 - gone / (pole * dt))
-        new = u + (stiff * path - added * gone) / (b * pole) - u * gone
-        w = (stiff * max(xi - new, 0.0) - k * new - added) / b
+        stiff = spring(stretch)
+        new = _driven(u, last, xi, stiff, added, k, b, dt)
+        stretch = xi - new
+        if stretch <= 0:  # the spring would pull: the surface goes by itself
+            new, stretch = _driven(u, last, xi, 0.0, added, k, b, dt), 0.0
+        force = stiff * stretch
+        w = (force - k * new - added) / b
         memory.tell(new, dt)
         u, last = new, xi
-        rows.append((u, w, stiff * max(xi - u, 0.0), added, float(xi > u)))
+        rows.append((u, w, force, added, float(force > 0)))
     return zip(*rows, strict=True)
+
+
+def _driven(u, last, xi, stiff, added, k, b, dt):
+    """Surface after one step of b u' = stiff (x - u) - k u - added with x straight from `last` to `xi`."""
+    pole = (k + stiff) / b
+    gone = 1 - exp(-pole * dt)
+    path = last * gone + (xi - last) * (1 - gone / (pole * dt))
+    return u + (stiff * path - added * gone) / (b * pole) - u * gone

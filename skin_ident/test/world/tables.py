@@ -6,13 +6,13 @@ import numpy as np
 
 
 def write_table(session, path) -> Path:
-    """Write `t_s, x_mm, force_n, taxel_0_n, …` with 9 digits (columns that the session lacks are left out) and the folder's rig.yaml."""
+    """Write `t_s, x_mm, force_n, taxel_0_n, …` with 8 digits (columns that the session lacks are left out) and the folder's rig.yaml."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     columns = {"t_s": session.t, "x_mm": None if session.x is None else 1e3 * session.x, "force_n": session.force}
     columns |= {f"taxel_{i}_n": y for i, y in enumerate(session.taxels.T)}
     columns = {name: y for name, y in columns.items() if y is not None}
-    np.savetxt(path, np.column_stack(list(columns.values())), "%.9g", "\t", header="\t".join(columns), comments="")
+    np.savetxt(path, np.column_stack(list(columns.values())), "%.8g", "\t", header="\t".join(columns), comments="")
     write_rig(session.rig, path.parent / "rig.yaml")
     return path
 
