@@ -43,7 +43,7 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 
 def write(outcome: Outcome, folder: Path) -> None:
-    """Write findings.json, model.yaml (and baseline.yaml, what it started from), the report, and what it takes to render the report again."""
+    """Write findings.json, model.yaml (and baseline.yaml, what it started from), separating batteries, the report, and what renders it."""
     from skin_ident.report import save_traces, write_report  # drawing costs a second of start-up that a refusal should not
 
     write_report(outcome, folder)
@@ -51,6 +51,8 @@ def write(outcome: Outcome, folder: Path) -> None:
     if outcome.model is not None:
         save_model(outcome.baseline, folder / "baseline.yaml")
         save_model(outcome.model, folder / "model.yaml", outcome.std)
+    for file, battery in outcome.batteries.items():
+        (folder / file).write_text(battery, encoding="utf-8")
     common.write_json(folder / "findings.json", outcome.findings)
 
 

@@ -1,18 +1,19 @@
 """The diagnosis of recordings: from loaded sessions to findings, an extended model and the curves for the report."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from skin_ident.criticism.criticise import Criticism, criticise
 from skin_ident.criticism.errors import DiagnosisError
-from skin_ident.criticism.findings import as_findings
+from skin_ident.criticism.findings import Experiments, as_findings
 from skin_ident.criticism.leftover import systematic_rest
 from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.session import Session, motion_under
+from skin_ident.separating.choose import separating_experiments
 from skin_models.model import Model
 
 MASS_PER_THICKNESS = 0.108  # kg/m
@@ -39,10 +40,11 @@ def diagnose(
     rest = systematic_rest(c.last, train, held)
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = _verdict(bool(c.named or looked.symptoms), rest.is_systematic(explained))
-    findings = as_findings(c, looked.symptoms, every, train, held, rest, verdict, model is not None)
+    experiments = separating_experiments(c, train, progress)
+    findings = as_findings(c, looked.symptoms, every, train, held, rest, verdict, model is not None, experiments)
     shown = looked.sessions if len(every) > 1 else looked.sessions[:1]
     traces = tuple(_trace(c, s, any(s is h for h in held)) for s in shown)
-    return Outcome(findings, c.baseline.model, c.extended.model, c.extended.std, traces, (), _rounds(c))
+    return Outcome(findings, c.baseline.model, c.extended.model, c.extended.std, traces, (), _rounds(c), dict(_batteries(experiments)))
 
 
 def skin_mass(recording) -> float:
@@ -89,6 +91,10 @@ def _trace(c: Criticism, s: Session, held: bool) -> Trace:
     before, after = (simulated(fit.model, s) for fit in (c.baseline, c.extended))
     moved = motion_under(s, c.extended.model.dispersion)
     return Trace(s.name, held, moved.t, moved.x, moved.v, s.channels, s.raw, before, after)
+
+
+def _batteries(experiments: Experiments) -> Iterator[tuple[str, str]]:
+    yield from ((file, e.text) for file, e in experiments.values())
 
 
 def _rounds(c: Criticism) -> tuple[Round, ...]:

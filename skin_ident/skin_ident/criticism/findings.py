@@ -1,5 +1,6 @@
 """The content of findings.json, schema 1, from a finished criticism."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,12 @@ from skin_ident.criticism.session import Session
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.unknowns import Unknown, values
 from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.separating.choose import Experiment
 from skin_models.model import Model
 from skin_models.parameter import parameters_of
 
 SCHEMA = 1
+Experiments = Mapping[tuple[str, str], tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
 
 
 def place(where: str) -> str:
@@ -42,7 +45,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
     }
 
 
-def found(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
+def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for."""
     effects = instances(model, named.cause, named.where)
     parameters: dict[str, Any] = _dispersion(model, std) if named.cause == "parameters" else {}
@@ -70,7 +73,7 @@ def found(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
             "unit": "N",
         },
         "alternatives": [{"cause": a.cause, "where": place(a.where), "explains_less_by": float(a.short_by)} for a in named.alternatives],
-        "separating_experiment": _separating(named),
+        **_separating(named, experiments),
         "means": BY_NAME[named.cause].means,
         "advice": BY_NAME[named.cause].act,
     }
@@ -98,11 +101,15 @@ def seen(symptom: Symptom, baseline: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _separating(named: Named) -> str:
+def _separating(named: Named, experiments: Experiments) -> dict[str, Any]:
+    """The sentence, and the battery where one was computed; without a depth to command, what the rivals need in words."""
     if not named.alternatives:
-        return ""
-    rivals = list(dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)]))
-    return "to tell " + " from ".join(rivals) + ", record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))
+        return {"separating_experiment": ""}
+    if (named.cause, named.where) in experiments:
+        file, experiment = experiments[named.cause, named.where]
+        return {"separating_experiment": experiment.sentence(file), "battery": file}
+    rivals = dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)])
+    return {"separating_experiment": "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))}
 
 
 def noise_floor(c: Criticism, train: list[Session]) -> dict[str, Any]:
@@ -134,11 +141,19 @@ def telemetry_words(recordings: list, symptoms: tuple[Symptom, ...], given: bool
 
 
 def as_findings(
-    c: Criticism, symptoms, recordings: list, train: list[Session], held: list[Session], rest: Rest, verdict: str, given: bool
+    c: Criticism,
+    symptoms,
+    recordings: list,
+    train: list[Session],
+    held: list[Session],
+    rest: Rest,
+    verdict: str,
+    given: bool,
+    experiments: Experiments,
 ) -> dict[str, Any]:
     """The whole of findings.json."""
     baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, train, held)
-    entries = [seen(s, baseline) for s in symptoms] + [found(n, c.extended.model, c.extended.std) for n in c.named]
+    entries = [seen(s, baseline) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     excluded, untestable = excluded_and_untestable(c.last.projected, named, telemetry_words(recordings, symptoms, given))
     return {

@@ -44,7 +44,7 @@ class Round:
 @dataclass(frozen=True)
 class Outcome:
     """`findings` is exactly what findings.json holds (schema 1); `model` the extended model and `baseline` what it
-    started from (None for a spread scan without one)."""
+    started from (None for a spread scan without one). `batteries` are the separating experiments: YAML text by file name."""
 
     findings: dict[str, Any]
     baseline: Any = None
@@ -53,3 +53,4 @@ class Outcome:
     traces: tuple[Trace, ...] = ()
     scans: tuple[ScanTrace, ...] = ()
     rounds: tuple[Round, ...] = ()
+    batteries: dict[str, str] = field(default_factory=dict)

@@ -29,7 +29,7 @@ class SimulatedRig:
     colour: float = 0.5
 
     def record(self, model: Model, battery: Entry, seed: int, name: str = "") -> Recording:
-        """One session of `battery` on a specimen that behaves as `model`, as a load cell, taxels and an encoder say. Raises `ProfileError`."""
+        """One session of `battery` on a specimen that behaves as `model`, as the sensors say it. Raises `ProfileError`."""
         path = planned(battery, 1.0 / self.rate)
         rng = np.random.default_rng([seed, 3])
         x = path.x + self.wobble * rng.standard_normal(len(path))
@@ -45,9 +45,7 @@ class SimulatedRig:
         return step * np.round((y + self.noise_steps * step * coloured) / step)
 
     def _declared(self, taxels: int) -> Declared:
-        return Declared(
-            force_step_n=self.force_step, taxel_step_n=(self.taxel_step,) * taxels, encoder_step_um=1e6 * self.encoder_step
-        )
+        return Declared(force_step_n=self.force_step, taxel_step_n=(self.taxel_step,) * taxels, encoder_step_um=1e6 * self.encoder_step)
 
 
 def varied(model: Model, seed: int, spread: float = 0.1) -> Model:

@@ -1,7 +1,12 @@
 """The motion that decides between rivals in the least time, with its numbers."""
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import yaml
 
 from skin_ident.criticism.criticise import REACH, Criticism, Named
 from skin_ident.criticism.proposals import directions
@@ -10,55 +15,90 @@ from skin_ident.separating.candidates import Candidate, candidates
 from skin_ident.separating.contest import Contender, Contest, contest, rehearsed
 
 FLOOR = 10.0  # squared whitened units within which two causes are rivals whatever they explain
-MARGIN = 2.0  # times the criticism's own bound: real skins are not quite of the forms that were fitted
-MOST_RUNS = 4
+MARGIN = 1.5  # times the criticism's own bound: real skins are not quite of the forms that were fitted
+MOST_RUNS = 3
 PERIOD = 0.01  # s, at which candidates are simulated
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A battery to record `runs` times, and why: the expected log likelihood ratio of one run beside that of what was recorded.
+    """A battery to record, and why: the expected log likelihood ratio it adds, beside that of what was recorded.
 
-    `decides` says whether one name is then expected to be left; `rivals` are the causes, the named one first.
+    Both are of the pair, among those expected to be told apart, for which it adds least. `together` are pairs of rivals that are expected
+    to stay together even so; `rivals` are the causes, the named one first.
     """
 
     name: str
     text: str
     seconds: float
-    runs: int
     evidence: float
     recorded: float
-    decides: bool
     rivals: tuple[str, ...]
+    together: tuple[tuple[str, str], ...]
 
     @property
-    def sentence(self) -> str:
-        """What findings.json says of it."""
-        times = "once" if self.runs == 1 else f"{self.runs} times"
-        hope = "" if self.decides else "; even that may leave more than one name"
+    def decides(self) -> bool:
+        """Whether one name is then expected to be left."""
+        return not self.together
+
+    def sentence(self, file: str) -> str:
+        """What findings.json says of it, where `file` is the battery's name."""
+        left = " and ".join(" with ".join(pair) for pair in self.together)
+        hope = f"; even that may leave {left}" if left else ""
         return (
-            f"to tell {' from '.join(self.rivals)}, record {self.name} {times} ({self.seconds:.0f} s each): "
-            f"expected evidence {self.evidence:.3g} a run, against {self.recorded:.2g} for what was recorded{hope}"
+            f"record {file} ({self.name}; {self.seconds:.0f} s): expected evidence {self.evidence:.3g} to tell "
+            f"{' from '.join(self.rivals)}, against {self.recorded:.2g} for what was recorded{hope}"
         )
+
+
+@dataclass(frozen=True)
+class _Option:
+    """Candidates to be recorded in one session, and what they add. Sums are lower bounds: one joint refit can imitate less than several."""
+
+    parts: tuple[Candidate, ...]
+    new: Contest
+
+    @property
+    def seconds(self) -> float:
+        return sum(p.seconds for p in self.parts)
+
+    def and_then(self, other: "_Option") -> "_Option":
+        return _Option((*self.parts, *other.parts), self.new + other.new)
+
+    @property
+    def name(self) -> str:
+        counted = Counter(p.name for p in self.parts)
+        return " and ".join(name if n == 1 else f"{name}, {n} times" for name, n in counted.items())
 
 
 def separating_experiment(
     c: Criticism, named: Named, train: list[Session], progress: Callable[[str], None] = lambda stage: None
 ) -> Experiment | None:
-    """The best candidate for the rivals of one finding. None where there is no rival, or no depth that could be commanded."""
+    """The best motion for the rivals of one finding. None where there is no rival, or no depth that could be commanded."""
     rivals = contenders(named)
     if len(rivals) < 2 or train[0].drive is not None:
         return None
-    progress("looking for the experiment that separates " + " from ".join(r.cause for r in rivals))
+    progress("looking for the motion that separates " + " from ".join(r.cause for r in rivals))
     which = directions(train[0])
-    known = contest(rivals, train, c.last.noise, which)
+
+    def judged(sessions: list[Session]) -> Contest:
+        return contest(rivals, named.before, sessions, c.last.noise, which)
+
+    known = judged(train)
     deepest = max(float(s.motion.x.max()) for s in train)
     tried = candidates(deepest, max(PERIOD, train[0].band.dt))
-    contests = [contest(rivals, [rehearsed(k.motion, train[0], rivals[0].model)], c.last.noise, which) for k in tried]
-    candidate, new, runs = min(((k, t, _runs(known, t)) for k, t in zip(tried, contests, strict=True)), key=lambda o: _cost(known, *o))
-    decides = _margin(known, new, runs) >= MARGIN
-    words = tuple(dict.fromkeys(f"{r.cause} in the {r.where}" if _alike(rivals) else r.cause for r in rivals))
-    return Experiment(candidate.name, candidate.text, candidate.seconds, runs, new.evidence, known.evidence, decides, words)
+    singles = [_Option((k,), judged([rehearsed(k.motion, train[0], rivals[0].model)])) for k in tried]
+    best = min(_options(singles), key=lambda o: _cost(known, o))
+    return _experiment(rivals, known, best)
+
+
+def separating_experiments(
+    c: Criticism, train: list[Session], progress: Callable[[str], None] = lambda stage: None
+) -> dict[tuple[str, str], tuple[str, Experiment]]:
+    """The best experiment for every finding that has rivals, by its cause and place, with the name of the file it goes to."""
+    each = {(n.cause, n.where): separating_experiment(c, n, train, progress) for n in c.named}
+    wanted = {key: e for key, e in each.items() if e is not None}
+    return {key: (f"separating{f'_{i}' if i > 1 else ''}.yaml", e) for i, (key, e) in enumerate(wanted.items(), 1)}
 
 
 def contenders(named: Named) -> tuple[Contender, ...]:
@@ -67,21 +107,50 @@ def contenders(named: Named) -> tuple[Contender, ...]:
     return tuple(Contender(c.cause, c.where, c.model) for c in every)
 
 
-def _alike(rivals: tuple[Contender, ...]) -> bool:
-    return len({r.cause for r in rivals}) < len(rivals)
+def _options(singles: list[_Option]) -> Iterator[_Option]:
+    """Every candidate once or several times, and every pair."""
+    for o in singles:
+        repeated = o
+        for _ in range(MOST_RUNS):
+            yield repeated
+            repeated = repeated.and_then(o)
+    for a, b in combinations(singles, 2):
+        yield a.and_then(b)
 
 
-def _margin(known: Contest, new: Contest, runs: int) -> float:
-    return (known + runs * new).margin(FLOOR, REACH)
+def _cost(known: Contest, o: _Option) -> tuple[int, float]:
+    """How many pairs it leaves together, then its seconds; where it tells none apart, the evidence per second counts instead."""
+    together = _together(known, o)
+    if together.sum() < together.size:
+        return int(together.sum()), o.seconds
+    return together.size, -float(o.new.evidence.min()) / o.seconds
 
 
-def _runs(known: Contest, new: Contest) -> int:
-    """How often the motion must be recorded to decide; `MOST_RUNS` where that is not enough."""
-    return next((n for n in range(1, MOST_RUNS + 1) if _margin(known, new, n) >= MARGIN), MOST_RUNS)
+def _together(known: Contest, o: _Option) -> np.ndarray:
+    """For every pair of rivals, in the order of `_pairs`, whether it is expected to stay together."""
+    return (known + o.new).margin(FLOOR, REACH)[_pairs(known)] < MARGIN
 
 
-def _cost(known: Contest, candidate: Candidate, new: Contest, runs: int) -> tuple[float, float]:
-    """Seconds until it decides; of those that do not, the evidence per second counts."""
-    if _margin(known, new, runs) >= MARGIN:
-        return runs * candidate.seconds, -new.evidence
-    return float("inf"), -new.evidence / candidate.seconds
+def _pairs(of: Contest) -> tuple[np.ndarray, np.ndarray]:
+    return np.triu_indices(of.explained.size, 1)
+
+
+def _experiment(rivals: tuple[Contender, ...], known: Contest, best: _Option) -> Experiment:
+    together, pairs = _together(known, best), _pairs(known)
+    added, recorded = best.new.evidence[pairs], known.evidence[pairs]
+    worst = int(np.argmin(np.where(together & ~together.all(), np.inf, added)))
+    words = _words(rivals)
+    left = tuple((words[i], words[j]) for i, j, t in zip(*pairs, together, strict=True) if t)
+    return Experiment(best.name, _text(best), best.seconds, float(added[worst]), float(recorded[worst]), words, left)
+
+
+def _text(o: _Option) -> str:
+    """The battery that does all parts of an option, as YAML."""
+    about = {"type": "battery", "name": "separating", "about": o.name}
+    return yaml.safe_dump({**about, "profiles": [yaml.safe_load(p.text) for p in o.parts]}, sort_keys=False, width=140)
+
+
+def _words(rivals: tuple[Contender, ...]) -> tuple[str, ...]:
+    """What to call the rivals: by place too where one cause is its own rival."""
+    twice = len({r.cause for r in rivals}) < len(rivals)
+    return tuple(f"{r.cause} in the {r.where}" if twice else r.cause for r in rivals)

@@ -9,7 +9,7 @@ with the common band and whitener W, the tangents J_j of everything in j that a 
 ratio. G_i, likewise, is what cause i explains over a model without it: the criticism tells two causes apart when D exceeds a share of G.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -33,12 +33,6 @@ class Contender:
     where: str
     model: Model
 
-    @property
-    def without(self) -> Model:
-        """The same model without its cause."""
-        rest = tuple(e for e in self.model.effects if (e.cause, e.where) != (self.cause, self.where))
-        return replace(self.model, effects=rest)
-
 
 @dataclass(frozen=True)
 class Contest:
@@ -54,33 +48,35 @@ class Contest:
         return Contest(times * self.distance, times * self.explained)
 
     @property
-    def evidence(self) -> float:
-        """Expected log likelihood ratio of the two rivals that are hardest to tell apart."""
-        return 0.5 * float(self._apart.min())
+    def evidence(self) -> np.ndarray:
+        """Expected log likelihood ratio of every pair (R, R), whichever of the two is the truth; infinite on the diagonal."""
+        return 0.5 * np.minimum(self._apart, self._apart.T)
 
-    def margin(self, floor: float, reach: float) -> float:
-        """How many times over the criticism's bound the worst pair lies; above 1 one name is left."""
-        bound = np.maximum(floor, reach * self.explained)
-        return float((self._apart / bound[:, None]).min())
+    def margin(self, floor: float, reach: float) -> np.ndarray:
+        """How many times over the criticism's bound every pair (R, R) lies: above 1 one of the two names is left."""
+        apart = self._apart / np.maximum(floor, reach * self.explained)[:, None]
+        return np.minimum(apart, apart.T)
 
     @property
     def _apart(self) -> np.ndarray:
         return np.where(np.eye(self.explained.size, dtype=bool), np.inf, self.distance)
 
 
-def contest(rivals: tuple[Contender, ...], sessions: list[Session], noise: Whitener, which: tuple[Direction, ...]) -> Contest:
-    """What the motion of `sessions` says about `rivals`; their measured channels do not matter. `which` are the catalogue's directions."""
+def contest(rivals: tuple[Contender, ...], plain: Model, sessions: list[Session], noise: Whitener, which: tuple[Direction, ...]) -> Contest:
+    """What the motion of `sessions` says about `rivals`; their measured channels do not matter.
+
+    `plain` is the model fitted without any of them, `which` are the catalogue's directions.
+    """
     signals = [[s.band.thin(simulated(r.model, s)) for s in sessions] for r in rivals]
-    distance = np.zeros((len(rivals), len(rivals)))
-    explained = np.zeros(len(rivals))
-    for j, rival in enumerate(rivals):
-        differences = [[a - b for a, b in zip(y, signals[j], strict=True)] for y in signals]
-        distance[:, j] = _unlike(rival, differences, sessions, noise, which)
-        plain = [s.band.thin(simulated(rival.without, s)) for s in sessions]
-        lacking = stack([a - b for a, b in zip(signals[j], plain, strict=True)], sessions, noise)
-        own = stack(tangents(rival.without, sessions, unknowns(rival.without, sessions[0])), sessions, noise)
-        explained[j] = project((), np.zeros((lacking.size, 0)), own, lacking).energy
-    return Contest(distance, explained)
+    apart = [_unlike(rival, [_minus(y, own) for y in signals], sessions, noise, which) for rival, own in zip(rivals, signals, strict=True)]
+    base = [s.band.thin(simulated(plain, s)) for s in sessions]
+    own = stack(tangents(plain, sessions, unknowns(plain, sessions[0])), sessions, noise)
+    explained = [_left((), np.zeros((len(own), 0)), own, stack(_minus(y, base), sessions, noise)) for y in signals]
+    return Contest(np.array(apart).T, np.array(explained))
+
+
+def _minus(y: list[np.ndarray], other: list[np.ndarray]) -> list[np.ndarray]:
+    return [a - b for a, b in zip(y, other, strict=True)]
 
 
 def _unlike(rival: Contender, differences: list[list[np.ndarray]], sessions, noise, which) -> list[float]:
