@@ -29,7 +29,7 @@ def diagnose(
     """
     hold_out = hold_out or []
     every = _named_apart([*recordings, *hold_out])
-    _belong_together(every, model)
+    belong_together(every, model)
     progress("inspecting the recordings")
     looked = inspect(every)
     train, held = looked.sessions[: len(recordings)], looked.sessions[len(recordings) :]
@@ -65,7 +65,8 @@ def _named_apart(recordings: list) -> list:
     return [r if names.count(r.name) == 1 else replace(r, name=f"{r.name} ({i + 1})") for i, r in enumerate(recordings)]
 
 
-def _belong_together(recordings: list, model: Model | None) -> None:
+def belong_together(recordings: list, model: Model | None = None) -> None:
+    """Raise `DiagnosisError` where sessions do not carry the same channels, or lack what a diagnosis needs."""
     kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
     if len(kinds) > 1:
         said = "; ".join(f"{r.name}: {r.kind} with {len(r.taxels)} taxels" for r in recordings)

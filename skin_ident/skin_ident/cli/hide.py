@@ -1,0 +1,72 @@
+"""`hide RECORDING… --out DIR`: hide an effect of chosen or random cause, place and size in recordings, for others to find."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from skin_ident.cli import common
+from skin_ident.criticism.diagnose import belong_together
+from skin_ident.hiding.drawing import ANYTHING
+from skin_ident.hiding.errors import HidingError
+from skin_ident.hiding.hide import hide
+from skin_ident.hiding.writing import check_units, write_recordings
+from skin_ident.recordings.load import load
+from skin_ident.recordings.recording import Recording
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit status."""
+    return common.run(_main, arguments)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    chosen = _parser().parse_args(arguments)
+    truth = _truth_file(chosen.truth, Path(chosen.out))
+    recordings = _sessions(load(chosen.recordings, common.topics_of(chosen.topics)))
+    common.say(f"hiding an effect in {len(recordings)} session{'s' * (len(recordings) > 1)} …")
+    changed, hidden = hide(recordings, chosen.cause, chosen.where, chosen.size, chosen.seed)
+    folder = common.output_folder(chosen.out)
+    common.output_folder(str(truth.parent))
+    tables = write_recordings(changed, folder)
+    common.write_json(truth, {"hidden": [hidden.as_dict()], "recordings": [r.name for r in recordings], "tables": [t.name for t in tables]})
+    common.say(
+        f"wrote {len(tables)} table{'s' * (len(tables) > 1)} into {folder}, and the truth, which is not to be looked at, into {truth}"
+    )
+    return 0
+
+
+def _sessions(loaded: list) -> list[Recording]:
+    scans = [r.name for r in loaded if not isinstance(r, Recording)]
+    if scans:
+        raise HidingError(f"{scans[0]} is a static spread scan; effects are hidden in sessions only")
+    check_units(loaded)
+    belong_together(loaded)
+    return loaded
+
+
+def _truth_file(given: str | None, out: Path) -> Path:
+    """Where the truth goes. Raises `HidingError` where that is beside the data."""
+    truth = Path(given) if given else out.resolve().with_name(out.resolve().name + "_truth.json")
+    if truth.is_dir():
+        raise HidingError(f"--truth {truth} is a folder: name a file")
+    if out.resolve() in truth.resolve().parents:
+        raise HidingError(f"--truth {truth} lies beside the data: whoever searches would find it; write it elsewhere")
+    return truth
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="hide", description=__doc__)
+    common.add_recordings(parser)
+    parser.add_argument("--cause", default=ANYTHING, help="a word of the vocabulary; left out: drawn")
+    parser.add_argument("--where", default=ANYTHING, help="its place; left out: drawn")
+    parser.add_argument(
+        "--size", type=float, default=1.0, help="RMS of the effect over the noise's, in the channel that shows it best (1.0)"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of everything that is drawn (0)")
+    parser.add_argument("--truth", metavar="FILE", help="where the truth goes; left out: <DIR>_truth.json, beside the folder")
+    parser.add_argument("--out", required=True, metavar="DIR", help="where tables and rig.yaml go")
+    return parser
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

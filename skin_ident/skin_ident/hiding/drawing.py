@@ -1,0 +1,76 @@
+"""Which effect to hide: the cause, its place and its form, drawn by a seed where they are left open."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.hiding.errors import HidingError
+from skin_models.catalogue import effects
+from skin_models.effect import Effect, Place
+from skin_models.parameter import AMPLITUDE, parameters_of
+
+ANYTHING = "any"
+APART = {"time_shift": ("delay", "skew")}  # amplitudes of which only one is hidden at a time
+KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that stay at their typical value
+
+
+def hideable(session: Session) -> dict[str, list[tuple[type[Effect], str]]]:
+    """Classes and places by cause, as far as the channels of the recording can carry them."""
+    found: dict[str, list[tuple[type[Effect], str]]] = {}
+    for cls in effects():
+        if cls.cause in BY_NAME and any(True for _ in cls.shapes(session.motion)):
+            found.setdefault(cls.cause, []).extend((cls, where) for where in _places(cls, session))
+    return {cause: options for cause, options in found.items() if options}
+
+
+def draw(session: Session, cause: str, where: str, rng: np.random.Generator) -> Effect:
+    """An effect of typical size, of random form and shape. `cause` or `where` may be `ANYTHING`. Raises `HidingError`."""
+    able = hideable(session)
+    if cause != ANYTHING and cause not in able:
+        raise HidingError(f"{cause!r} cannot be hidden in this recording; choose from {', '.join(sorted(able))}")
+    cause = str(rng.choice(sorted(able))) if cause == ANYTHING else cause
+    options = [(cls, place) for cls, place in able[cause] if where in (ANYTHING, place, place.split("_")[0] if "clock" in place else place)]
+    if not options:
+        places = sorted({place for _, place in able[cause]})
+        raise HidingError(f"{cause} cannot sit in {where!r} of this recording; choose from {', '.join(places)}")
+    places = sorted({place for _, place in options})
+    place = places[rng.integers(len(places))]
+    forms = [cls for cls, p in options if p == place]
+    return _drawn(forms[rng.integers(len(forms))], place, session, rng)
+
+
+def _drawn(cls: type[Effect], place: str, session: Session, rng: np.random.Generator) -> Effect:
+    shapes = list(cls.shapes(session.motion))
+    effect = cls.typical(place, **shapes[rng.integers(len(shapes))])
+    if cls.cause == "interference":  # within the band in which sizes are measured
+        effect = effect.with_values(frequency=float(rng.uniform(0.1, 0.8) * session.band.edge))
+    if cls.cause in APART:
+        names = APART[cls.cause]
+        other = names[1 - rng.integers(len(names))]
+        effect = effect.with_values(**{other: 0.0})
+    return scaled(effect, -1.0) if _either_sign(effect) and rng.random() < 0.5 else effect
+
+
+def scaled(effect: Effect, times: float) -> Effect:
+    """The effect with its amplitudes multiplied, as far as their bounds allow."""
+    free = [p for p in parameters_of(effect) if p.role == AMPLITUDE and p.name not in KEPT.get(effect.cause, ())]
+    return effect.with_values(**{p.name: float(np.clip(times * p.value, p.lower, p.upper)) for p in free})
+
+
+def _either_sign(effect: Effect) -> bool:
+    return all(p.lower < 0.0 for p in parameters_of(effect) if p.role == AMPLITUDE)
+
+
+def _places(cls: type[Effect], session: Session) -> Iterator[str]:
+    for word, place in cls.places.items():
+        if place is Place.LOAD_CELL and "force" not in session.channels:
+            continue
+        if place is Place.DEPTH and session.drive is not None:
+            continue
+        if word.endswith(("taxel", "taxels")) and not session.n_taxels:
+            continue
+        yield word
+        if word == "taxel" and session.n_taxels > 1:
+            yield from (f"taxel_{i}" for i in range(session.n_taxels))

@@ -1,0 +1,50 @@
+"""What an effect is hidden against: the dispersion model fitted to the recordings, and the noise that no cause explains."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.diagnose import skin_mass
+from skin_ident.criticism.fitting import fit, tangents
+from skin_ident.criticism.noise import RICHEST, pursue
+from skin_ident.criticism.proposals import bank, directions
+from skin_ident.criticism.residual import residual
+from skin_ident.criticism.session import Session, prepare, without_parting
+from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.survey import survey
+from skin_ident.criticism.unknowns import unknowns
+from skin_ident.criticism.whitening import stack
+from skin_ident.recordings.recording import Recording
+from skin_models.model import Model
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The recordings as sessions, the model fitted to all, the noise's RMS (C,) in N, and the first session's tangents (U, C, n)."""
+
+    recordings: tuple[Recording, ...]
+    sessions: tuple[Session, ...]
+    model: Model
+    noise: np.ndarray
+    tangents: np.ndarray
+
+
+def ground(recordings: list[Recording]) -> Ground:
+    """Fit the dispersion model and measure the noise in the common band."""
+    sessions = [prepare(r) for r in recordings]
+    which = directions(sessions[0])
+    start = dispersion_start(sessions, skin_mass(recordings[0]))
+    sessions = [without_parting(s, start.dispersion) for s in sessions]
+    model = fit(start, sessions, survey(start, sessions[:1], which).noise).model
+    noise = survey(model, sessions[:1], which).noise
+    own = tangents(model, sessions[:1], unknowns(model, sessions[0]))[0]
+    every = np.concatenate([own, bank(model, which, sessions[:1])[0]])
+    e = residual(model, sessions[0])
+    A, r = stack([every], sessions[:1], noise), stack([e], sessions[:1], noise)
+    left = e - np.tensordot(pursue(A, r, len(own) + RICHEST, forced=len(own)), every, 1)
+    return Ground(tuple(recordings), tuple(sessions), model, rms(left, sessions[0].weight), own)
+
+
+def rms(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Root mean square of every row (C, n) over the samples that are believed."""
+    return np.sqrt((rows**2 * weight).sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0))

@@ -1,0 +1,128 @@
+"""Hide one effect in recordings, at a size given in units of their own noise.
+
+The size is the RMS, in the common band, of what the effect changes in the channel that shows it best, over the RMS of that channel's noise:
+of that part of the change which the model's own parameters cannot imitate, as far as there is one. An effect that they imitate by more
+than nine tenths, such as the gain of a lone taxel, is measured by all of its change instead, and the truth says so.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.findings import place
+from skin_ident.criticism.session import stacked
+from skin_ident.hiding.apply import applied, changed
+from skin_ident.hiding.drawing import ANYTHING, draw, scaled
+from skin_ident.hiding.errors import HidingError
+from skin_ident.hiding.ground import Ground, ground, rms
+from skin_ident.recordings.recording import Recording
+from skin_models.effect import Effect
+from skin_models.parameter import parameters_of
+
+IMITATED = 0.1  # share of the change that must be left for it to count
+REACHED = 0.9  # of the size asked for
+PRECISE = 0.01  # relative, of the amplitude
+DRAWS = 30
+FACTOR = 1e4  # how far from its typical size an effect may be scaled
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """The truth. `change` and `visible` are RMS over noise by channel: of all that changed, and of what the model cannot imitate."""
+
+    effect: Effect
+    size: float
+    seed: int
+    change: dict[str, float]
+    visible: dict[str, float]
+
+    @property
+    def where(self) -> str:
+        """Its place in the words of findings."""
+        return place(self.effect.where)
+
+    def as_dict(self) -> dict:
+        """The content of truth.json."""
+        parameters = {p.name: {"value": p.value, "unit": p.unit} for p in parameters_of(self.effect)}
+        return {
+            "cause": self.effect.cause,
+            "where": self.where,
+            "form": self.effect.form,
+            "parameters": parameters,
+            "size": self.size,
+            "seed": self.seed,
+            "change_over_noise": self.change,
+            "visible_over_noise": self.visible,
+        }
+
+
+def hide(
+    recordings: list[Recording], cause: str = ANYTHING, where: str = ANYTHING, size: float = 1.0, seed: int = 0, on: Ground | None = None
+) -> tuple[list[Recording], Hidden]:
+    """Recordings with an effect in them, and the truth. `on` saves fitting the recordings again.
+
+    Raises `HidingError` for a cause that they cannot carry, or not at that size.
+    """
+    if not 0.0 < size < 1e4:
+        raise HidingError(f"a size must be positive, and is in units of the noise, not {size:g}")
+    on = on or ground(recordings)
+    rng = np.random.default_rng([seed, 5])
+    for _ in range(DRAWS):
+        found = _sized(draw(on.sessions[0], cause, where, rng), size, seed, on)
+        if found is not None:
+            pairs = zip(on.recordings, on.sessions, strict=True)
+            return [applied(found.effect, r, s, on.model, seed + i) for i, (r, s) in enumerate(pairs)], found
+    raise HidingError(f"{cause} in {where} cannot be made {size:g} times as large as the noise of these recordings")
+
+
+def _sized(effect: Effect, size: float, seed: int, on: Ground) -> Hidden | None:
+    """The effect scaled to `size` on the first recording; None where its bounds or the motion do not let it become so large."""
+    change, visible = _measure(effect, seed, on)
+    whole = bool(visible.max() < IMITATED * change.max())
+
+    def at(times: float) -> float:
+        every, left = _measure(scaled(effect, times), seed, on)
+        return float((every if whole else left).max())
+
+    fixed = scaled(effect, 2.0) == effect
+    best = effect if fixed else scaled(effect, _solved(at, size))
+    change, visible = _measure(best, seed, on)
+    reached = float((change if whole else visible).max())
+    if reached <= 0.0 or (not fixed and not REACHED * size < reached < size / REACHED):
+        return None
+    channels = on.sessions[0].channels
+    return Hidden(best, reached, seed, *(dict(zip(channels, map(float, x), strict=True)) for x in (change, visible)))
+
+
+def _solved(at: Callable[[float], float], size: float) -> float:
+    """The factor at which `at` gives `size`, by bisection; a level that clips is the stronger the lower it is."""
+    step = 4.0 if at(4.0) >= at(0.25) else 0.25
+    weak = strong = 1.0
+    while at(strong) < size and 1.0 / FACTOR < strong < FACTOR:
+        weak, strong = strong, strong * step
+    while at(weak) > size and 1.0 / FACTOR < weak < FACTOR:
+        weak, strong = weak / step, weak
+    while abs(strong / weak - 1.0) > PRECISE:
+        middle = float(np.sqrt(weak * strong))
+        weak, strong = (middle, strong) if at(middle) < size else (weak, middle)
+    return strong
+
+
+def _measure(effect: Effect, seed: int, on: Ground) -> tuple[np.ndarray, np.ndarray]:
+    """By channel of the first recording, the change and what of it is visible, over the noise."""
+    first, session = on.recordings[0], on.sessions[0]
+    after = changed(effect, first, session, on.model, seed)
+    change = stacked(after)[1] - session.raw
+    if after.depth is not first.depth:  # an encoder's error counts by the force that it would have meant
+        skin = on.model.dispersion
+        change = change + (skin.k1 + skin.k2) * (after.depth - first.depth)
+    change = session.band.thin(change) / on.noise[:, None]
+    return rms(change, session.weight), rms(change - _imitated(change, on), session.weight)
+
+
+def _imitated(change: np.ndarray, on: Ground) -> np.ndarray:
+    weight = on.sessions[0].weight
+    J = on.tangents / on.noise[:, None]
+    z = np.linalg.lstsq((J * weight).reshape(len(J), -1).T, (change * weight).ravel(), rcond=1e-10)[0]
+    return np.tensordot(z, J, 1)

@@ -1,0 +1,50 @@
+"""Recordings as tables, with the rig.yaml that says what is known of them."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from skin_ident.hiding.errors import HidingError
+from skin_ident.recordings.declared import FILE_NAME, Declared
+from skin_ident.recordings.recording import Recording
+
+
+def write_recordings(recordings: list[Recording], folder: Path) -> list[Path]:
+    """One table per session; a folder for each where they do not share one rig. Returns the tables."""
+    alike = all(r.declared == recordings[0].declared for r in recordings)
+    tables = []
+    for i, r in enumerate(recordings, 1):
+        own = folder if alike else folder / f"session_{i}"
+        own.mkdir(parents=True, exist_ok=True)
+        tables.append(_table(r, own / f"session_{i}.csv"))
+        (own / FILE_NAME).write_text(_rig(r.declared), encoding="utf-8")
+    return tables
+
+
+def check_units(recordings: list[Recording]) -> None:
+    """Raise `HidingError` for sessions whose taxels are in volts: an effect is hidden in newtons."""
+    raw = [r.name for r in recordings if "V" in r.taxel_units]
+    if raw:
+        raise HidingError(f"{raw[0]} has taxels in volts: declare their calibration in {FILE_NAME} first")
+
+
+def _table(r: Recording, path: Path) -> Path:
+    columns = {"t_s": r.t - r.t[0]}
+    if r.depth is not None:
+        columns["x_mm"] = 1e3 * r.depth
+    columns |= {f"{name}_n": y for name, y in r.channels.items()}
+    partial = path.with_name(path.name + ".partial")
+    np.savetxt(partial, np.array(list(columns.values())).T, "%.9g", ",", header=",".join(columns), comments="", encoding="utf-8")
+    return partial.replace(path)
+
+
+def _rig(declared: Declared) -> str:
+    known = {f.name: getattr(declared, f.name) for f in fields(declared) if f.name not in ("warnings", "calibration")}
+    plain = {name: _listed(value) for name, value in known.items() if value not in (None, ())}
+    return yaml.safe_dump(plain, sort_keys=False) if plain else "{}\n"
+
+
+def _listed(value):
+    return [_listed(v) for v in value] if isinstance(value, tuple) else value
