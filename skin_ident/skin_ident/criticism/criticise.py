@@ -18,6 +18,7 @@ from skin_models.model import Model
 
 MOST_FINDINGS = 5
 SHORTLIST = 4  # causes that are refitted before one is chosen
+WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 SHADOW = 0.03  # of the largest fall of a mean square so far, below which a further cause is not named
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
@@ -114,7 +115,7 @@ class _Trial:
 
 def _trials(present: Fit, last: Survey, train, which: tuple[Direction, ...], progress: Progress) -> list[_Trial]:
     """The most promising causes, each grown and refitted, the best first."""
-    able = [r for r in last.ranked if r.score > 0.0][:SHORTLIST]
+    able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score)][:SHORTLIST]
     trials = []
     for r in able:
         progress(f"trying {r.cause} in the {r.where}")

@@ -18,7 +18,7 @@ from skin_models.model import Model
 
 ITERATIONS = 12
 STEP = 1e-4  # of a scaled unknown, for the differences
-TOLERANCE = 1e-5  # relative fall of the cost at which a fit has converged
+TOLERANCE = 1e-4  # relative fall of the cost at which a fit has converged
 
 
 @dataclass(frozen=True)
