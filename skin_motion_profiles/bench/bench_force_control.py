@@ -53,7 +53,8 @@ def press(session: Session, goal: dict) -> tuple[np.ndarray, np.ndarray]:
     session.execute("{type: straight_line, to_mm: -0.05, speed_mm_s: 2}")
     result, _, force = session.execute(yaml.safe_dump(goal))
     if result.error_code != 0:
-        raise SystemExit(f"{goal['type']}: {result.error_string}")
+        print(f"{goal['type']}: {result.error_string}")
+        return np.empty(0), np.empty(0)
     t = force[:, 0] - force[np.argmax(force[:, 1] >= 0.3), 0]
     within = (t >= -0.5) & (t <= SECONDS)
     return t[within], force[within, 1]
@@ -95,7 +96,10 @@ def main() -> None:
         for skin in MODELS:
             with Session(driver={"model": model_file(skin, Path(folder))}) as session:
                 for name, goal in controls(skin).items():
-                    t, force = runs[skin, name] = press(session, goal)
+                    t, force = press(session, goal)
+                    if t.size < 2:
+                        continue
+                    runs[skin, name] = t, force
                     over, settled, error, chatter = measures(t, force)
                     print(f"{skin:5s} {name:38s} {over:7.2f} N {settled:7.2f} s {error:6.2f} N {chatter:6.2f} N", flush=True)
     if options.picture:

@@ -21,6 +21,7 @@ from skin_motion_profiles.limits import Limits
 from skin_motion_profiles.trajectory import Trajectory
 
 JOINT = "indentation"
+_REST_ERROR = 2e-5  # m, by how much a resting stage may miss its target
 _TIMING = 0.2  # s of samples that tell how quick the node's clock is
 # Every piece counts, and a driver that stalls for a second must find them all.
 _COMMANDS = QoSProfile(depth=20, reliability=ReliabilityPolicy.RELIABLE)
@@ -43,6 +44,7 @@ class DriverLink:
         self.depth: Heard | None = None
         self.force: Heard | None = None
         self.state: DriverState | None = None
+        self.told: float | None = None  # m, last point of the last command
         self.forget_peaks()
         self._clock = node.get_clock()
         self._recent: deque[Heard] = deque(maxlen=1000)
@@ -85,6 +87,15 @@ class DriverLink:
         """Whether a driver listens to commands: a piece sent before it does is lost."""
         return self._commands.get_subscription_count() > 0
 
+    @property
+    def standing(self) -> float:
+        """Where the next motion begins, m: where the last one was told to end, if the plunger rests there; else where it is measured.
+
+        The driver goes on from what it was told, and a stage rests a few micrometres beside that.
+        """
+        near = self.told is not None and abs(self.told - self.depth.value) < _REST_ERROR
+        return self.told if near else self.depth.value
+
     def forget_peaks(self) -> None:
         """Begin to look for the greatest compression (N), load of either sign (N) and depth (m) anew."""
         self.peak_force = self.peak_depth = -math.inf
@@ -97,6 +108,7 @@ class DriverLink:
         message.header.stamp = Time(nanoseconds=base).to_msg()
         message.points = [_point(*knot) for knot in zip(times.tolist(), s.x.tolist(), s.v.tolist(), s.a.tolist(), strict=True)]
         self._commands.publish(message)
+        self.told = float(s.x[-1])
 
     def _on_encoder(self, message: JointState) -> None:
         if JOINT not in message.name:

@@ -19,7 +19,7 @@ from skin_motion_profiles.ros.asking import Asking
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.settings import Settings
 from skin_motion_profiles.ros.steering import Steering
-from skin_motion_profiles.ros.streaming import HEAD_START, REACTION, Stream
+from skin_motion_profiles.ros.streaming import HEAD_START, Stream
 from skin_motion_profiles.ros.watching import Ended, Watch
 
 Result = ExecuteProfile.Result
@@ -61,7 +61,7 @@ class Run:
         self.meet_driver()
         self.watch.before_moving()
         plan = stages(entry)
-        durations = rehearse(plan, self.link.depth.value, self.travel(), self.link.limits)
+        durations = rehearse(plan, self.link.standing, self.travel(), self.link.limits)
         self.whole = sum(durations)
         self.announce(entry_to_text(entry))
         for stage, duration in zip(plan, durations, strict=True):
@@ -71,7 +71,7 @@ class Run:
                 case Controlled():
                     self.steer(stage)
                 case _:
-                    self.follow(stage.motion(self.link.depth.value, self.travel()))
+                    self.follow(stage.motion(self.link.standing, self.travel()))
             self.done += duration
 
     def meet_driver(self) -> None:
@@ -131,6 +131,7 @@ class Run:
         except Ended:
             self.asking.stop_driver()
             raise
+        self.link.told = None  # zero has moved the plunger, and the zero of its depth
         if not answer.success:
             raise Ended(Result.DRIVER_FAULT, f"{action.label}: {answer.sentence}")
 
@@ -143,13 +144,13 @@ class Run:
         """Brake, then retract or hold. A driver that has stopped sees to that itself; where nothing of ours moves nothing is done."""
         if self.stream is None or code == Result.DRIVER_FAULT:
             return
-        t = self.stream.time() + REACTION * self.link.rate
+        begin = self.stream.soon()
         back = self.link.state.retracted_depth if self.goal.on_stop == ExecuteProfile.Goal.RETRACT else None
         limits = self.link.limits
         travel = Travel(self.settings.retract_speed, limits.max_acceleration).within(limits)
-        rest = stop(self.stream.motion.trajectory.sample(t), limits, back, travel)
+        rest = stop(self.stream.motion.trajectory.sample((begin - self.stream.base) * 1e-9), limits, back, travel)
         if rest is not None:
-            last = Stream(self.link, Motion(rest, ("stop",), (0.0,)), self.stream.base + int(t * 1e9))
+            last = Stream(self.link, Motion(rest, ("stop",), (0.0,)), begin)
             last.hand_over(everything=True)
             self.see_out(last)
 

@@ -23,7 +23,7 @@ class Steering:
         self.begin = link.now() + int(HEAD_START * link.rate * 1e9)
         self.contact: int | None = None  # node time (ns) at which the control began
         self.lost = False  # no contact down to the greatest depth
-        self.stream = self._told(self.begin, hold(link.depth.value, 0.1))
+        self.stream = self._told(self.begin, hold(link.standing, 0.1))
         self._answered = self.begin  # stamp (ns) of the last force that was answered
 
     @property
@@ -43,7 +43,7 @@ class Steering:
         self._answered = force.stamp
         if self.contact is None and force.value >= self.controlled.contact_n:
             self.contact = force.stamp
-        when = self.link.now() + int(REACTION * self.link.rate * 1e9)
+        when = self.stream.soon()
         if pieces := self._pieces(when, force):
             self.stream = self._told(when, pieces)
 

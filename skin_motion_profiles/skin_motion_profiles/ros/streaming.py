@@ -12,6 +12,7 @@ HEAD_START = 0.2  # s from a decision to the first moment of motion
 REACTION = 0.02  # s from a reason to stop to the moment from which the motion is replaced
 _LOOKAHEAD = 0.5  # s of motion that the driver has in hand
 _RENEWAL = 0.1  # s between two pieces
+_APART = 5e-4  # s between the points of two motions
 _KNOT_PERIOD = 0.02  # s between two points of a piece
 
 
@@ -30,6 +31,17 @@ class Stream:
     def planned(self, stamp: int) -> float:
         """Where the plunger should be at node time `stamp` (ns), m."""
         return float(self.motion.trajectory.sample((stamp - self.base) * 1e-9).x)
+
+    def soon(self) -> int:
+        """The node time (ns) from which another motion may replace this one: as soon as a message can be there.
+
+        A little later where a point of this motion is near: between two points a microsecond apart a nanosecond's rounding is a jerk.
+        """
+        t = max(self.time() + REACTION * self.link.rate, 0.0)
+        for knot in self._knots[(self._knots > t - _APART) & (self._knots < t + 20 * _APART)]:
+            if abs(knot - t) < _APART:
+                t = knot + _APART
+        return self.base + int(t * 1e9)
 
     def hand_over(self, everything: bool = False) -> None:
         """Send what the driver needs next, or all that is left. Each piece begins with the last point of the one before."""
