@@ -52,9 +52,10 @@ class Rig:
 
     @staticmethod
     def coarse(effects):
-        """Fine steps to skip while looking for a size: 1 where the skin need not be pressed again, or would not bear it."""
-        untouched = all(type(e).laws is Effect.laws and type(e).tip is Effect.tip for e in effects)
-        return 1 if untouched or any(e.stiff for e in effects) else 2
+        """Take every so many fine steps while looking for a size: as few as the effects bear."""
+        if any(e.stiff for e in effects) or all(type(e).laws is Effect.laws and type(e).tip is Effect.tip for e in effects):
+            return 1  # as it must be, or as it costs nothing
+        return 5 if all(type(e).tip is Effect.tip for e in effects) else 2
 
     def base(self, number, coarse, said=None):
         """The bare skin under the true path, or under what an encoder said."""
