@@ -13,6 +13,7 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 ANYTHING = "any"
 APART = {"time_shift": ("delay", "skew")}  # amplitudes of which only one is hidden at a time
+ARRAY = ("crosstalk",)  # causes that one taxel cannot show
 KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that stay at their typical value
 
 
@@ -20,6 +21,8 @@ def hideable(session: Session) -> dict[str, list[tuple[type[Effect], str]]]:
     """Classes and places by cause, as far as the channels of the recording can carry them."""
     found: dict[str, list[tuple[type[Effect], str]]] = {}
     for cls in effects():
+        if cls.cause in ARRAY and session.n_taxels < 2:
+            continue
         if cls.cause in BY_NAME and any(True for _ in cls.shapes(session.motion)):
             found.setdefault(cls.cause, []).extend((cls, where) for where in _places(cls, session))
     return {cause: options for cause, options in found.items() if options}

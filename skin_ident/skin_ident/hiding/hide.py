@@ -42,6 +42,11 @@ class Hidden:
         """Its place in the words of findings."""
         return place(self.effect.where)
 
+    @property
+    def imitated(self) -> bool:
+        """Whether the model's own parameters can imitate nearly all of it, so that nobody can find it in these recordings."""
+        return max(self.visible.values()) < IMITATED * max(self.change.values())
+
     def as_dict(self) -> dict:
         """The content of truth.json."""
         parameters = {p.name: {"value": p.value, "unit": p.unit} for p in parameters_of(self.effect)}

@@ -1,0 +1,108 @@
+"""`challenge --out DIR`: hide effects in simulated recordings, look for them, and count. The same command again goes on."""
+
+import argparse
+import json
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+from skin_ident.cli import common
+from skin_ident.criticism.session import prepare
+from skin_ident.criticism.vocabulary import CAUSES
+from skin_ident.hiding.campaign import NULL, SHARES, Case, cases, kept, key, recordings, result
+from skin_ident.hiding.drawing import hideable
+from skin_ident.hiding.errors import HidingError
+
+RESULTS = "results.jsonl"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit status."""
+    return common.run(_main, arguments)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    chosen = _parser().parse_args(arguments)
+    wanted = _wanted(chosen)
+    folder = common.output_folder(chosen.out)
+    file = folder / RESULTS
+    done = {key(r): r for r in kept(file)}
+    left = [case for case in wanted if case not in done]
+    if len(left) < len(wanted):
+        common.say(f"{len(wanted) - len(left)} of {len(wanted)} cases are there already")
+    try:
+        for entry in _played(left, chosen.jobs):
+            done[key(entry)] = entry
+            with file.open("a", encoding="utf-8") as lines:
+                lines.write(json.dumps(entry) + "\n")
+    except KeyboardInterrupt:
+        common.say(f"\ninterrupted; the cases so far are kept in {file}, and the same command goes on")
+        return common.INTERRUPTED
+    _report([done[case] for case in wanted], folder)
+    return 0
+
+
+def _report(results: list[dict[str, Any]], folder: Path) -> None:
+    from skin_ident.hiding.picture import save_confusion  # drawing costs a second of start-up that a refusal should not
+    from skin_ident.hiding.tally import summary, write_tables
+
+    print(summary(results))
+    write_tables(results, folder)
+    save_confusion(results, folder / "confusion.png")
+    print(f"\ntables and picture: {folder / 'cases.csv'}, {folder / 'confusion.csv'}, {folder / 'confusion.png'}")
+
+
+def _played(left: list[Case], jobs: int) -> Iterator[dict[str, Any]]:
+    """Results as they come, with a line of progress."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # the processes are the parallelism
+    started = time.monotonic()
+    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
+    try:
+        for n, future in enumerate(as_completed([pool.submit(result, case) for case in left]), 1):
+            yield future.result()
+            _progress(n, len(left), time.monotonic() - started)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _progress(n: int, of: int, seconds: float) -> None:
+    text = f"{n} of {of} cases, {seconds:.0f} s, {seconds / n * (of - n):.0f} s to go"
+    live = sys.stderr.isatty()
+    print(f"\r\033[K{text}" if live else text, end="" if live and n < of else "\n", file=sys.stderr, flush=True)
+
+
+def _wanted(chosen: argparse.Namespace) -> list[Case]:
+    """The cases that were asked for. Raises `HidingError`, or `ProfileError` for a battery that does not exist."""
+    for name, value, most in (("--seeds", chosen.seeds, 100_000), ("--jobs", chosen.jobs, 256), ("--taxels", chosen.taxels, len(SHARES))):
+        if not 1 <= value <= most:
+            raise HidingError(f"{name} must lie between 1 and {most}, not {value}")
+    if min(chosen.sizes) <= 0.0:
+        raise HidingError(f"--sizes are in units of the noise and positive, not {min(chosen.sizes):g}")
+    able = hideable(prepare(recordings(Case(NULL, 0.0, 0, chosen.protocol, chosen.taxels))[0]))
+    causes = chosen.causes or [NULL, *sorted(able)]
+    for cause in causes:
+        if cause != NULL and cause not in able:
+            known = "is in the vocabulary, but cannot be hidden here" if cause in {c.name for c in CAUSES} else "is no cause"
+            raise HidingError(f"{cause!r} {known}; choose from {', '.join((NULL, *sorted(able)))}")
+    return cases(causes, chosen.sizes, chosen.seeds, chosen.protocol, chosen.taxels)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="challenge", description=__doc__)
+    parser.add_argument("--causes", nargs="+", metavar="CAUSE", help=f"what to hide; {NULL} hides nothing; left out: everything")
+    parser.add_argument("--sizes", nargs="+", type=float, default=[0.5, 1.0], help="RMS of the effect over the noise's (0.5 1)")
+    parser.add_argument("--seeds", type=int, default=5, help="specimens, noises and forms per cause and size (5)")
+    parser.add_argument("--protocol", default="full", metavar="BATTERY", help="battery of the sessions (full)")
+    parser.add_argument("--taxels", type=int, default=1, help="taxels in the recordings (1)")
+    parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
+    parser.add_argument("--out", required=True, metavar="DIR", help="where results, tables and picture go")
+    return parser
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

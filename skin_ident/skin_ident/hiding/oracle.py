@@ -1,0 +1,28 @@
+"""The oracle: a model that has exactly the effect that was hidden, fitted to the same sessions."""
+
+from skin_ident.criticism.diagnose import skin_mass
+from skin_ident.criticism.fitting import fit
+from skin_ident.criticism.proposals import directions
+from skin_ident.criticism.residual import residual, rmse
+from skin_ident.criticism.session import prepare, without_parting
+from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.survey import survey
+from skin_ident.hiding.hide import Hidden
+from skin_ident.recordings.recording import Recording
+from skin_models.model import Model
+
+UNKNOWABLE = ("outliers", "noise", "dead_taxel", "quantization")  # chance or loss: no model predicts them
+RANDOM = ("random_walk",)
+
+
+def oracle_errors(train: list[Recording], held: list[Recording], hidden: Hidden | None) -> dict[str, float] | None:
+    """Held-out RMSE by channel, N, of the oracle; None where even that could not predict what was hidden."""
+    if hidden is not None and (hidden.effect.cause in UNKNOWABLE or hidden.effect.form in RANDOM):
+        return None
+    fitted, tried = [prepare(r) for r in train], [prepare(r) for r in held]
+    start: Model = dispersion_start(fitted, skin_mass(train[0]))
+    fitted = [without_parting(s, start.dispersion) for s in fitted]  # as the criticism fits; its errors are over all samples
+    knowing = start if hidden is None else start.extended(hidden.effect)
+    noise = survey(knowing, fitted[:1], directions(fitted[0])).noise
+    model = fit(knowing, fitted, noise).model
+    return rmse([residual(model, s) for s in tried], tried)
