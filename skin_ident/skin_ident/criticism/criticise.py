@@ -13,14 +13,13 @@ from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
-from skin_ident.criticism.whitening import Whitener
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
 SHORTLIST = 4  # causes that are refitted before one is chosen
 WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
-SHADOW = 0.03  # of the largest fall of a mean square so far, below which a further cause is not named
+SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
 Progress = Callable[[str], None]
@@ -65,101 +64,133 @@ def criticise(
     train: list[Session], held: list[Session], given: Model | None = None, progress: Progress = lambda stage: None, mass: float = 0.0
 ) -> Criticism:
     """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg."""
-    which = directions(train[0])
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
-    first = survey(start, train, which)
+    search = Search(train, held, directions(train[0]), progress)
+    first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
-    baseline = fit(given, train, first.noise, 0) if given else fitted
-    present, named, refused, rounds, befores = fitted, [], [], [], {}
-    while True:
-        progress("surveying every cause")
-        last = survey(present.model, train, which)
-        present = replace(present, cost=fit(present.model, train, last.noise, 0).cost)
-        if len(rounds) == MOST_FINDINGS:
-            break
-        trials = _trials(present, last, train, which, progress)
-        largest = max((n.gain.squares for n in named), default=0.0)
-        accepted = _first_believed(present, trials, last.noise, train, held, refused, largest)
-        rounds.append((last, accepted and accepted[1].cause))
-        if accepted is None:
-            break
-        before, (present, finding) = present, accepted
-        named = _with(named, finding, befores, before, present, train, held, last.noise)
-        progress(f"named {finding.cause} in the {finding.where}")
-    kept, named = _eliminated(present, named, train, held, last.noise)
+    search.run(fitted)
+    search.eliminate()
     if given:
-        kept, named = _numbers_checked(given, kept, named, train, held, last.noise)
-    if kept is not present:
-        last = survey(kept.model, train, which)
-    return Criticism(baseline, kept, tuple(named), last, tuple(refused), tuple(rounds))
+        search.check_numbers(given)
+    baseline = fit(given, train, first.noise, 0) if given else fitted
+    return Criticism(baseline, search.present, tuple(search.named), search.survey(), tuple(search.refused), tuple(search.rounds))
 
 
-def _numbers_checked(given: Model, kept: Fit, named: list[Named], train, held, noise: Whitener) -> tuple[Fit, list[Named]]:
-    """Whether the numbers of the given model are wrong once every named cause is in it; where they are not, they stay as given."""
-    as_given = replace(kept.model, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)
-    frozen = fit_effects(as_given, train, noise)
-    gain = held_out_gain(frozen.model, kept.model, train, held, noise, fit_effects)
-    if not gain.passed or gain.before - gain.after < NUMBERS * gain.before:
-        return frozen, named
-    return kept, [Named("parameters", "skin", gain, frozen.cost - kept.cost, ()), *named]
-
-
-@dataclass(frozen=True)
+@dataclass
 class _Trial:
+    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters."""
+
     ranked: Ranked
     fit: Fit
     score: float
 
-
-def _trials(present: Fit, last: Survey, train, which: tuple[Direction, ...], progress: Progress) -> list[_Trial]:
-    """The most promising causes, each grown and refitted, the best first."""
-    able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score)][:SHORTLIST]
-    trials = []
-    for r in able:
-        progress(f"trying {r.cause} in the {r.where}")
-        grown = grow(present, r, train, which, last.noise)
-        charge = np.log(grown.count) * (len(grown.unknowns) - len(present.unknowns))
-        trials.append(_Trial(r, grown, present.cost - grown.cost - charge))
-    return sorted(trials, key=lambda t: -t.score)
+    @property
+    def key(self) -> tuple[str, str]:
+        return self.ranked.cause, self.ranked.where
 
 
-def _first_believed(present: Fit, trials: list[_Trial], noise: Whitener, train, held, refused: list[Named], explained: float):
-    """The best trial that held-out data support, as (fit, finding), or None. What they do not support is kept in `refused`.
+@dataclass
+class Search:
+    """The loop's state: the present fit, what was named, what held-out data refused, and the surveys of all rounds."""
 
-    `explained` is the largest fall of a mean square so far (N^2): what is small beside it may be the imperfect form of that effect.
-    """
-    for trial in trials:
-        if trial.score <= 0.0:
-            continue
-        gain = held_out_gain(present.model, trial.fit.model, train, held, noise)
-        rivals = [t for t in trials if t is not trial and t.score > trial.score - max(10.0, REACH * trial.score)]
-        alternatives = tuple(Rival(t.ranked.cause, t.ranked.where, trial.score - t.score, t.fit.model) for t in rivals)
-        finding = Named(trial.ranked.cause, trial.ranked.where, gain, trial.score, alternatives, present.model, trial.fit.model)
-        if gain.passed and gain.squares > SHADOW * explained:
-            return trial.fit, finding
-        refused.append(finding)
-    return None
+    train: list[Session]
+    held: list[Session]
+    which: tuple[Direction, ...]
+    progress: Progress
+
+    def __post_init__(self) -> None:
+        self.named: list[Named] = []
+        self.refused: list[Named] = []
+        self.rounds: list[tuple[Survey, str | None]] = []
+        self._befores: dict[tuple[str, str], Model] = {}
+
+    def run(self, fitted: Fit) -> None:
+        """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
+        self.present, accepted = fitted, None
+        while len(self.rounds) < MOST_FINDINGS:
+            self.progress("surveying every cause")
+            last = self.survey()
+            self.noise = last.noise
+            self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
+            accepted = self._first_believed(self._trials(last))
+            self.rounds.append((last, accepted and accepted[1].cause))
+            if accepted is None:
+                return
+            self._accept(*accepted)
+
+    def survey(self) -> Survey:
+        """Every cause ranked against the present model; the last round's survey where the model has not changed since."""
+        if self.rounds and self.rounds[-1][0].model is self.present.model:
+            return self.rounds[-1][0]
+        return survey(self.present.model, self.train, self.which)
+
+    def _trials(self, last: Survey) -> list[_Trial]:
+        """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals."""
+        able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score)][:SHORTLIST]
+        trials = sorted((self._trial(r) for r in able), key=lambda t: -t.score)
+        known = {(n.cause, n.where) for n in self.named}
+        again = [t for t in trials if t.key in known and t.score > _reach(trials[0].score)]
+        return again[:1] + [t for t in trials if t not in again[:1]]
+
+    def _trial(self, r: Ranked) -> _Trial:
+        self.progress(f"trying {r.cause} in the {r.where}")
+        grown = grow(self.present, r, self.train, self.which, self.noise)
+        charge = np.log(grown.count) * (len(grown.unknowns) - len(self.present.unknowns))
+        return _Trial(r, grown, float(self.present.cost - grown.cost - charge))
+
+    def _first_believed(self, trials: list[_Trial]) -> tuple[Fit, Named] | None:
+        """The best trial that held-out data support. What they do not support is kept in `refused`.
+
+        What is small beside the largest effect so far may be the imperfect form of that effect, and is not named.
+        """
+        shadow = SHADOW * max((n.gain.squares for n in self.named), default=0.0)
+        for trial in (t for t in trials if t.score > 0.0):
+            gain = self._gain(self.present.model, trial.fit.model)
+            rivals = [t for t in trials if t is not trial and t.score > _reach(trial.score)]
+            alternatives = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
+            finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
+            if gain.passed and gain.squares > shadow:
+                return trial.fit, finding
+            self.refused.append(finding)
+        return None
+
+    def _accept(self, after: Fit, finding: Named) -> None:
+        """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
+        key = (finding.cause, finding.where)
+        start = self._befores.setdefault(key, self.present.model)
+        same = next((n for n in self.named if (n.cause, n.where) == key), None)
+        if same is None:
+            self.named.append(finding)
+        else:
+            more = replace(same, gain=self._gain(start, after.model), explained=same.explained + finding.explained)
+            self.named = [more if n is same else n for n in self.named]
+        self.present = after
+        self.progress(f"named {finding.cause} in the {finding.where}")
+
+    def eliminate(self) -> None:
+        """Take out every cause, last found first, without which the rest predicts held-out data just as well."""
+        for finding in reversed(self.named[:-1]):
+            rest = tuple(e for e in self.present.model.effects if (e.cause, e.where) != (finding.cause, finding.where))
+            without = fit(replace(self.present.model, effects=rest), self.train, self.noise)
+            if not self._gain(without.model, self.present.model).passed:
+                self.present, self.named = without, [n for n in self.named if n is not finding]
+
+    def check_numbers(self, given: Model) -> None:
+        """Whether the numbers of the given model are wrong once every named cause is in it; where they are not, they stay as given."""
+        as_given = replace(self.present.model, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)
+        frozen = fit_effects(as_given, self.train, self.noise)
+        gain = self._gain(frozen.model, self.present.model, fit_effects)
+        if gain.passed and gain.before - gain.after > NUMBERS * gain.before:
+            self.named.insert(0, Named("parameters", "skin", gain, frozen.cost - self.present.cost, ()))
+        else:
+            self.present = frozen
+
+    def _gain(self, before: Model, after: Model, refit_before: Callable = fit) -> Gain:
+        return held_out_gain(before, after, self.train, self.held, self.noise, refit_before)
 
 
-def _with(named: list[Named], finding: Named, befores: dict, before: Fit, after: Fit, train, held, noise: Whitener) -> list[Named]:
-    """`named` with one more finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
-    key = (finding.cause, finding.where)
-    start = befores.setdefault(key, before)
-    same = next((n for n in named if (n.cause, n.where) == key), None)
-    if same is None:
-        return [*named, finding]
-    gain = held_out_gain(start.model, after.model, train, held, noise)
-    return [replace(n, gain=gain, explained=n.explained + finding.explained) if n is same else n for n in named]
-
-
-def _eliminated(present: Fit, named: list[Named], train, held, noise: Whitener) -> tuple[Fit, list[Named]]:
-    """Take out every cause, last found first, without which the rest predicts held-out data just as well."""
-    for finding in reversed(named[:-1]):
-        rest = tuple(e for e in present.model.effects if (e.cause, e.where) != (finding.cause, finding.where))
-        without = fit(replace(present.model, effects=rest), train, noise)
-        gain = held_out_gain(without.model, present.model, train, held, noise)
-        if not gain.passed:
-            present, named = without, [n for n in named if n is not finding]
-    return present, named
+def _reach(score: float) -> float:
+    """The score from which a rival cannot be told from a cause that scores `score`."""
+    return score - max(10.0, REACH * score)
