@@ -30,6 +30,9 @@ setup(
             "fit = skin_ident.cli.fit:main",
             "diagnose = skin_ident.cli.diagnose:main",
             "report = skin_ident.cli.report:main",
+            "hide = skin_ident.cli.hide:main",
+            "challenge = skin_ident.cli.challenge:main",
+            "identify = skin_ident.cli.identify:main",
         ]
     },
 )

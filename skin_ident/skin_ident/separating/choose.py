@@ -11,6 +11,7 @@ import yaml
 from skin_ident.criticism.criticise import REACH, Criticism, Named
 from skin_ident.criticism.proposals import directions
 from skin_ident.criticism.session import Session
+from skin_ident.criticism.whitening import Whitener
 from skin_ident.separating.candidates import Candidate, candidates
 from skin_ident.separating.contest import Contender, Contest, contest, rehearsed
 
@@ -72,9 +73,9 @@ class _Option:
 
 
 def separating_experiment(
-    c: Criticism, named: Named, train: list[Session], progress: Callable[[str], None] = lambda stage: None
+    named: Named, train: list[Session], noise: Whitener, progress: Callable[[str], None] = lambda stage: None
 ) -> Experiment | None:
-    """The best motion for the rivals of one finding. None where there is no rival, or no depth that could be commanded."""
+    """The best motion for the rivals of one finding on the sessions `train`. None where there is no rival, or no depth to command."""
     rivals = contenders(named)
     if len(rivals) < 2 or train[0].drive is not None:
         return None
@@ -82,7 +83,7 @@ def separating_experiment(
     which = directions(train[0])
 
     def judged(sessions: list[Session]) -> Contest:
-        return contest(rivals, named.before, sessions, c.last.noise, which)
+        return contest(rivals, named.before, sessions, noise, which)
 
     known = judged(train)
     deepest = max(float(s.motion.x.max()) for s in train)
@@ -96,7 +97,7 @@ def separating_experiments(
     c: Criticism, train: list[Session], progress: Callable[[str], None] = lambda stage: None
 ) -> dict[tuple[str, str], tuple[str, Experiment]]:
     """The best experiment for every finding that has rivals, by its cause and place, with the name of the file it goes to."""
-    each = {(n.cause, n.where): separating_experiment(c, n, train, progress) for n in c.named}
+    each = {(n.cause, n.where): separating_experiment(n, train, c.last.noise, progress) for n in c.named}
     wanted = {key: e for key, e in each.items() if e is not None}
     return {key: (f"separating{f'_{i}' if i > 1 else ''}.yaml", e) for i, (key, e) in enumerate(wanted.items(), 1)}
 

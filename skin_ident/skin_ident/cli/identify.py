@@ -1,0 +1,111 @@
+"""`identify --until-named --out DIR`: alternate experiments on the simulated rig with criticism until one name is left."""
+
+import argparse
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from skin_ident.cli import common
+from skin_ident.cli.diagnose import progress_line, summary, write
+from skin_ident.criticism.session import prepare
+from skin_ident.hiding.drawing import ANYTHING, draw
+from skin_ident.hiding.errors import HidingError
+from skin_ident.hiding.simulated_rig import SimulatedRig, varied
+from skin_ident.hiding.writing import write_recordings
+from skin_ident.recordings.load import load_one
+from skin_ident.recordings.recording import Recording
+from skin_ident.separating.loop import Course, Record, until_named
+from skin_models.materials import material
+from skin_models.model import Model
+from skin_models.model_file import load_model, save_model
+from skin_motion_profiles.profile_file import entry_from_words
+
+NOTHING = "none"
+FASTER = 4.0  # than real time, on the live rig
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit status."""
+    return common.run(_main, arguments)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    chosen = _parser().parse_args(arguments)
+    if chosen.budget <= 0.0:
+        raise HidingError(f"--budget is in seconds of recording and positive, not {chosen.budget:g}")
+    specimen = load_model(chosen.specimen) if chosen.specimen else _specimen(chosen.cause, chosen.seed, chosen.first)
+    entry_from_words(chosen.first), entry_from_words(chosen.fixed)  # raises before anything is written
+    folder, say = common.output_folder(chosen.out), progress_line()
+    with _rig(chosen, specimen, folder) as record:
+        course = until_named(record, chosen.first, chosen.fixed, chosen.budget if chosen.until_named else 0.0, say)
+        say(f"the fixed battery {chosen.fixed}, for comparison")
+        fixed = until_named(record, chosen.fixed, chosen.fixed, 0.0, say)
+    write(course.outcome, folder)
+    save_model(specimen, folder / "specimen.yaml")
+    common.write_json(folder / "experiments.json", {"course": _told(course), "fixed": _told(fixed)})
+    if not chosen.live:
+        write_recordings(list(course.recordings), folder / "recordings")
+    print(f"{summary(course.outcome.findings)}\n\n{_account(course, fixed, chosen.fixed)}\nreport: {folder / 'report.html'}")
+    return 0
+
+
+def _specimen(cause: str, seed: int, first: str) -> Model:
+    """Silicone of 4 mm, another specimen for every seed, with an effect of typical size. Raises `HidingError`."""
+    plain = varied(material("silicone_4mm").model, seed)
+    if cause == NOTHING:
+        return plain
+    session = prepare(SimulatedRig().record(plain, entry_from_words(first), seed))
+    return plain.extended(draw(session, cause, ANYTHING, np.random.default_rng([seed, 5])))
+
+
+@contextmanager
+def _rig(chosen: argparse.Namespace, specimen: Model, folder: Path) -> Iterator[Record]:
+    """What records a battery: a simulation in this process, or driver, profile server and recorder as processes of their own."""
+    if not chosen.live:
+        yield _numbered(lambda battery, name, i: SimulatedRig().record(specimen, entry_from_words(battery), 100 * chosen.seed + i, name))
+        return
+    from skin_ident.ros.testbed import Testbed  # needs an installed workspace
+
+    hidden = folder / "specimen.yaml"
+    save_model(specimen, hidden)
+    with Testbed(hidden, chosen.seed, FASTER) as testbed:
+        testbed.execute("{type: battery, profiles: [{type: free_air, clearance_mm: 1.0, duration_s: 0.5}, {type: tare}]}")
+        yield _numbered(lambda battery, name, i: replace(load_one(testbed.session(folder / f"{i}_{name}", battery)), name=name))
+
+
+def _numbered(record: Callable[[str, str, int], Recording]) -> Record:
+    count = iter(range(1, 1_000_000))
+    return lambda battery, name: record(battery, name, next(count))
+
+
+def _told(course: Course) -> list[dict]:
+    return [{"battery": s.battery, "seconds": s.seconds, "left": s.left} for s in course.steps]
+
+
+def _account(course: Course, fixed: Course, name: str) -> str:
+    n, last, other = len(course.steps), course.steps[-1], fixed.steps[-1]
+    return (
+        f"{n} experiment{'s' * (n > 1)}, {course.seconds:.0f} s of recording, left: {last.words}\n"
+        f"the fixed battery {name}, {fixed.seconds:.0f} s of recording, left: {other.words}"
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="identify", description=__doc__)
+    parser.add_argument("--until-named", action="store_true", help="go on until one name is left; without it one experiment is made")
+    parser.add_argument("--specimen", metavar="YAML", help="model of the specimen in the rig; left out: silicone with something hidden")
+    parser.add_argument("--cause", default=ANYTHING, help=f"what to hide in it, or {NOTHING}; left out: drawn")
+    parser.add_argument("--seed", type=int, default=0, help="of the specimen and all noise (0)")
+    parser.add_argument("--first", default="sinusoidal_identification", metavar="BATTERY", help="where to begin (the thesis's four sines)")
+    parser.add_argument("--fixed", default="full", metavar="BATTERY", help="the fixed battery to compare with (full)")
+    parser.add_argument("--budget", type=float, default=600.0, help="seconds of recording after which no experiment is begun (600)")
+    parser.add_argument("--live", action="store_true", help="driver, profile server and recorder instead of a simulation in this process")
+    parser.add_argument("--out", required=True, metavar="DIR", help="where recordings, findings, model and report go")
+    return parser
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
