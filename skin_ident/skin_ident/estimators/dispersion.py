@@ -97,16 +97,18 @@ def _settled(sessions: list[Session], shape: Shape) -> Regression:
 
 def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> list[list[Block]]:
     """Force first, then the taxels. Columns: (a - g,) v, x for the force; v, x for a taxel."""
-    columns = [s.columns(recovery) for s in sessions]
-    force = [[_force_block(s, c, shape) for s, c in zip(sessions, columns, strict=True)]] if shape.force else []
-    return force + [[Block(s.taxels[i], c[:, :2]) for s, c in zip(sessions, columns, strict=True)] for i in range(shape.taxels)]
+    parts = [(s, part, columns[part]) for s in sessions for columns in [s.columns(recovery)] for part in s.parts]
+    force = [[_force_block(s.force[part], columns, s.prefilter.kernel, shape) for s, part, columns in parts]] if shape.force else []
+    return force + [
+        [Block(s.taxels[i, part], columns[:, :2], s.prefilter.kernel) for s, part, columns in parts] for i in range(shape.taxels)
+    ]
 
 
-def _force_block(s: Session, columns: np.ndarray, shape: Shape) -> Block:
+def _force_block(force: np.ndarray, columns: np.ndarray, kernel: np.ndarray, shape: Shape) -> Block:
     inertial = columns[:, 2] + columns[:, 3]
     if shape.free:
-        return Block(s.force, np.column_stack([inertial, columns[:, :2]]))
-    return Block(s.force - shape.mass * inertial, columns[:, :2])
+        return Block(force, np.column_stack([inertial, columns[:, :2]]), kernel)
+    return Block(force - shape.mass * inertial, columns[:, :2], kernel)
 
 
 def _parameters(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
@@ -163,8 +165,7 @@ def channel_names(shape: Shape) -> list[str]:
 
 
 def _residuals(sessions: list[Session], shape: Shape, regression: Regression) -> dict[str, Residual]:
-    measured = ([[s.force for s in sessions]] if shape.force else []) + [[s.taxels[i] for s in sessions] for i in range(shape.taxels)]
-    rows = zip(channel_names(shape), measured, regression.residuals, regression.ar, regression.noise, strict=True)
+    rows = zip(channel_names(shape), regression.measured, regression.residuals, regression.ar, regression.noise, strict=True)
     return {name: _residual(np.concatenate(y), np.concatenate(e), ar, noise) for name, y, e, ar, noise in rows}
 
 

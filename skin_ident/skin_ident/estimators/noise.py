@@ -20,12 +20,40 @@ def fit_ar(residuals: Sequence[np.ndarray], lost: int = 0) -> tuple[np.ndarray, 
     `residuals` are arrays (N_s,), their mean kept; `lost` is the number of parameters already taken out of them. Yule and Walker's
     equations, which always give a stable model; the order minimises BIC.
     """
+    products = lagged_products(residuals, residuals, highest_order(residuals))
+    return from_products(products, sum(e.size for e in residuals), lost)
+
+
+def highest_order(residuals: Sequence[np.ndarray]) -> int:
+    """The highest order that so many samples can support."""
     n = sum(e.size for e in residuals)
-    top = int(min(30, max(1, n // 20), min(e.size for e in residuals) - 1))
-    gamma = np.array([sum(np.dot(e[k:], e[: e.size - k]) for e in residuals) for k in range(top + 1)]) / max(n - lost, 1)
-    if gamma[0] <= 0.0:
+    return int(min(30, max(1, n // 20), max(e.size for e in residuals) - 1))
+
+
+def lagged_products(a: Sequence[np.ndarray], b: Sequence[np.ndarray], top: int) -> np.ndarray:
+    """sum of a[n] b[n - k] over samples, columns and sessions, for k = 0 … top."""
+    pairs = list(zip(a, b, strict=True))
+    return np.array([sum(float(np.vdot(x[k:], y[: len(y) - k])) for x, y in pairs if len(x) > k) for k in range(top + 1)])
+
+
+def from_products(products: np.ndarray, n: int, lost: int) -> tuple[np.ndarray, float]:
+    """The AR model of a residual from its lagged products (top + 1,) over n samples."""
+    if products[0] <= 0.0:
         return np.empty(0), 0.0
-    return _best_order(gamma, n)
+    ar, std = _best_order(products / max(n - lost, 1), n)
+    return _unshrunk(ar, n), std
+
+
+def _unshrunk(ar: np.ndarray, n: int) -> np.ndarray:
+    """Poles moved outwards by as much as Yule and Walker's equations draw them in on average: 3 / n of their radius, exact for order 1.
+
+    Source: P. Shaman, R. A. Stine, J. Amer. Statist. Assoc. 83 (1988) 842.
+    """
+    if not ar.size:
+        return ar
+    radius = float(np.max(np.abs(np.roots(np.concatenate([[1.0], -ar])))))
+    growth = min(1.0 + 3.0 / n, max(1.0, (1.0 - 0.5 / n) / max(radius, 1e-12)))
+    return ar * growth ** np.arange(1, ar.size + 1)
 
 
 def _best_order(gamma: np.ndarray, n: int) -> tuple[np.ndarray, float]:
@@ -36,6 +64,8 @@ def _best_order(gamma: np.ndarray, n: int) -> tuple[np.ndarray, float]:
         reflection = (gamma[p] - np.dot(a, gamma[p - 1 : 0 : -1] if p > 1 else [])) / variance
         a = np.concatenate([a - reflection * a[::-1], [reflection]])
         variance *= max(1.0 - reflection**2, 1e-12)
+        if not abs(reflection) < 1.0:  # cannot happen to a sample's own autocovariance, but to a corrected one
+            break
         score = n * np.log(variance) + p * np.log(n)
         if score < best[0]:
             best = (score, a, variance)
@@ -54,6 +84,14 @@ def _memory(ar: np.ndarray) -> int:
     """Samples after which the noise has forgotten."""
     slowest = np.max(np.abs(np.roots(np.concatenate([[1.0], -ar]))), initial=0.0)
     return int(min(20000, np.ceil(np.log(1e-3) / np.log(min(max(slowest, 1e-3), 0.99999)))))
+
+
+def spread(columns: np.ndarray, ar: np.ndarray, std: float) -> np.ndarray:
+    """Omega G for one session's columns G (N, P)."""
+    if not ar.size:
+        return std**2 * columns
+    back = coloured(columns, ar)[::-1]
+    return std**2 * lfilter([1.0], np.concatenate([[1.0], -ar]), back, axis=0)[-len(columns) :]
 
 
 def effective_samples(ar: np.ndarray, n: int) -> float:

@@ -12,39 +12,54 @@ from scipy.signal import firwin, oaconvolve, welch
 
 HEADROOM = 3.0  # cut-off over the highest frequency of the motion
 FLOOR = 6.0  # times the encoder's noise: what stands out by less is noise
-WIDER = 2.5  # the depth itself, from which speed and contact are taken, keeps this many times the band
+WIDER = 2.5  # the depth, from which speed and contact are taken, keeps this many times the band
+AROUND = 8.0  # the noise is looked at over this many times the band
 
 
 @dataclass(frozen=True)
 class Prefilter:
-    """A centred (zero-phase) FIR low-pass with cut-off `edge` (Hz), for samples `dt` (s) apart, then one sample in `every`."""
+    """Two centred (zero-phase) FIR low-passes in a row, for samples `dt` (s) apart.
+
+    The first, `AROUND` times wider than the band, is followed by decimation: its rows are what the noise is estimated from. The second
+    has the cut-off `edge` (Hz): parameters are estimated from what it leaves.
+    """
 
     dt: float
     edge: float
 
     @property
-    def every(self) -> int:
-        """Decimation: three times the cut-off is left as the rate."""
-        return max(1, int(1.0 / (3.0 * self.edge * self.dt)))
+    def wide(self) -> float:
+        """Cut-off of the first low-pass, Hz."""
+        return min(AROUND * self.edge, 0.4 / self.dt)
 
     @property
-    def half(self) -> int:
-        """Samples that each end loses."""
-        return _half(self.edge, self.dt)
+    def every(self) -> int:
+        """Decimation. The rate that is left is little more than twice the first cut-off, so that white noise stays nearly white."""
+        return max(1, int(1.0 / (2.2 * self.wide * self.dt)))
+
+    @property
+    def kernel(self) -> np.ndarray:
+        """The second low-pass, for rows that `rows` returns."""
+        return low_pass(self.edge, self.dt * self.every, 1.5)
 
     def rows(self, y: np.ndarray) -> np.ndarray:
-        """Low-pass the rows of y (..., N), drop the ends, decimate. Measured channels go through `smooth` first, as the depth does."""
-        kernel = _kernel(self.edge, self.dt).reshape((1,) * (y.ndim - 1) + (-1,))
+        """The rows of y (..., N) through the first low-pass, without their ends, decimated."""
+        if self.wide * self.dt >= 0.4:
+            return y
+        kernel = low_pass(self.wide, self.dt, 4.0).reshape((1,) * (y.ndim - 1) + (-1,))
         return oaconvolve(y, kernel, mode="valid", axes=-1)[..., :: self.every]
 
-    def smooth(self, y: np.ndarray) -> np.ndarray:
-        """Rows (..., N) low-passed well above the band, their ends mirrored, their length kept."""
+    def smooth(self, x: np.ndarray) -> np.ndarray:
+        """The depth (N,) low-passed above the band, its ends mirrored; so flat that nothing else needs the same."""
         edge = WIDER * self.edge
         if edge * self.dt >= 0.4:
-            return y
-        half = _half(edge, self.dt)
-        padded = np.pad(y, [(0, 0)] * (y.ndim - 1) + [(half, half)], mode="reflect", reflect_type="odd")
-        return oaconvolve(padded, _kernel(edge, self.dt).reshape((1,) * (y.ndim - 1) + (-1,)), mode="valid", axes=-1)
+            return x
+        kernel = low_pass(edge, self.dt, min(1.5, edge * self.dt * (x.size // 2 - 1)))
+        padded = np.pad(x, kernel.size - 1, mode="reflect", reflect_type="odd")
+        once = oaconvolve(padded, kernel, mode="valid")
+        half = kernel.size // 2
+        # what the filter took away goes through it again: a gain of G becomes 1 - (1 - G)^2, which is 1 in the band
+        return once[half:-half] + oaconvolve(padded[half:-half] - once, kernel, mode="valid")
 
 
 def prefilter_for(depths: Sequence[tuple[np.ndarray, float]]) -> Prefilter:
@@ -67,9 +82,6 @@ def _highest_frequency(x: np.ndarray, dt: float) -> float:
     return float(f[np.searchsorted(np.cumsum(clean), 0.999 * clean.sum())])
 
 
-def _half(edge: float, dt: float) -> int:
-    return int(np.ceil(1.5 / (edge * dt)))
-
-
-def _kernel(edge: float, dt: float) -> np.ndarray:
-    return firwin(2 * _half(edge, dt) + 1, edge, fs=1.0 / dt, window=("kaiser", 5.0))
+def low_pass(edge: float, dt: float, length: float) -> np.ndarray:
+    """A symmetric FIR kernel with cut-off `edge` (Hz) that reaches `length` / edge to either side."""
+    return firwin(2 * int(np.ceil(length / (edge * dt))) + 1, edge, fs=1.0 / dt, window=("kaiser", 5.0))

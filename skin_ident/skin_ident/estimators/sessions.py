@@ -7,19 +7,22 @@ import numpy as np
 
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.prefilter import Prefilter, prefilter_for
+from skin_ident.quality import inspected
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.timing import counted
 from skin_models.dispersion import Dispersion
 from skin_models.signals import GRAVITY, Motion, motion
 
 FELT = 0.02  # of the largest force
+FEWEST_ROWS = 20  # that must be left of a stretch between faults once the low-pass has taken its ends
 
 
 @dataclass(frozen=True)
 class Session:
-    """One recording. `force` (n,) or None and `taxels` (T, n) are low-passed and decimated; `motion` and `felt` are at full rate.
+    """One recording. `force` (n,) or None and `taxels` (T, n) are rows of the prefilter; `motion` and `felt` are at full rate.
 
-    `felt` (N,) says where the load cell (or, without one, the strongest taxel) shows at least `FELT` of its largest force.
+    `parts` are the stretches of rows that may be believed; `felt` (N,) says where the load cell (or, without one, the strongest taxel)
+    shows at least `FELT` of its largest force.
     """
 
     name: str
@@ -28,9 +31,10 @@ class Session:
     taxels: np.ndarray
     felt: np.ndarray
     prefilter: Prefilter
+    parts: tuple[slice, ...]
 
     def columns(self, recovery: float | None = None) -> np.ndarray:
-        """Filtered columns (n, 4): speed, depth, acceleration, -gravity, each zero where plunger and skin do not touch.
+        """Columns (n, 4) that belong to the rows: speed, depth, acceleration, -gravity, each zero where plunger and skin do not touch.
 
         `recovery` is the time constant b / k of the whole skin (s): left faster than it recovers, the skin parts from the plunger. While
         it is not known, they are taken to touch where a force is felt.
@@ -51,31 +55,44 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
     if lacking:
         raise FitError(f"{', '.join(lacking)}: no depth was recorded, and this fit needs it")
     _same_channels(recordings)
+    looked = [inspected(r) for r in recordings]
+    for r, _, q in looked:
+        if q.impossible:
+            raise FitError(f"{r.name}: {q.impossible}")
+    recordings = [r.warned(*q.warnings) for r, _, q in looked]
     prefilters = _prefilters(recordings)
     warnings = tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings)
-    sessions = [_session(r, prefilters[_rate(r)]) for r in recordings]
+    sessions = [_session(r, prefilters[_rate(r)], good) for r, (_, good, _) in zip(recordings, looked, strict=True)]
     if motions is not None:
-        sessions = [replace(s, motion=_smoothed(m, s.prefilter)) for s, m in zip(sessions, motions, strict=True)]
+        sessions = [replace(s, motion=m) for s, m in zip(sessions, motions, strict=True)]
     return sessions, warnings
 
 
-def _smoothed(m: Motion, prefilter: Prefilter) -> Motion:
-    """The motion through what the measured channels go through."""
-    x, v, a = prefilter.smooth(np.array([m.x, m.v, m.a]))
-    return Motion(m.t, x, v, a, m.dt)
-
-
-def _session(r: Recording, prefilter: Prefilter) -> Session:
-    calibrated = np.array([y for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"])
-    smooth = prefilter.smooth(calibrated) if calibrated.size else np.empty((0, 0))
+def _session(r: Recording, prefilter: Prefilter, good: np.ndarray) -> Session:
+    taxels = np.array([y for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"])
     s = motion(r.t, prefilter.smooth(r.depth))
     if not np.any(s.x > 0.0):
         raise FitError(f"{r.name}: the plunger never touches the skin (depth > 0 nowhere); set the encoder's zero at the surface")
-    force = None if r.force is None else prefilter.smooth(r.force)
-    main = force if force is not None else smooth[np.argmax(np.ptp(smooth, axis=1))] if smooth.size else np.ones(len(r))
     rows = prefilter.rows
-    taxels = rows(smooth) if smooth.size else smooth
-    return Session(r.name, s, None if force is None else rows(force), taxels, main > FELT * main.max(), prefilter)
+    parts = stretches(rows((~good).astype(float)) < 1e-3, prefilter.kernel.size + FEWEST_ROWS)
+    if not parts:
+        raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted ({'; '.join(r.warnings)})")
+    force = None if r.force is None else rows(r.force)
+    return Session(r.name, s, force, rows(taxels) if taxels.size else np.empty((0, 0)), _felt(r, taxels, prefilter), prefilter, parts)
+
+
+def _felt(r: Recording, taxels: np.ndarray, prefilter: Prefilter) -> np.ndarray:
+    if r.force is None and not taxels.size:
+        return np.ones(len(r), bool)
+    main = prefilter.smooth(r.force if r.force is not None else taxels[np.argmax(np.ptp(taxels, axis=1))])
+    return main > FELT * main.max()
+
+
+def stretches(good: np.ndarray, least: int) -> tuple[slice, ...]:
+    """Runs of `least` or more rows that are good."""
+    changes = np.flatnonzero(np.diff(np.concatenate([[0], good.astype(np.int8), [0]])))
+    runs = zip(changes[::2], changes[1::2], strict=True)
+    return tuple(slice(int(a), int(b)) for a, b in runs if b - a >= least)
 
 
 def _same_channels(recordings: Sequence[Recording]) -> None:

@@ -87,7 +87,8 @@ def _by_acceleration(sessions) -> tuple[float, float]:
     blocks = []
     for s in sessions:
         v, x, a, g = s.columns().T
-        blocks.append(Block(s.force, np.column_stack([a, g, v, x])))
+        columns = np.column_stack([a, g, v, x])
+        blocks += [Block(s.force[part], columns[part], s.prefilter.kernel) for part in s.parts]
     try:
         fit = regress([blocks])
     except FitError:

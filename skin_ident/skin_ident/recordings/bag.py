@@ -23,6 +23,8 @@ ROLES = {
 ALIASES = {"encoder": "encoder", "depth": "encoder", "x": "encoder", "position": "encoder", "force": "force", "taxels": "taxels"}
 KINDS = {"encoder": ("depth", "m"), "force": ("force", "N"), "taxels": ("taxel", "N")}
 NAMED_ONLY = ("Float64", "Float32", "Float64MultiArray", "Float32MultiArray")  # too common to be taken for a force unless so called
+PROBES = 100  # instants at which clocks are compared
+STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
 
 
@@ -32,12 +34,14 @@ def read_bag(path: Path, declared: Declared, topics: Mapping[str, str] | None = 
     Raises `RecordingError`.
     """
     with Storage(path) as bag:
-        chosen = choose(path.name, bag.topics, _wishes(topics or {}))
+        chosen, empty = choose(path.name, bag.topics, _wishes(topics or {}))
         found, names, positions, warnings = _read(bag, chosen, log_time)
+        warnings += empty
         attached = bag.attachments.get(FILE_NAME)
     if attached is not None:
         declared = declared.filled_with(declared_from(attached.decode("utf-8", "replace")))
     declared = declared.filled_with(Declared(taxel_positions_mm=positions))
+    _same_clock(found, warnings)
     tracks = {role: _track(role, d, log_time, warnings) for role, d in found.items()}
     t, aligned = _on_one_clock(tracks, warnings)
     channels = [
@@ -67,8 +71,11 @@ def _wishes(topics: Mapping[str, str]) -> dict[str, str]:
     return {ALIASES[role]: topic for role, topic in topics.items()}
 
 
-def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) -> dict[str, tuple[Topic, str]]:
-    """Topic and joint for every role that the bag can fill. Raises `RecordingError` where it can fill none, or the choice is not clear."""
+def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) -> tuple[Chosen, list[str]]:
+    """Topic and joint for every role that the bag can fill, and warnings about topics that are there but empty.
+
+    Raises `RecordingError` where it can fill none, or the choice is not clear.
+    """
     chosen = {}
     for role in ROLES:
         if role in wishes:
@@ -81,7 +88,7 @@ def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) ->
         held = ", ".join(sorted(topics)) or "no topic"
         nothing = f"{', '.join(empty)} hold no message" if empty else f"has no force, encoder or taxels topic; it holds {held}"
         raise RecordingError(f"{name} {nothing}; name them with --topics force=/ft encoder=/x taxels=/skin")
-    return chosen
+    return chosen, [f"topic {title} holds no message" for title in empty]
 
 
 def _wished(name: str, topics: Mapping[str, Topic], role: str, wish: str) -> tuple[Topic, str]:
@@ -105,6 +112,32 @@ def _obvious(topics: Mapping[str, Topic], role: str) -> Topic | None:
             return named[0]
     own = [t for t in fitting if t.kind.rpartition("/")[2] not in NAMED_ONLY]
     return own[0] if len(own) == 1 else None
+
+
+def _same_clock(found: Mapping[str, Decoded], warnings: list[str]) -> None:
+    """Compare the stamps of what was recorded at the same time. Raises `RecordingError` where a clock steps or runs away from another."""
+    stamped = {role: d for role, d in found.items() if d.stamped and d.stamp_ns.size > PROBES}
+    if len(stamped) < 2:
+        return
+    base = next(iter(stamped))
+    for role in [r for r in stamped if r != base]:
+        steady = _apart(stamped[base], stamped[role])
+        if not steady.size:
+            continue
+        if np.ptp(steady) > STEP:
+            raise RecordingError(f"the clocks of {role} and {base} move apart by {np.ptp(steady):.3g} s: their stamps cannot be compared")
+        if abs(np.median(steady)) > STEP / 2:
+            warnings.append(f"{role} is stamped {np.median(steady):.3g} s later than {base} recorded at the same time")
+
+
+def _apart(a: Decoded, b: Decoded) -> np.ndarray:
+    """By how many seconds the stamps of b lie behind those of a, at instants while both were recorded; free of single outliers."""
+    start, stop = max(a.log_ns.min(), b.log_ns.min()), min(a.log_ns.max(), b.log_ns.max())
+    if stop <= start:
+        return np.empty(0)
+    when, zero = np.linspace(start, stop, PROBES), a.stamp_ns[0]
+    of_a, of_b = (np.interp(when, d.log_ns[i], d.stamp_ns[i] - zero) for d in (a, b) for i in [np.argsort(d.log_ns, kind="stable")])
+    return np.median(np.lib.stride_tricks.sliding_window_view((of_b - of_a) * 1e-9, 9), axis=1)
 
 
 def _track(role: str, d: Decoded, log_time: bool, warnings: list[str]) -> Track:

@@ -52,10 +52,11 @@ class Topic:
 
 @dataclass(frozen=True)
 class Decoded:
-    """One topic as arrays: stamps (N,) ns (log time where the type has no header), rows (R, N), unit."""
+    """One topic as arrays: stamps (N,) ns (log time where the type has no header), log times (N,) ns, rows (R, N), unit."""
 
     topic: str
     stamp_ns: np.ndarray
+    log_ns: np.ndarray
     stamped: bool
     rows: np.ndarray
     unit: str
@@ -134,9 +135,8 @@ def decoded(topic: Topic, g: Gatherer, log_time: bool = False) -> Decoded:
         np.negative(rows, out=rows)
     stamps = g.stamp_ns[: g.size]
     stamped = bool(stamps.any()) and not log_time
-    return Decoded(
-        topic.name, stamps if stamped else g.log_ns[: g.size], stamped, rows, "V" if g.chosen == "voltage" else "", tuple(warnings)
-    )
+    logs, unit = g.log_ns[: g.size], "V" if g.chosen == "voltage" else ""
+    return Decoded(topic.name, stamps if stamped else logs, logs, stamped, rows, unit, tuple(warnings))
 
 
 def layout(topic: Topic, raws: list[bytes]) -> tuple[tuple[str, ...], tuple[tuple[float, float], ...]]:

@@ -35,7 +35,8 @@ def interpolated(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarr
     for start in range(0, t.size, PIECE):
         part = slice(start, start + PIECE)
         low = rows[:, after[part] - 1]
-        out[:, part] = low + (rows[:, after[part]] - low) * weight[part]
+        with np.errstate(invalid="ignore"):  # infinite readings become NaN, and are dealt with as such
+            out[:, part] = low + (rows[:, after[part]] - low) * weight[part]
     return out
 
 

@@ -1,0 +1,210 @@
+"""Telemetry before any model: what the channels of a session look like, and which of their samples cannot be believed.
+
+Spikes (up to three samples that jump away and back) are bridged. A channel that holds one value while the others say it should move is
+frozen or saturated, and those samples are ruled out. Sizes that only a wrong unit gives, and a plunger that hardly moves, are said.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.timing import counted
+
+SPIKE = 12.0  # times the usual second difference (robust) and
+SPIKE_RANGE = 0.03  # of the channel's range
+WIDEST = 3  # samples of one spike
+FROZEN = 8  # samples at one value before it is asked whether the channel should have moved
+MOVED = 0.05  # of a channel's range: what it should have moved by
+SOFT, HARD = 30.0, 1e6  # N/m, stiffness of a skin under a plunger: outside, a unit is suspected
+FAR_TOO_MUCH = 30.0  # times the applied force: no taxel feels that
+MOST, LEAST = 1.5, 0.01  # of the applied force, felt by all taxels together and by the strongest
+SHALLOW = 20e-6  # m: depth that varies by less says little
+
+
+@dataclass(frozen=True)
+class Quality:
+    """rate (Hz), depth range (m), speed (m/s rms), time in contact (share), spikes and frozen samples by channel, apparent delays (s).
+
+    `delays` are those of each taxel behind the load cell: a skin's own relaxation is part of them.
+    """
+
+    rate: float
+    depth_range: float
+    speed: float
+    contact: float
+    spikes: dict[str, int]
+    frozen: dict[str, int]
+    delays: dict[str, float]
+    warnings: tuple[str, ...]
+    impossible: str = ""  # what no skin can do: a unit must be wrong
+
+
+def inspected(r: Recording) -> tuple[Recording, np.ndarray, Quality]:
+    """The recording with its spikes bridged, which samples (N,) may be believed, and what was found."""
+    mended, spikes = _without_spikes(r)
+    good, frozen = _believable(mended)
+    depth = mended.depth
+    q = Quality(
+        rate=1.0 / r.dt,
+        depth_range=0.0 if depth is None else float(np.ptp(depth)),
+        speed=0.0 if depth is None else float(np.sqrt(np.mean(np.square(np.gradient(depth, r.dt))))),
+        contact=float("nan") if depth is None else float(np.mean(depth > 0.0)),
+        spikes=spikes,
+        frozen=frozen,
+        delays={f"taxel_{i}": apparent_delay(mended.force, y, r.dt) for i, y in enumerate(mended.taxels)} if r.force is not None else {},
+        warnings=(*_counts(spikes, frozen), *_sizes(mended)),
+        impossible=_impossible(mended),
+    )
+    return mended, good, q
+
+
+def _rows(r: Recording) -> dict[str, np.ndarray]:
+    return ({} if r.depth is None else {"depth": r.depth}) | r.channels
+
+
+def _counts(spikes: dict[str, int], frozen: dict[str, int]) -> list[str]:
+    return [f"{name}: {counted(n, 'spike')} bridged" for name, n in spikes.items() if n] + [
+        f"{name}: {counted(n, 'sample')} frozen or saturated, left out" for name, n in frozen.items() if n
+    ]
+
+
+def _without_spikes(r: Recording) -> tuple[Recording, dict[str, int]]:
+    found = {name: spikes(y) for name, y in _rows(r).items()}
+    hit = {name: flags for name, flags in found.items() if flags.any()}
+    if not hit:
+        return r, dict.fromkeys(found, 0)
+
+    def mended(name: str, y: np.ndarray | None) -> np.ndarray | None:
+        return y if name not in hit else np.interp(r.t, r.t[~hit[name]], y[~hit[name]])
+
+    taxels = np.array([mended(f"taxel_{i}", y) for i, y in enumerate(r.taxels)])
+    clean = replace(r, depth=mended("depth", r.depth), force=mended("force", r.force), taxels=taxels)
+    return clean, {name: int(flags.sum()) for name, flags in found.items()}
+
+
+def spikes(y: np.ndarray) -> np.ndarray:
+    """Which samples (N,) belong to a spike: they jump from the straight line between the good samples around them."""
+    bend = np.abs(np.diff(y, 2))
+    usual = 1.4826 * np.median(bend)
+    step = _step(y)
+    limit = max(SPIKE * max(usual, step), SPIKE_RANGE * float(np.subtract(*np.percentile(y, [99.5, 0.5]))))
+    out = np.zeros(y.size, bool)
+    suspects = np.flatnonzero(bend > limit) + 1
+    for i in suspects if suspects.size <= 0.05 * y.size else ():  # a channel that jumps all the time has no spikes
+        _mark(y, int(i), limit / 2, out)
+    return out
+
+
+def _mark(y: np.ndarray, i: int, limit: float, out: np.ndarray) -> None:
+    """Mark the shortest run that contains i, and whose removal leaves a straight line within `limit`."""
+    for width in range(1, WIDEST + 1):
+        for start in range(i - width + 1, i + 1):
+            before, after = start - 1, start + width
+            if before < 1 or after > y.size - 2:
+                continue
+            line = np.interp(np.arange(start, after), [before, after], [y[before], y[after]])
+            slope = max(abs(y[before] - y[before - 1]), abs(y[after + 1] - y[after]))
+            if np.all(np.abs(y[start:after] - line) > limit) and abs(y[after] - y[before]) < limit / 2 + (width + 1) * slope:
+                out[start:after] = True
+                return
+
+
+def _step(y: np.ndarray) -> float:
+    """The smallest step between neighbours: that of the converter, where there is one."""
+    steps = np.abs(np.diff(y))
+    steps = steps[steps > 0.0]
+    return float(np.percentile(steps, 5)) if steps.size else 0.0
+
+
+def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
+    rows = _rows(r)
+    good, counts = np.ones(len(r), bool), {}
+    for name, y in rows.items():
+        frozen = _frozen(y, [other for n, other in rows.items() if n != name])
+        counts[name] = int(frozen.sum())
+        good &= ~frozen
+    return good, counts
+
+
+def _frozen(y: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
+    """Samples in runs of one value during which every other channel says that this one should have moved."""
+    out = np.zeros(y.size, bool)
+    edges = np.flatnonzero(np.diff(y) != 0.0)
+    starts, stops = np.concatenate([[0], edges + 1]), np.concatenate([edges + 1, [y.size]])
+    long = stops - starts >= FROZEN
+    spread = float(np.ptp(y))
+    related = [(o, s) for o in others if (s := _slope(y, o)) is not None]
+    if not long.any() or spread == 0.0 or not related:
+        return out
+    least = MOVED * spread + 2.0 * _step(y)
+    for start, stop in zip(starts[long], stops[long], strict=True):
+        if all(abs(slope) * np.ptp(o[start:stop]) > least for o, slope in related):
+            out[start:stop] = True
+    return out
+
+
+def _slope(y: np.ndarray, other: np.ndarray) -> float | None:
+    """How much y moves with another channel; None where they are hardly related."""
+    a, b = y - y.mean(), other - other.mean()
+    norm = float(np.sqrt((a @ a) * (b @ b)))
+    return float(a @ b / (b @ b)) if norm > 0.0 and a @ b > 0.7 * norm else None
+
+
+def _sizes(r: Recording) -> list[str]:
+    notes = []
+    if r.depth is None:
+        return notes
+    if np.ptp(r.depth) < SHALLOW:
+        notes.append(f"the depth varies by {1e6 * np.ptp(r.depth):.3g} um only: too little to identify a skin, or its unit is wrong")
+    thickness = r.declared.skin_thickness_mm
+    if thickness and r.depth.max() > 1e-3 * thickness:
+        notes.append(f"the depth reaches {1e3 * r.depth.max():.3g} mm, but the skin is declared to be {thickness:g} mm thick")
+    for name, y in r.channels.items():
+        if name.startswith("taxel") and r.taxel_units[int(name[6:])] != "N":
+            continue
+        if np.ptp(y) > 0.0 and np.ptp(r.depth) > 0.0 and np.corrcoef(y, r.depth)[0, 1] < -0.5:
+            notes.append(f"{name} falls when the skin is pressed: check its sign (compression is positive)")
+    return notes + _proportions(r)
+
+
+def _impossible(r: Recording) -> str:
+    if r.depth is None:
+        return ""
+    applied = None if r.force is None else _slope(r.force, r.depth)
+    if applied is not None and not SOFT <= applied <= HARD:
+        return f"force changes by {applied:.3g} N per m of depth, which no skin does: check the units of depth and force"
+    felt = [_slope(y, r.depth) or 0.0 for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"]
+    if max(felt, default=0.0) > (HARD if applied is None else FAR_TOO_MUCH * applied):
+        against = "per m of depth" if applied is None else f"while the applied force changes by {applied:.3g} N per m of depth"
+        return f"a taxel changes by {max(felt):.3g} N {against}: check the units and calibrations"
+    return ""
+
+
+def _proportions(r: Recording) -> list[str]:
+    """Taxels that feel far more, or far less, than what is applied."""
+    felt = [s for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N" and (s := _slope(y, r.depth)) is not None]
+    applied = None if r.force is None else _slope(r.force, r.depth)
+    if not felt or not applied:
+        return []
+    if MOST * applied < sum(felt) <= FAR_TOO_MUCH * applied:
+        return [f"the taxels together feel {sum(felt) / applied:.3g} times the applied force: check the units and calibrations"]
+    if max(felt) < LEAST * applied:
+        return [
+            f"the strongest taxel feels {100 * max(felt) / applied:.2g} % of the applied force: check its unit, or where the plunger is"
+        ]
+    return []
+
+
+def apparent_delay(u: np.ndarray, y: np.ndarray, dt: float) -> float:
+    """Seconds by which y comes after u: the slope of the phase between them, weighted by their common power."""
+    window = np.hanning(u.size)
+    a, b = np.fft.rfft((u - u.mean()) * window), np.fft.rfft((y - y.mean()) * window)
+    cross = b * np.conj(a)
+    omega = 2 * np.pi * np.fft.rfftfreq(u.size, dt)
+    weight = np.abs(cross)
+    near = weight > 1e-3 * weight.max()
+    if not near.any():
+        return 0.0
+    w, o = weight[near], omega[near]
+    return float(-np.sum(w * o * np.angle(cross[near])) / max(np.sum(w * o**2), 1e-300))

@@ -1,0 +1,91 @@
+"""Good data spoilt in every way, singly and in pairs: a right answer, a warning, or a clear refusal. Never a wrong number in silence."""
+
+import warnings
+from collections import Counter
+
+import numpy as np
+import pytest
+from corrupting import DEFECTS, raw, write
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from making import SILICONE, recording
+
+from skin_ident.estimators.dispersion import fit_dispersion
+from skin_ident.recordings.load import load
+from skin_models.errors import SkinError
+
+TRUTH = dict(zip(("b1", "k1", "b2", "k2", "share_1"), (*SILICONE[4][1:], 0.4), strict=True))
+GOOD = recording(n=800, hz=0.5, sigma=0.02, shares=(1.0, 0.4))
+
+
+def judged(path):
+    """ "refused", "right", "warned" or "silent", and what was said."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # a stray numpy warning is a case nobody thought of
+        try:
+            fit = fit_dispersion(load(path), SILICONE[4][0])
+        except SkinError as error:
+            assert str(error) and "\n" not in str(error)
+            return "refused", str(error)
+    far = [n for n, v in TRUTH.items() if not abs(fit.values.get(n, np.nan) - v) <= 5 * fit.std.get(n, 0.0) + 0.03 * abs(v)]
+    said = " | ".join(fit.warnings)
+    return ("warned" if said else "silent") if far else "right", f"{far} {fit.values} {said}"
+
+
+def spoilt(folder, suffix, defects, seed):
+    draw, s = np.random.default_rng(seed), raw(GOOD)
+    s.only_table = suffix == ".csv"
+    for defect in sorted(defects, key=DEFECTS.index):
+        defect(draw, s)
+    return write(s, folder / f"a{suffix}")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("spoilt")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".mcap"])
+def test_good_data_are_right_without_a_warning(folder, suffix):
+    outcome, said = judged(spoilt(folder, suffix, [], 0))
+    assert outcome == "right" and said.endswith("} ")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".mcap"])
+@pytest.mark.parametrize("defect", DEFECTS, ids=lambda d: d.__name__)
+def test_one_defect(folder, defect, suffix):
+    for seed in range(4):
+        outcome, said = judged(spoilt(folder, suffix, [defect], seed))
+        assert outcome != "silent", (seed, said)
+
+
+pairs = st.lists(st.sampled_from(DEFECTS), min_size=2, max_size=2)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
+@given(defects=pairs, seed=st.integers(0, 2**32 - 1), suffix=st.sampled_from([".csv", ".mcap"]))
+def test_pairs_of_defects(folder, defects, seed, suffix):
+    outcome, said = judged(spoilt(folder, suffix, defects, seed))
+    assert outcome != "silent", said
+
+
+@pytest.mark.campaign
+def test_thousands_of_pairs(folder, capsys):
+    outcomes, bad = Counter(), []
+
+    @settings(max_examples=5000, deadline=None, suppress_health_check=list(HealthCheck), database=None)
+    @given(
+        defects=st.lists(st.sampled_from(DEFECTS), min_size=1, max_size=2),
+        seed=st.integers(0, 2**32 - 1),
+        suffix=st.sampled_from([".csv", ".mcap"]),
+    )
+    def run(defects, seed, suffix):
+        outcome, said = judged(spoilt(folder, suffix, defects, seed))
+        outcomes[outcome] += 1
+        if outcome == "silent":
+            bad.append(([d.__name__ for d in defects], seed, suffix, said))
+
+    run()
+    with capsys.disabled():
+        print(dict(outcomes), bad[:5])
+    assert not bad
