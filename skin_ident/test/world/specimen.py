@@ -61,8 +61,7 @@ def _positions(rng, n_taxels, layout) -> np.ndarray:
     if n_taxels == 1:
         return np.zeros((1, 2))
     pitch = 0.014 if layout == "row_14mm" else 0.005
-    row = (np.arange(n_taxels) - (n_taxels - 1) / 2) * pitch
-    if layout == "row_14mm":  # a plunger right on one taxel would leave all others silent
-        row = row - row[n_taxels // 2] + rng.uniform(0.35, 0.6) * pitch
+    # taxel_0 is among those that feel the plunger: right on it all others of a wide row would be silent
+    row = (np.arange(n_taxels) - rng.uniform(0.35, 0.6 if layout == "row_14mm" else 1.2)) * pitch
     aside = rng.uniform(0.001, 0.003) if layout == "aside" else 0.0
     return np.round(np.column_stack([row, np.full(n_taxels, aside)]), 5)
