@@ -2,6 +2,7 @@
 
 import signal
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -132,3 +133,20 @@ def test_waiting_is_bounded_and_says_for_what():
 def test_two_domains_differ():
     with Domain() as a, Domain() as b:
         assert a.id != b.id
+
+
+def test_no_process_outlives_a_parent_that_is_killed(domain, tmp_path):
+    script = tmp_path / "parent.py"
+    script.write_text(
+        "import sys, time\nfrom skin_models.ros.processes import Process\n"
+        "print(Process([sys.executable, '-c', 'import time; time.sleep(600)'], {}, 'child').pid, flush=True)\ntime.sleep(600)\n"
+    )
+    parent = Process([sys.executable, str(script)], domain.environment(), "parent")
+    child = int(parent.wait_for_output(r"\d+", 60.0)[0])
+    parent.kill()
+    wait_until(lambda: not _runs(child), 30.0, "the end of the child")
+
+
+def _runs(pid: int) -> bool:
+    stat = Path(f"/proc/{pid}/stat")
+    return stat.is_file() and stat.read_text().rsplit(")", 1)[1].split()[0] != "Z"

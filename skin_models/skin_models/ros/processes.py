@@ -7,13 +7,16 @@
 Works from the installed files alone: no `ros2` command line, no launch.
 """
 
+import ctypes
 import os
 import random
 import re
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -26,6 +29,7 @@ from skin_models.errors import SkinError
 
 # Above 101 the ports of a domain reach into the range from which Linux hands out ephemeral ports.
 _DOMAINS = range(1, 102)
+_PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 def executable(package: str, name: str) -> Path:
@@ -86,7 +90,7 @@ class Process:
         self._log = tempfile.NamedTemporaryFile(prefix="skin_", suffix=".log")  # noqa: SIM115  (closed by `end`)
         self._popen = subprocess.Popen(
             command, env={**os.environ, "PYTHONUNBUFFERED": "1", **environment}, stdin=subprocess.DEVNULL,
-            stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True,
+            stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=_die_with_parent(),
         )  # fmt: skip
 
     @property
@@ -137,6 +141,17 @@ class Process:
         except subprocess.TimeoutExpired:
             self.kill()
             return self._popen.returncode
+
+
+def _die_with_parent() -> Callable[[], None] | None:
+    """Let the kernel kill the child when this process dies, however it dies: nobody is left behind by a test that was killed.
+
+    The kernel means the thread that starts the child, so only the main thread may ask for this.
+    """
+    if not sys.platform.startswith("linux") or threading.current_thread() is not threading.main_thread():
+        return None
+    libc = ctypes.CDLL(None)
+    return lambda: libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 class Processes:
