@@ -25,16 +25,22 @@ def planned(entry: Entry, start: float) -> Motion:
     return stages(entry)[0].motion(start, TRAVEL)
 
 
-def as_executed(session: Session, entry: Entry) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (s) from the first moment of motion, depths of the encoder and of the plan (m)."""
-    start = session.encoder[-1][1]
+def where(session: Session, told: float | None) -> float:
+    """Where the server begins: where it told the driver to rest, if the encoder agrees."""
+    depth = session.encoder[-1][1]
+    return told if told is not None and abs(told - depth) < 2e-5 else depth
+
+
+def as_executed(session: Session, entry: Entry, told: float | None) -> tuple[tuple[np.ndarray, ...], float]:
+    """Times (s) from the first moment of motion, depths of the encoder and of the plan (m); and the depth where the plan ends."""
+    start = where(session, told)
     result, encoder, _ = session.execute(entry_to_text(entry))
     if result.error_code != 0:
         raise SystemExit(f"{entry.label}: {result.error_string}")
     motion = planned(entry, start).trajectory
     t = encoder[:, 0] - seconds(result.started)
     within = (t >= 0.0) & (t <= motion.duration)
-    return t[within], encoder[within, 1], motion.sample(t[within]).x
+    return (t[within], encoder[within, 1], motion.sample(t[within]).x), motion.end
 
 
 def steps_error(motion_x: np.ndarray) -> float:
@@ -67,19 +73,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--picture", type=Path)
     options = parser.parse_args()
-    runs = {}
+    runs, told = {}, None
     print(f"{'profile':22s} {'time':>7s} {'samples':>8s} {'rms':>8s} {'max':>8s} {'as steps':>9s} {'ratio':>7s}")
     with Session() as session:
         for name, entry in gallery().items():
             if name in SHORT:
                 continue
-            t, measured, plan = runs[name] = as_executed(session, entry)
+            (t, measured, plan), told = as_executed(session, entry, told)
+            runs[name] = t, measured, plan
             error = np.abs(measured - plan)
             steps = steps_error(plan)
             print(
                 f"{name:22s} {t[-1]:5.1f} s {t.size:8d} {np.sqrt(np.mean(error**2)) * 1e6:5.1f} um {error.max() * 1e6:5.1f} um "
                 f"{steps * 1e6:6.0f} um {steps / error.max() if steps else float('nan'):7.1f}"
             )
+        cpu, wall = session.server_cpu(), sum(t[-1] for t, _, _ in runs.values())
+        print(f"the server used {cpu:.1f} s of processor for {wall:.0f} s of motion ({cpu / wall:.0%}), with its start")
     if options.picture:
         draw(runs, options.picture)
 

@@ -1,6 +1,8 @@
 """The installed driver and profile server as processes, and a client that executes goals and keeps what the sensors said."""
 
+import os
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -46,6 +48,11 @@ class Session:
         end = time.monotonic() + 0.1  # the last samples are still on their way
         self._until(lambda: time.monotonic() > end, "samples")
         return ended.result().result, np.array(self.encoder), np.array(self.force)
+
+    def server_cpu(self) -> float:
+        """Processor time that the profile server has used, s."""
+        user, system = Path(f"/proc/{self.server.pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+        return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
     def _until(self, condition: Any, what: str, timeout: float = 30.0) -> None:
         def check() -> bool:

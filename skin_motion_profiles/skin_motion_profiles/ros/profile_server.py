@@ -5,11 +5,11 @@ ends as BUSY, a wrong profile or one beyond the driver's limits as INVALID_PROFI
 """
 
 import threading
+from collections.abc import Callable
 
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
-from rclpy.task import Future
 from skin_testbed_msgs.action import ExecuteProfile
 from std_msgs.msg import String
 
@@ -24,8 +24,25 @@ from skin_motion_profiles.ros.settings import Settings
 Result = ExecuteProfile.Result
 
 
+class ThreadedActionServer(ActionServer):
+    """Executes every goal in a thread of its own, so that the node's callbacks go on.
+
+    A coroutine that waits for such a thread would do the same, but `EventsExecutor` asks it again and again, at half a processor.
+    """
+
+    def notify_execute(self, goal_handle: ServerGoalHandle, execute_callback: Callable | None) -> None:
+        """Called by `goal_handle.execute()`."""
+        conclude = super().notify_execute
+
+        def work() -> None:
+            result = self._execute_callback(goal_handle)
+            conclude(goal_handle, lambda handle: _conclude(handle, result))
+
+        threading.Thread(target=work, name="goal", daemon=True).start()
+
+
 class ProfileServer(Node):
-    """Keeps the action; every goal runs in a thread of its own, so that callbacks go on."""
+    """Keeps the action and what its goals need of the driver."""
 
     def __init__(self) -> None:
         super().__init__("profile_server")
@@ -35,43 +52,26 @@ class ProfileServer(Node):
         self.executed = self.create_publisher(String, "executed_profile", LATCHED)  # what a recording needs to be repeated
         self.running = threading.Lock()
         self.leaving = threading.Event()
-        self.worker: threading.Thread | None = None
-        self.action = ActionServer(self, ExecuteProfile, "execute_profile", self._execute, cancel_callback=self._on_cancel)
+        self.action = ThreadedActionServer(self, ExecuteProfile, "execute_profile", self._execute, cancel_callback=self._on_cancel)
         self.get_logger().info("ready for goals on execute_profile")
 
     def _on_cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         return CancelResponse.ACCEPT
 
-    async def _execute(self, handle: ServerGoalHandle) -> Result:
+    def _execute(self, handle: ServerGoalHandle) -> Result:
         if not self.running.acquire(blocking=False):
-            handle.abort()
             return Result(error_code=Result.BUSY, error_string="another profile is running: wait for its end or cancel it")
-        try:
-            result = await self._in_thread(handle)
-        finally:
-            self.running.release()
-        _conclude(handle, result)
-        self.get_logger().info(f"goal ended: {result.error_string}")
-        return result
 
-    def _in_thread(self, handle: ServerGoalHandle) -> Future:
         def cancelled() -> bool:
             return handle.is_cancel_requested or self.leaving.is_set()
 
-        goal = Run(handle.request, self.link, self.asking, self.settings.now, cancelled, handle.publish_feedback, self._announce)
-        future = Future()
-
-        def work() -> None:
-            try:
-                future.set_result(goal.result())
-            except BaseException as error:
-                future.set_exception(error)
-            if self.executor is not None:
-                self.executor.wake()  # nothing else resumes the waiting coroutine when the topics are silent
-
-        self.worker = threading.Thread(target=work, name="goal", daemon=True)
-        self.worker.start()
-        return future
+        try:
+            goal = Run(handle.request, self.link, self.asking, self.settings.now, cancelled, handle.publish_feedback, self._announce)
+            result = goal.result()
+        finally:
+            self.running.release()
+        self.get_logger().info(f"goal ended: {result.error_string}")
+        return result
 
     def _announce(self, text: str) -> None:
         self.executed.publish(String(data=text))
@@ -79,18 +79,18 @@ class ProfileServer(Node):
     def destroy_node(self) -> None:
         """Let a running goal brake and retract or hold before the node goes."""
         self.leaving.set()
-        if self.worker is not None:
-            self.worker.join(3.0)
+        self.running.acquire(timeout=3.0)
         super().destroy_node()
 
 
-def _conclude(handle: ServerGoalHandle, result: Result) -> None:
+def _conclude(handle: ServerGoalHandle, result: Result) -> Result:
     if result.error_code == Result.SUCCESS:
         handle.succeed()
     elif handle.is_cancel_requested:
         handle.canceled()
     else:
         handle.abort()
+    return result
 
 
 def main() -> None:

@@ -5,6 +5,7 @@ load cell, a stage that does not follow. Then the plunger brakes as hard as the 
 """
 
 import time
+import traceback
 from collections.abc import Callable
 
 from rclpy.time import Time
@@ -54,6 +55,10 @@ class Run:
         except Ended as end:
             self.come_to_rest(end.code)
             return self.summary(end.code, str(end))
+        except Exception as error:  # whatever it is: the plunger must not go on, and the client must hear of it
+            traceback.print_exc()
+            self.come_to_rest(Result.CANCELLED)
+            return self.summary(Result.DRIVER_FAULT, f"the profile server itself failed ({error!r}): its log says more")
 
     def execute(self) -> None:
         """The goal itself. Raises `ProfileError` before anything moves, `Ended` when it cannot go on."""
