@@ -27,12 +27,13 @@ from skin_models.model import Model
 from skin_models.signals import Sample
 from skin_models.spread.compiled import compiles
 from skin_models.spread.field import SpreadField
-from skin_models.spread.kernels import Gaussian, Kernel
+from skin_models.spread.kernels import Kernel
+from skin_models.spread.noted import kernel_of, spread_width
 from skin_models.spread.spreaders import CompiledSpreader, DenseSpreader, Patches
 from skin_models.transmission import Transmission
 
 MEMORY = 16
-THESIS_WIDTH = 5.25e-3  # m, c of 4 mm silicone (section 4.3.4), for models that do not say
+__all__ = ["MEMORY", "Presses", "Reading", "SimulatedSkin", "SkinState", "spread_width"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,7 @@ class SimulatedSkin:
     def __init__(
         self, model: Model, layout: Layout, dt: float, kernel: Kernel | None = None, tolerance: float = 1e-6, fast: bool = False
     ) -> None:
-        """`kernel` defaults to the Gaussian of the model's notes. Raises `ModelError` for an effect on a taxel that is not there.
+        """`kernel` defaults to the one that the model's notes describe. Raises `ModelError` for an effect on a taxel that is not there.
 
         `fast`: use the compiled path where there is one. Then part of the state lives here and not in `SkinState`.
         """
@@ -90,7 +91,7 @@ class SimulatedSkin:
             if e.taxel is not None and e.taxel >= len(layout):
                 raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {len(layout)} taxels, counted from taxel_0")
         self.model, self.layout, self.dt = model, layout, dt
-        self.kernel = kernel or Gaussian(width=spread_width(model))
+        self.kernel = kernel or kernel_of(model)
         self._share = min(model.dispersion.sensed_share, 1.0) if model.dispersion.k1 > 0.0 else 0.0
         self._skin, self._sensors = skin_of(model), model.at(Place.TAXEL)
         field = SpreadField(layout, self.kernel, self._share, A201_AREA, tolerance)
@@ -140,11 +141,3 @@ class SimulatedSkin:
             s, y = e.step(before, y, sample, self.dt)
             after.append(s)
         return tuple(after), y
-
-
-def spread_width(model: Model) -> float:
-    """c of the model's Gaussian (m): `notes: {spread_width: {value, unit: m}}`, or the thesis's. Raises `ModelError` for nonsense."""
-    entry = model.notes.get("spread_width", {"value": THESIS_WIDTH, "unit": "m"})
-    if not isinstance(entry, Mapping) or entry.get("unit") != "m" or not isinstance(entry.get("value"), float):
-        raise ModelError("notes.spread_width must be written as {value: …, unit: m}")
-    return entry["value"]

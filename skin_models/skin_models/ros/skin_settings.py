@@ -10,8 +10,8 @@ from skin_models.materials import material, names
 from skin_models.model import Model
 from skin_models.model_file import load_model
 from skin_models.ros.parameters import setting
-from skin_models.simulated_skin import spread_width
 from skin_models.spread.kernels import Gaussian, GeneralisedGaussian, HeavyTail, Kernel
+from skin_models.spread.noted import kernel_of, spread_width
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,9 @@ class SkinSettings:
         return layouts.row(len(model.shares) if self.layout == "model" else self.columns, self.pitch, area or A201_AREA)
 
     def make_kernel(self, model: Model) -> Kernel:
-        """The spread."""
+        """The spread: as the model's notes say, unless a parameter here says otherwise."""
         width = self.spread_width or spread_width(model)
         if self.spread_kernel == "gaussian":
-            return Gaussian(width=width)
+            return Gaussian(width=width) if self.spread_width else kernel_of(model)
         kernel = GeneralisedGaussian if self.spread_kernel == "generalised_gaussian" else HeavyTail
         return kernel(width=width, power=self.spread_power)

@@ -1,0 +1,53 @@
+"""The spread that the notes of a model describe, so that one YAML file carries it to the simulated skin.
+
+    notes:
+      spread_width: {value: 0.00525, unit: m}           a Gaussian of this width, unless there is a table
+      spread:                                           all optional
+        table: {at: [0.0, 0.5, …], shares: [1.0, 0.9, …]}   distances in widths, and the shape there
+        growth: {value: 100.0, unit: 1/m}               relative growth of the width per depth
+        ratio: {value: 1.1, unit: 1}                    width along x over width along y
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from skin_models.errors import ModelError
+from skin_models.model import Model
+from skin_models.spread.kernels import Anisotropic, DepthWidth, Gaussian, Kernel
+from skin_models.spread.tabulated import Tabulated
+
+THESIS_WIDTH = 5.25e-3  # m, c of 4 mm silicone (section 4.3.4), for models that do not say
+
+
+def spread_width(model: Model) -> float:
+    """c of the model's spread (m): `notes: {spread_width: {value, unit: m}}`, or the thesis's. Raises `ModelError` for nonsense."""
+    return _number(model.notes, "spread_width", "m", THESIS_WIDTH)
+
+
+def kernel_of(model: Model) -> Kernel:
+    """The kernel of a model. Raises `ModelError` for notes that cannot be understood."""
+    notes = model.notes.get("spread", {})
+    if not isinstance(notes, Mapping) or set(notes) - {"table", "growth", "ratio"}:
+        raise ModelError("notes.spread may hold table, growth and ratio")
+    kernel: Kernel = _shape(notes.get("table"), spread_width(model))
+    if "growth" in notes:
+        kernel = DepthWidth(kernel, growth=_number(notes, "growth", "1/m"))
+    return Anisotropic(kernel, ratio=_number(notes, "ratio", "1")) if "ratio" in notes else kernel
+
+
+def _shape(table: Any, width: float) -> Kernel:
+    if table is None:
+        return Gaussian(width=width)
+    if not isinstance(table, Mapping) or not all(isinstance(table.get(name), list) for name in ("at", "shares")):
+        raise ModelError("notes.spread.table must hold the lists at and shares")
+    try:
+        return Tabulated(width=width, at=tuple(map(float, table["at"])), shares=tuple(map(float, table["shares"])))
+    except (TypeError, ValueError) as error:
+        raise ModelError("notes.spread.table must hold numbers") from error
+
+
+def _number(notes: Mapping, name: str, unit: str, default: float | None = None) -> float:
+    entry = notes.get(name, {"value": default, "unit": unit})
+    if not isinstance(entry, Mapping) or entry.get("unit") != unit or not isinstance(entry.get("value"), float):
+        raise ModelError(f"notes.{name} must be written as {{value: …, unit: {unit}}}")
+    return entry["value"]
