@@ -10,6 +10,7 @@ from skin_ident.criticism.gate import Gain, held_out_gain
 from skin_ident.criticism.growing import grow
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
+from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
@@ -19,6 +20,7 @@ MOST_FINDINGS = 5
 SHORTLIST = 4  # causes that are refitted before one is chosen
 WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
+FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
@@ -129,7 +131,7 @@ class Search:
     def _trials(self, last: Survey) -> list[_Trial]:
         """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals."""
         able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score)][:SHORTLIST]
-        trials = sorted((self._trial(r) for r in able), key=lambda t: -t.score)
+        trials = sorted((t for t in map(self._trial, able) if self._plausible(t)), key=lambda t: -t.score)
         known = {(n.cause, n.where) for n in self.named}
         again = [t for t in trials if t.key in known and t.score > _reach(trials[0].score)]
         return again[:1] + [t for t in trials if t not in again[:1]]
@@ -139,6 +141,16 @@ class Search:
         grown = grow(self.present, r, self.train, self.which, self.noise)
         charge = np.log(grown.count) * (len(grown.unknowns) - len(self.present.unknowns))
         return _Trial(r, grown, float(self.present.cost - grown.cost - charge))
+
+    def _plausible(self, t: _Trial) -> bool:
+        """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell."""
+        session = self.train[0]
+        channels = session.channels
+        if t.ranked.where != "skin" or "force" not in channels or len(channels) == 1:
+            return True
+        without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
+        felt = np.sqrt(np.mean((simulated(t.fit.model, session) - simulated(without, session)) ** 2, axis=1))
+        return bool(felt[0] > FELT * felt[1:].max())
 
     def _first_believed(self, trials: list[_Trial]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support. What they do not support is kept in `refused`.

@@ -1,20 +1,26 @@
 """Saturation: a sensor clips.
 
-    y' = min(max(y, -L), L)
+    hard     y' = min(max(y, -L), L)
+    leaky    y' = y - c max(y - L, 0)        beyond L it follows with the slope 1 - c; several add up to a soft knee
 
-The size of this effect is not a force but how low L is: it is the identity for L = inf, which is what `absent` gives.
+The size of the hard form is not a force but how low L is: it is the identity for L = inf, which is what `absent` gives. It is therefore no
+direction in which a model can be bent a little: identification proposes the leaky form, and the hard one from samples that pile up.
 
 Source: G. Tao and P. V. Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from skin_models.effect import Memoryless, Place
-from skin_models.parameter import quantity
+from skin_models.parameter import SHAPE, quantity
+from skin_models.signals import Motion
+
+LEVELS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 17.0, 22.0)  # N
 
 
 @dataclass(frozen=True)
@@ -31,5 +37,27 @@ class Saturation(Memoryless):
         """No clipping: an infinite level."""
         return self.with_values(level=math.inf)
 
+    @classmethod
+    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
+        """None: see above."""
+        return iter(())
+
     def apply(self, y, s):
         return self.put_back(y, np.clip(self.mine(y), -self.level, self.level))
+
+
+@dataclass(frozen=True)
+class LeakySaturation(Memoryless):
+    """Readings beyond a level follow with less slope."""
+
+    cause: ClassVar[str] = "saturation"
+    form: ClassVar[str] = "leaky"
+    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
+    source: ClassVar[str] = "Tao and Kokotović 1996, ch. 2"
+
+    lost: float = quantity("1", 0.0, lower=0.0, upper=1.0, typical=0.5, doc="share c of the slope that is lost")
+    level: float = quantity("N", 8.0, lower=1e-6, role=SHAPE, typical=8.0, scan=LEVELS, doc="reading L from which it is lost")
+
+    def apply(self, y, s):
+        mine = self.mine(y)
+        return self.put_back(y, mine - self.lost * np.maximum(mine - self.level, 0.0))
