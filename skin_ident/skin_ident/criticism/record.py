@@ -8,6 +8,7 @@ from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session, meeting, prepare
 from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.copied import find_copies
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.encoder import find_encoder_faults
@@ -17,6 +18,7 @@ from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.criticism.telemetry.pile_up import find_saturation
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.criticism.whitening import fit_whitener
 from skin_models.model import Model
 
@@ -38,7 +40,9 @@ class Inspected:
 
 def inspect(recordings: list) -> Inspected:
     """Look at the records themselves, then at what a first fit leaves at full rate."""
-    early = [*find_copies(recordings), *find_dead_taxels(recordings), *find_quantization(recordings), *find_encoder_faults(recordings)]
+    units = find_unit_faults(recordings)
+    coarse = [s for s in find_quantization(recordings) if not any(set(s.channels) & set(u.channels) for u in units)]
+    early = [*find_clock_faults(recordings), *find_copies(recordings), *units, *find_dead_taxels(recordings), *coarse, *find_encoder_faults(recordings)]
     mended = [_mended(r, early) for r in recordings]
     sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
     late = _in_residuals(mended, sessions)

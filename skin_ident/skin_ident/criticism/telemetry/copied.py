@@ -1,59 +1,87 @@
-"""Data errors that show without a model: blocks that repeat exactly, columns that were swapped, units that changed.
+"""Copies: blocks that repeat digit for digit, sessions that are one and the same, columns that hold the same numbers.
 
-Noise does not repeat. A window of many changing samples that occurs twice, digit for digit in every channel, was copied.
+Noise does not repeat. A window of many changing samples that occurs twice in the measured channels was copied, whatever the clock or the
+encoder says beside it; so was a channel that equals another one all the time.
 """
 
 import numpy as np
 
-from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 WINDOW = 32  # samples
 LIVELY = 12  # different rows that a window must hold, so that a quiet hold is not taken for a copy
-UNIT_FACTORS = (1000.0, 1e-3, 10.0, 0.1, 9.80665, 1 / 9.80665, 4.44822, 1 / 4.44822)
-NEAR = 0.06  # relative, how close a ratio of slopes must come to such a factor
+VALUES = 12  # different values that a column must hold
+EQUAL = 0.98  # of its samples
 
 
 def find_copies(recordings: list) -> list[Symptom]:
-    """Blocks that occur twice, within a session or in two sessions."""
-    seen: dict[bytes, tuple[str, int]] = {}
-    for r in recordings:
-        rows = np.ascontiguousarray(np.array(list(r.channels.values())).T)
-        new: dict[bytes, tuple[str, int]] = {}
-        for start in range(0, len(r) - WINDOW):
-            key = rows[start : start + WINDOW].tobytes()
+    """The first block that occurs twice, within a session or in two sessions, and columns that repeat another."""
+    return [*_blocks(recordings), *_columns(recordings)]
+
+
+def _blocks(recordings: list) -> list[Symptom]:
+    seen: dict[bytes, tuple[int, int]] = {}
+    rows = [np.ascontiguousarray(np.array(list(r.channels.values())).T) for r in recordings]
+    for k, r in enumerate(recordings):
+        new: dict[bytes, tuple[int, int]] = {}
+        for start in range(len(r) - WINDOW):
+            key = rows[k][start : start + WINDOW].tobytes()
             first = seen.get(key) or new.get(key)
-            if first and np.unique(rows[start : start + WINDOW], axis=0).shape[0] >= LIVELY:
-                if first[0] != r.name or start - first[1] >= WINDOW:
-                    return [_copy(r, start, first, list(r.channels))]
-            new.setdefault(key, (r.name, start))
+            if first and (first[0] != k or start - first[1] >= WINDOW) and _lively(rows[k][start : start + WINDOW]):
+                length = _common(rows[first[0]][first[1] :], rows[k][start:])
+                return [_copy(recordings, (k, start), first, length)]
+            new.setdefault(key, (k, start))
         seen |= new
     return []
 
 
-def _copy(recording, start: int, first: tuple[str, int], channels: list[str]) -> Symptom:
-    why = f"from {start * recording.dt:.2f} s on, {recording.name} repeats {first[0]} from {first[1] * recording.dt:.2f} s on, digit for digit"
-    return Symptom("data_error", "rig", tuple(channels), {"repeat_from": quantity(start * recording.dt, "s")}, {"why": why})
+def _lively(rows: np.ndarray) -> bool:
+    return np.unique(rows, axis=0).shape[0] >= LIVELY
 
 
-def find_unit_changes(recordings: list) -> list[Symptom]:
-    """A channel whose slope against depth differs between sessions by a factor that only a unit has."""
-    found = []
+def _common(a: np.ndarray, b: np.ndarray) -> int:
+    """How many samples of two stretches are the same from their beginning on."""
+    n = min(len(a), len(b))
+    differs = np.any(a[:n] != b[:n], axis=1)
+    return int(np.argmax(differs)) if differs.any() else n
+
+
+def _copy(recordings: list, here: tuple[int, int], first: tuple[int, int], length: int) -> Symptom:
+    (k, start), (j, origin) = here, first
+    r, source = recordings[k], recordings[j]
+    whole = length >= 0.9 * len(r)
+    if whole:
+        why = f"{r.name} is a copy of {source.name}: {length} of its {len(r)} samples are the same digit for digit"
+    else:
+        why = f"{length} samples of {r.name} from {start * r.dt:.2f} s on repeat {source.name} from {origin * source.dt:.2f} s on, digit for digit"
+    parameters = {"from": quantity(start * r.dt, "s"), "length": quantity(length * r.dt, "s")}
+    channels = tuple(r.channels)
+    mask = np.zeros(len(r), bool)
+    mask[start : start + length] = not whole
+    bad = {} if whole else {(r.name, c): mask for c in channels}
+    kind = "copied session" if whole else "repeated block"
+    return Symptom("data_error", "load_cell" if "force" in channels else "taxel", channels, parameters, {"why": why, "kind": kind, "session": r.name}, bad)
+
+
+def _columns(recordings: list) -> list[Symptom]:
+    """Groups of channels that hold the same numbers, each group one symptom at the first channel that repeats."""
+    groups: dict[bytes, list[str]] = {}
     for channel in recordings[0].channels:
-        slopes = np.array([_slope(r, channel) for r in recordings])
-        if len(slopes) < 2 or not np.all(np.isfinite(slopes)) or np.any(np.abs(slopes) < 1e-9):
-            continue
-        for r, ratio in zip(recordings, slopes / np.median(slopes), strict=True):
-            factor = next((f for f in UNIT_FACTORS if abs(ratio / f - 1.0) < NEAR), None)
-            if factor:
-                why = f"{channel} of {r.name} is {ratio:.4g} times what the other sessions say: a factor of units"
-                where = "load_cell" if channel == "force" else channel
-                found.append(Symptom("data_error", where, (channel,), {"factor": quantity(factor, "1")}, {"why": why, "session": r.name}))
+        y = np.concatenate([r.channels[channel] for r in recordings])
+        if np.unique(y).size >= VALUES:
+            groups.setdefault(_fingerprint(y), []).append(channel)
+    found = []
+    for names in groups.values():
+        rows = [np.concatenate([r.channels[c] for r in recordings]) for c in names]
+        same = [c for c, row in zip(names[1:], rows[1:], strict=True) if np.mean(row == rows[0]) > EQUAL]
+        if same:
+            share = float(np.mean(rows[1] == rows[0]))
+            why = f"{', '.join(same[:8])} hold{'s' if len(same) == 1 else ''} the same numbers as {names[0]} in {100 * share:.3g} % of {rows[0].size} samples"
+            where = place_of(same[0], len(recordings[0].taxels))
+            found.append(Symptom("data_error", where, (names[0], *same), {}, {"why": why, "kind": "copied column", "copies": len(same)}))
     return found
 
 
-def _slope(recording, channel: str) -> float:
-    x, y = recording.depth, recording.channels.get(channel)
-    if x is None or y is None or np.ptp(x) == 0.0:
-        return float("nan")
-    x = x - x.mean()
-    return float(x @ (y - y.mean()) / (x @ x))
+def _fingerprint(y: np.ndarray) -> bytes:
+    """Equal for rows that are the same but for few samples: their deciles and extremes are not enough, some samples are added."""
+    return np.percentile(y, [10, 30, 50, 70, 90]).tobytes()

@@ -1,30 +1,122 @@
-"""Dead taxels: one that never moves while the load does, or that says nothing where the only taxel should."""
+"""Dead taxels: stuck at one value, open from the start, or dying part-way, where the load says that they should have moved.
+
+A taxel that lies far from the plunger feels nothing and is not dead: unless it is the only one, its declared place must promise it more than
+its noise, by the narrowest spread and an error of the place that the thesis leaves room for.
+"""
 
 import numpy as np
 
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
-SILENT = 0.02  # of the applied force that a taxel under the plunger would feel at the very least
+FOLLOWS = 0.1  # correlation with the load, below which a taxel says nothing
+PIECES = 24  # of a session
+ALIVE = 0.3  # of the usual slope in a piece
+GONE = 0.03
+SURE = 0.8  # correlation in a piece in which it surely lives
+FEWEST = 4  # dead pieces in a row, to the end of the session
+WIDTH = 0.0045  # m, the narrowest Gaussian spread of thesis Table 4-8
+AWAY = 0.002  # m, by which a plunger may be off
+CLEAR = 3.0  # noise widths that the promised signal must have
+SHARE = 0.4  # of the applied force that the thesis's skins lead through a taxel under the plunger at least
 
 
 def find_dead_taxels(recordings: list) -> list[Symptom]:
-    """Taxels that are stuck (the same value throughout) or, where there is but one, open (no relation to depth or force)."""
+    """Taxels that are silent in all sessions, or fall silent in some."""
     n = len(recordings[0].taxels)
-    found = []
-    for i in range(n):
-        rows = [r.taxels[i] for r in recordings]
-        stuck = all(np.ptp(row) == 0.0 for row in rows)
-        if stuck or (n == 1 and all(_silent(r, row) for r, row in zip(recordings, rows, strict=True))):
-            why = f"taxel_{i} holds one value throughout" if stuck else f"taxel_{i} does not follow the load"
-            found.append(Symptom("dead_taxel", place_of(f"taxel_{i}", n), (f"taxel_{i}",), {}, {"why": why, "stuck": bool(stuck)}))
-    return found
+    return [s for i in range(n) for s in (_silent(recordings, i, n) or _dying(recordings, i, n))]
 
 
-def _silent(recording, row: np.ndarray) -> bool:
-    load = recording.force if recording.force is not None else recording.depth
-    if load is None or np.ptp(load) == 0.0:
+def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
+    name = f"taxel_{i}"
+    rows = [r.taxels[i] for r in recordings]
+    if all(np.ptp(row) == 0.0 for row in rows):
+        return [_symptom(name, n, 0.0, f"{name} holds {rows[0][0]:.4g} in all {sum(map(len, rows))} samples", "stuck", float(rows[0][0]))]
+    loads = [_load(r) for r in recordings]
+    if any(load is None for load in loads) or not _promised(recordings, i, n):
+        return []
+    r = max(abs(_correlation(load, row)) for load, row in zip(loads, rows, strict=True))
+    if r >= FOLLOWS:
+        return []
+    level = float(np.median(np.concatenate(rows)))
+    kind = "stuck" if abs(level) > 3.0 * float(np.std(rows[0])) else "open"
+    why = f"{name} does not follow the load in any of {len(rows)} sessions (largest correlation {r:.2f}); it reads {level:.3g} throughout"
+    return [_symptom(name, n, 0.0, why, kind, level)]
+
+
+def _promised(recordings: list, i: int, n: int) -> bool:
+    """Whether this taxel ought to feel the load well above its own noise."""
+    if n == 1:
+        return True
+    places, r = recordings[0].declared.taxel_positions_mm, recordings[0]
+    if i >= len(places):
         return False
+    load = r.force if r.force is not None else np.sum(r.taxels, axis=0)
+    distance = 1e-3 * float(np.hypot(*places[i])) + AWAY
+    return SHARE * np.exp(-((distance / WIDTH) ** 2)) * float(np.std(load)) > CLEAR * float(np.std(r.taxels[i]))
+
+
+def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
+    """The taxel follows the load at first and not at all from some moment to the end of the session."""
+    name, bad, when = f"taxel_{i}", {}, []
+    for r in recordings:
+        start = _death(r, r.taxels[i])
+        if start is not None:
+            bad[r.name, name] = np.arange(len(r)) >= start
+            when.append(start * r.dt)
+    if not bad:
+        return []
+    why = f"{name} follows the load up to {when[0]:.1f} s and not at all from there to the end, in {len(bad)} of {len(recordings)} sessions"
+    return [_symptom(name, n, when[0], why, "dies", 0.0, bad)]
+
+
+def _death(recording, row: np.ndarray) -> int | None:
+    """The sample from which on the taxel says nothing, or None."""
+    load = _load(recording)
+    if load is None:
+        return None
+    pieces = np.array_split(np.arange(row.size), PIECES)
+    moved = np.array([np.std(load[p]) for p in pieces]) > 0.2 * np.std(load)
+    slopes = np.array([_slope(load[p], row[p]) for p in pieces])
+    tested = np.flatnonzero(moved)
+    usual = np.max([slopes[k] for k in tested if _correlation(load[pieces[k]], row[pieces[k]]) > SURE], initial=0.0)
+    alive = [k for k in tested if slopes[k] > ALIVE * usual]
+    last = alive[-1] if alive else -1
+    dead = tested[tested > last]
+    if last < 0 or usual <= 0.0 or dead.size < FEWEST or np.any(np.abs(slopes[dead[1:]]) > GONE * usual):
+        return None
+    return _last_sign_of_life(recording, row, load, pieces, last, int(dead[1]))
+
+
+def _last_sign_of_life(recording, row: np.ndarray, load: np.ndarray, pieces: list, last: int, dead: int) -> int:
+    """The change point, by least squares: a live line before, silence after."""
+    a, b = int(pieces[last][0]), int(pieces[dead][0])
+    slope = _slope(load[pieces[last][0] - pieces[last].size : b], row[pieces[last][0] - pieces[last].size : b]) if last else 1.0
+    slope = max(slope, _slope(load[:a], row[:a]) if a > 10 else slope)
+    silent = float(np.median(row[b:]))
+    offset = float(np.median(row[:b] - slope * load[:b]))
+    live = (row[a:b] - slope * load[a:b] - offset) ** 2
+    still = (row[a:b] - silent) ** 2
+    return a + int(np.argmin(np.concatenate([[0.0], np.cumsum(live - still)])))
+
+
+def _symptom(name: str, n: int, since: float, why: str, kind: str, level: float, bad: dict | None = None) -> Symptom:
+    parameters = {"since": quantity(since, "s"), "lost": quantity(1.0, "1"), "level": quantity(level, "N")}
+    return Symptom("dead_taxel", place_of(name, n), (name,), parameters, {"why": why, "kind": kind, "stuck": kind == "stuck"}, bad or {})
+
+
+def _load(recording) -> np.ndarray | None:
+    """What presses: the force, or the depth below the surface."""
+    load = recording.force if recording.force is not None else recording.depth if recording.depth is None else np.maximum(recording.depth, 0.0)
+    return load if load is not None and np.ptp(load) > 0.0 else None
+
+
+def _correlation(a: np.ndarray, b: np.ndarray) -> float:
+    a, b = a - a.mean(), b - b.mean()
+    size = float(np.sqrt((a @ a) * (b @ b)))
+    return float(a @ b) / size if size > 0.0 else 0.0
+
+
+def _slope(load: np.ndarray, row: np.ndarray) -> float:
     load = load - load.mean()
-    slope = float(load @ (row - row.mean()) / (load @ load))
-    correlation = slope * np.std(load) / max(np.std(row), 1e-300)
-    return abs(correlation) < 0.2 and (recording.force is None or abs(slope) < SILENT)
+    energy = float(load @ load)
+    return float(load @ row) / energy if energy > 0.0 else 0.0

@@ -5,28 +5,39 @@ normalised power is beyond what exponential statistics allow (R. A. Fisher, Test
 """
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 CHANCE = 1e-4  # of one false line per channel
+DRIFT = 5  # bins by which a line may differ from session to session
 LOWEST_HZ = 1.0  # below, the motion itself leaves lines in a residual
-NARROW = 3  # bins that a line may be wide
+BY_DEPTH = 0.4  # of a line that the simulation may carry
 
 
-def find_interference(channels: tuple[str, ...], residuals: list[np.ndarray], dt: float, n_taxels: int) -> list[Symptom]:
-    """Periodic disturbances per channel, from residuals (C, N) at full rate."""
+def find_interference(
+    channels: tuple[str, ...], residuals: list[np.ndarray], predicted: list[np.ndarray], dt: float, n_taxels: int
+) -> list[Symptom]:
+    """Periodic disturbances per channel, from residuals (C, N) at full rate.
+
+    A line that the simulation carries as well came in by the depth, such as the steps of a coarse encoder at constant speed.
+    """
     n = min(e.shape[1] for e in residuals)
     frequency = np.fft.rfftfreq(n, dt)
     found = []
     for c, channel in enumerate(channels):
-        ratio = np.mean([_over_background(e[c][:n]) for e in residuals], axis=0)
+        rows = [_over_background(e[c][:n]) for e in residuals]
+        width = np.mean(rows, axis=0)
+        ratio = np.median([maximum_filter1d(row, DRIFT) for row in rows], axis=0) if len(rows) > 2 else np.min(rows, axis=0)
         ratio[(frequency < LOWEST_HZ) | (frequency > frequency[-1] - 2.0 / (n * dt))] = 0.0
         limit = 1.0 - np.log(CHANCE / n) / len(residuals) if len(residuals) > 1 else -np.log(CHANCE / n)
         i = int(np.argmax(ratio))
-        if ratio[i] > 3.0 * limit and np.median(ratio[max(i - 12, 0) : i + 13]) < 0.05 * ratio[i]:
+        i += int(np.argmax(width[i : i + DRIFT]))
+        if ratio.max() > 3.0 * limit and np.median(width[max(i - 12, 0) : i + 13]) < 0.05 * ratio.max():
             amplitude = _amplitude([e[c] for e in residuals], frequency[i], dt)
-            why = f"a line at {frequency[i]:.3g} Hz stands {ratio[i]:.0f} times over the background of {channel} in {len(residuals)} sessions"
+            if _amplitude([m[c] for m in predicted], frequency[i], dt) > BY_DEPTH * amplitude:
+                continue
+            why = f"a line at {frequency[i]:.3g} Hz stands {ratio.max():.0f} times over the background of {channel} in {len(residuals)} sessions"
             parameters = {"frequency": quantity(frequency[i], "Hz"), "amplitude": quantity(amplitude, "N")}
             found.append(Symptom("interference", place_of(channel, n_taxels), (channel,), parameters, {"why": why}))
     return found

@@ -1,70 +1,76 @@
-"""Outliers: spikes that the noise's own distribution cannot produce, and samples frozen while the load goes on.
-
-A Student t distribution is fitted to the residual's central part; a spike is a sample so far out that less than one in a hundred
-recordings would hold it. Heavy-tailed noise therefore stays noise.
-"""
+"""Outliers in what was measured: spikes, bursts, drop-outs, and samples frozen while the load goes on."""
 
 import numpy as np
-from scipy.ndimage import median_filter
-from scipy.stats import t as student
 
+from skin_ident.criticism.telemetry.excursions import excursions, fill_clusters, held, runs
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.tails import reach, smallest_step, stands_apart
 
-RARE = 1e-2  # expected number of such samples in a recording, below which a sample is a spike
-FEWEST = 2  # spikes before they are called a finding
-FROZEN_STEPS = 6.0  # a frozen run must miss a change of so many noise widths
+FROZEN = 5  # samples at one value
+MISSED = 10.0  # noise widths of change that a frozen run must have missed
 
 
 def find_outliers(
-    names: list[str], channels: tuple[str, ...], residuals: list[np.ndarray], raw: list[np.ndarray], jumps: list[np.ndarray], n_taxels: int
+    names: list[str], channels: tuple[str, ...], residuals: list[np.ndarray], raw: list[np.ndarray], jumps: list[np.ndarray], n_taxels: int, dt: float
 ) -> list[Symptom]:
-    """Spikes and frozen runs per channel. `residuals` and `raw` are (C, N) at full rate for each session; `jumps` (N,) marks samples
-    where the force itself may jump."""
+    """Excursions and frozen runs per channel.
+
+    `residuals` (measured less simulated) and `raw` are (C, N) at full rate for each session; `jumps` (N,) marks samples where a force may
+    really jump out of a rest.
+    """
+    every = [_of_channel([r[c] for r in residuals], [r[c] for r in raw], jumps) for c in range(len(channels))]
     found = []
-    for c, channel in enumerate(channels):
-        detail = [e[c] - median_filter(e[c], 9) for e in residuals]
-        masks = [(spikes(d, ~j) | frozen(y[c], e[c], d)) & ~j for d, e, y, j in zip(detail, residuals, raw, jumps, strict=True)]
-        count = int(sum(m.sum() for m in masks))
-        if count >= FEWEST:
-            total = sum(m.size for m in masks)
-            bad = {(name, channel): m for name, m in zip(names, masks, strict=True) if m.any()}
-            largest = max(float(np.max(np.abs(e[c][m]), initial=0.0)) for e, m in zip(residuals, masks, strict=True))
-            why = f"{count} of {total} samples of {channel} lie where this noise cannot reach, up to {largest:.3g} N away"
-            parameters = {"rate": quantity(count / total, "1"), "size": quantity(largest, "N")}
-            found.append(Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, {"why": why, "count": count}, bad))
-    return found
+    for c, (away, still) in enumerate(every):
+        others = [[m[k] for o, (_, m) in enumerate(every) if o != c] for k in range(len(names))]
+        own = [_alone(s, o) for s, o in zip(still, others, strict=True)]
+        found.append(_symptom(names, channels[c], away, own, [r[c] for r in residuals], n_taxels, dt))
+    return [s for s in found if s is not None]
 
 
-def spikes(detail: np.ndarray, among: np.ndarray) -> np.ndarray:
-    """Mask of the samples that the noise, fitted to those `among` which it is alone, would hardly ever produce."""
-    spread = np.percentile(np.abs(detail[among]), [50.0, 90.0, 97.5])
-    if spread[0] <= 0.0:
-        spread = np.maximum(spread, 1e-12 + np.std(detail) * np.array([0.6745, 1.645, 2.24]))
-    freedom = _freedom(spread[2] / spread[0])
-    scale = spread[0] / student.ppf(0.75, freedom)
-    limit = scale * max(student.isf(0.5 * RARE / detail.size, freedom), 6.0)
-    return np.abs(detail) > max(limit, 2.0 * spread[2])
+def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Masks of excursions and of frozen runs, each for every session."""
+    step = smallest_step(np.concatenate(y))
+    limit = reach(np.concatenate([np.diff(row) for row in e]), step)
+    level = stands_apart(limit, lambda level: sum(runs(excursions(a, b, level))[0].size for a, b in zip(e, y, strict=True)))
+    away = [fill_clusters(excursions(a, b, level)) if level else np.zeros(a.size, bool) for a, b in zip(e, y, strict=True)]
+    values, counts = np.unique(np.concatenate(y), return_counts=True)
+    idle = float(values[np.argmax(counts)])
+    still = [_frozen(b, a, limit, step, j | (np.abs(b - idle) < limit)) for a, b, j in zip(e, y, jumps, strict=True)]
+    return away, still
 
 
-def _freedom(ratio: float) -> float:
-    """Degrees of freedom whose ratio of the 97.5 % to the 50 % quantile of |t| is `ratio`."""
-    grid = np.array([1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 20.0, 100.0])
-    ratios = student.ppf(0.9875, grid) / student.ppf(0.75, grid)
-    return float(np.interp(-ratio, -ratios, grid))
+def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
+    """The frozen runs that no other channel shares: what stands still in several is the plunger or the skin."""
+    out = still.copy()
+    for a, b in zip(*runs(still), strict=True):
+        if any(o[a:b].any() for o in others):
+            out[a:b] = False
+    return out
 
 
-def frozen(y: np.ndarray, e: np.ndarray, detail: np.ndarray) -> np.ndarray:
-    """Mask of runs of one value while the residual (measured less simulated) runs away and comes back at once."""
-    width = max(1.4826 * float(np.median(np.abs(detail))), _smallest_step(y))
-    starts = np.flatnonzero(np.diff(y, prepend=np.nan) != 0.0)
-    ends = np.append(starts[1:], y.size)
+def _frozen(y: np.ndarray, e: np.ndarray, limit: float, step: float, resting: np.ndarray) -> np.ndarray:
+    """Mask of runs of one value, none of it `resting`, while the residual runs away, and comes back in one jump."""
     mask = np.zeros(y.size, bool)
-    for a, b in zip(starts, ends, strict=True):
-        if b - a >= 5 and b < y.size and abs(y[b] - y[b - 1]) > FROZEN_STEPS * width and np.ptp(e[a:b]) > FROZEN_STEPS * width:
+    least = max(MISSED / 10.0 * limit, MISSED * step)
+    for a, b in zip(*held(y, FROZEN), strict=True):
+        jump = abs(y[b] - y[b - 1])
+        should = (y[b - 1] - e[b - 1]) - (y[a] - e[a])
+        missed = np.ptp(e[a:b]) > 0.5 * jump and should * (y[b] - y[b - 1]) > 0.5 * jump**2
+        if jump > least and missed and not resting[a : b + 1].any() and abs(e[b] - e[a]) < 0.5 * jump:
             mask[a:b] = True
     return mask
 
 
-def _smallest_step(y: np.ndarray) -> float:
-    gaps = np.diff(np.unique(y))
-    return float(gaps.min()) if gaps.size else 0.0
+def _symptom(names: list[str], channel: str, away: list[np.ndarray], still: list[np.ndarray], e: list[np.ndarray], n_taxels: int, dt: float) -> Symptom | None:
+    masks = [a | s for a, s in zip(away, still, strict=True)]
+    count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
+    if not count:
+        return None
+    largest = max(float(np.max(np.abs(row[m]), initial=0.0)) for row, m in zip(e, masks, strict=True))
+    stood, ran = sum(runs(s)[0].size for s in still), sum(runs(a)[0].size for a in away)
+    what = [f"{ran} excursions that jump away and back" if ran else "", f"{stood} frozen runs that miss a movement" if stood else ""]
+    why = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}, up to {largest:.3g} N from what the load explains"
+    bad = {(name, channel): m for name, m in zip(names, masks, strict=True) if m.any()}
+    wrong = np.concatenate([row[m] for row, m in zip(e, masks, strict=True)])
+    parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(np.sqrt(np.mean(wrong**2)), "N")}
+    return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, {"why": why, "count": count}, bad)

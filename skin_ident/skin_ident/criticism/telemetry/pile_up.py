@@ -6,7 +6,8 @@ from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 FEWEST_VISITS = 2  # separate times at the level
 FEWEST_SAMPLES = 10
-BEYOND = 4.0  # noise widths by which the simulation must exceed the level there
+PILED = 4.0  # times as many samples at the level as at each of the five below it
+BEYOND = 2.0  # noise widths by which the simulation must exceed the level there
 
 
 def find_saturation(channels: tuple[str, ...], raw: list[np.ndarray], simulated: list[np.ndarray], n_taxels: int) -> list[Symptom]:
@@ -27,8 +28,9 @@ def _pile(y: np.ndarray) -> tuple[float | None, np.ndarray]:
     """The topmost level and who sits there, where that is more than the tail of any smooth distribution would put there."""
     top = float(y.max())
     at = y >= top - 1e-9 * max(abs(top), 1.0)
-    near = (y < top) & (y >= top - 0.05 * (top - y.min()))
-    return (top, at) if at.sum() >= max(FEWEST_SAMPLES, 0.3 * near.sum()) else (None, at)
+    levels, counts = np.unique(y[y >= top - 0.1 * (top - y.min())], return_counts=True)
+    usual = float(np.mean(counts[-6:-1])) if levels.size > 5 else float("inf")
+    return (top, at) if at.sum() >= max(FEWEST_SAMPLES, PILED * usual) else (None, at)
 
 
 def _visits(at: np.ndarray) -> int:

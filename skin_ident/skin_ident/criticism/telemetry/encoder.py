@@ -1,0 +1,87 @@
+"""Faults of the encoder: depth jumps, or stands still, and the force does not know of it.
+
+A step of dx presses the skin with k dx at least, and with more by damping. Where the depth departs from its own trend within one sample by
+more than its noise, and no channel shows a third of k dx nearby, the encoder was wrong and not the plunger.
+"""
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, median_filter
+
+from skin_ident.criticism.telemetry.excursions import fill_clusters, held, paired, runs
+from skin_ident.criticism.telemetry.quantization import step_of
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+from skin_ident.criticism.telemetry.tails import smallest_step
+
+TREND = 9  # samples of the running median that is taken for the true speed
+STEPS = 6.0  # encoder steps that a jump must exceed
+SEEN = 0.3  # of k dx that a real step would show
+NEAR = 3  # samples within which it would show
+CLEAR = 5.0  # noise widths by which it would stand out
+FROZEN = 5  # samples
+FEWEST = 2  # faults
+
+
+def find_encoder_faults(recordings: list) -> list[Symptom]:
+    """Spikes, drop-outs and frozen runs of the depth, where a force or a taxel tells what really happened."""
+    if recordings[0].depth is None:
+        return []
+    stiffness = {c: _stiffness(recordings, c) for c in recordings[0].channels}
+    declared = recordings[0].declared.encoder_step_um
+    levels = [step_of(r.depth) or 0.0 for r in recordings]
+    step = max(1e-6 * declared, *levels) if declared else max(*levels, smallest_step(np.concatenate([r.depth for r in recordings])))
+    departed = [_detrended(r.depth) for r in recordings]
+    masks = [_faults(r, d, STEPS * step, stiffness) for r, d in zip(recordings, departed, strict=True)]
+    count = int(sum(m.sum() for m in masks))
+    if sum(runs(m)[0].size for m in masks) < FEWEST:
+        return []
+    total = sum(m.size for m in masks)
+    largest = max(float(np.max(np.abs(d)[m[1:]], initial=0.0)) for d, m in zip(departed, masks, strict=True))
+    why = f"{count} of {total} samples of the depth jump by up to {1e6 * largest:.3g} µm, or stand still, while the forces say that the plunger did not"
+    bad = {(r.name, "depth"): m for r, m in zip(recordings, masks, strict=True) if m.any()}
+    rate = sum(runs(m)[0].size for m in masks) / (total * recordings[0].dt)
+    parameters = {"rate": quantity(rate, "1/s"), "size": quantity(largest, "m")}
+    return [Symptom("outliers", "rig", ("depth",), parameters, {"why": why, "count": count}, bad)]
+
+
+def _stiffness(recordings: list, channel: str) -> float:
+    """Slope of a channel against depth in contact, N/m, as the median over sessions."""
+    slopes = []
+    for r in recordings:
+        y, x = r.channels[channel], r.depth
+        touching = x > 0.0
+        if touching.sum() > 20 and np.ptp(x[touching]) > 0.0:
+            slopes.append(float(np.cov(x[touching], y[touching])[0, 1] / np.var(x[touching], ddof=1)))
+    return float(np.median(slopes)) if slopes else 0.0
+
+
+def _detrended(y: np.ndarray) -> np.ndarray:
+    """Change from sample to sample (N-1,) less its own running median."""
+    d = np.diff(y)
+    return d - median_filter(d, TREND)
+
+
+def _faults(recording, departed: np.ndarray, limit: float, stiffness: dict[str, float]) -> np.ndarray:
+    x = recording.depth
+    large = np.abs(departed) > limit
+    if not large.any():
+        return np.zeros(x.size, bool)
+    silent = large & _unseen(recording, departed, stiffness)
+    mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent))
+    for a, b in zip(*held(x, FROZEN), strict=True):
+        if silent[b - 1] and not mask[b]:
+            mask[a:b] = True
+    return fill_clusters(mask)
+
+
+def _unseen(recording, departed: np.ndarray, stiffness: dict[str, float]) -> np.ndarray:
+    """Where some channel would have shown a step of this size, and none did."""
+    x = recording.depth
+    touching = np.minimum(median_filter(x, 2 * TREND + 1)[1:], median_filter(x, 2 * TREND + 1)[:-1]) > 0.0
+    would, did = np.zeros(departed.size, bool), np.zeros(departed.size, bool)
+    for channel, y in recording.channels.items():
+        dy = _detrended(y)
+        expected = abs(stiffness[channel]) * np.abs(departed)
+        clear = expected > CLEAR * max(1.4826 * float(np.median(np.abs(dy))), smallest_step(y))
+        would |= clear
+        did |= clear & (maximum_filter1d(np.abs(dy), 2 * NEAR + 1) > SEEN * expected)
+    return touching & would & ~did

@@ -1,0 +1,76 @@
+"""Excursions: a channel jumps away between two samples and jumps back soon after.
+
+A skin pressed by a plunger of finite acceleration does not do that, whatever else is wrong with it: a jump must be in the measurement, not
+in the model (which may place a contact wrongly), and one jump alone may be a contact made or lost.
+"""
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+LONGEST = 8  # samples of one excursion
+BACK = 0.45  # of the smaller jump, within which it must come back
+OWN = 0.6  # of a jump in the residual that must be in the measurement itself
+SLOPE = 0.35  # of a jump that the change beside it may be
+STILL = 0.5  # of a jump that the model itself may move by
+AROUND = 3  # samples of it: the model may place a contact wrongly by so many
+CLUSTER = 12  # samples between excursions of one burst
+MEMBERS = 3  # excursions that make a burst
+
+
+def excursions(e: np.ndarray, y: np.ndarray, limit: float) -> np.ndarray:
+    """Mask (N,) of excursions in the residual `e` of the measurement `y` by jumps larger than `limit`."""
+    d, dy = np.diff(e), np.diff(y)
+    sharp = (np.abs(d) > limit) & (dy * np.sign(d) > OWN * np.abs(d)) & _sudden(d)
+    if not sharp.any():
+        return np.zeros(e.size, bool)
+    calm = maximum_filter1d(np.abs(dy - d), 2 * AROUND + 1) < STILL * np.abs(d)
+    return paired(e, d, np.flatnonzero(sharp & calm))
+
+
+def _sudden(d: np.ndarray) -> np.ndarray:
+    """Where a change (N-1,) is not part of a slope that takes two samples or more, as the push of a mass does."""
+    padded = np.pad(d, 1)
+    return np.maximum(padded[:-2] * np.sign(d), padded[2:] * np.sign(d)) < SLOPE * np.abs(d)
+
+
+def paired(e: np.ndarray, d: np.ndarray, sharp: np.ndarray) -> np.ndarray:
+    """Mask (N,) of the samples between a jump and the next one back to where it came from."""
+    mask = np.zeros(e.size, bool)
+    k = 0
+    while k < sharp.size:
+        i = sharp[k]
+        later = sharp[k + 1 : k + 1 + LONGEST]
+        back = [j for j in later if j - i <= LONGEST and d[i] * d[j] < 0.0 and abs(e[j + 1] - e[i]) <= BACK * min(abs(d[i]), abs(d[j]))]
+        if back:
+            mask[i + 1 : back[0] + 1] = True
+            k = int(np.searchsorted(sharp, back[0])) + 1
+        else:
+            k += 1
+    return mask
+
+
+def fill_clusters(mask: np.ndarray) -> np.ndarray:
+    """The same with the gaps inside bursts filled."""
+    starts, ends = runs(mask)
+    if starts.size < MEMBERS:
+        return mask
+    filled = mask.copy()
+    group = np.concatenate([[0], np.cumsum(starts[1:] - ends[:-1] > CLUSTER)])
+    for g in np.flatnonzero(np.bincount(group) >= MEMBERS):
+        mine = np.flatnonzero(group == g)
+        filled[starts[mine[0]] : ends[mine[-1]]] = True
+    return filled
+
+
+def runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where runs of True begin and end (exclusive)."""
+    change = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
+    return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
+
+
+def held(y: np.ndarray, shortest: int) -> tuple[np.ndarray, np.ndarray]:
+    """Begin and end (exclusive) of runs of one value that are at least `shortest` samples long and followed by another value."""
+    starts = np.flatnonzero(np.diff(y, prepend=np.nan) != 0.0)
+    ends = np.append(starts[1:], y.size)
+    long = (ends - starts >= shortest) & (ends < y.size)
+    return starts[long], ends[long]

@@ -1,0 +1,38 @@
+"""On which grid of levels a channel sits: the trace of its converter, which a change of units carries along.
+
+A converter of step q gives multiples of q. A force that was multiplied by 4.44822 sits on multiples of 4.44822 q, and a column under
+the wrong name on those of another channel.
+"""
+
+import numpy as np
+
+TOLERANCE = 2e-3  # of a step, plus what nine written digits round away
+ROUNDED = 2e-8
+FEWEST_LEVELS = 8
+
+
+def sits_on(y: np.ndarray, step: float) -> bool:
+    """Whether the levels in y (N,) are whole multiples of `step`, or all half a step beside them, and most are not too fine for it."""
+    levels = np.unique(y[y != 0.0])
+    if levels.size < FEWEST_LEVELS or not step or np.ptp(levels) < FEWEST_LEVELS * step:
+        return False
+    return _on(levels, step)
+
+
+def _on(levels: np.ndarray, step: float) -> bool:
+    for shift in (0.0, 0.5):
+        z = levels / step - shift
+        off = np.abs(z - np.round(z))
+        if np.mean(off < TOLERANCE + ROUNDED * np.abs(z)) > 0.97:
+            return True
+    return False
+
+
+def factor_of(y: np.ndarray, step: float, factors: tuple[float, ...]) -> float | None:
+    """The factor f of `factors` for which y sits on the grid of f × step, 1 first; None where it sits on none of them."""
+    if _on(np.unique(y), step):
+        return 1.0
+    for f in factors:
+        if sits_on(y, f * step):
+            return f
+    return None

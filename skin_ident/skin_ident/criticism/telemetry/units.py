@@ -1,0 +1,106 @@
+"""Units and names of columns: a channel in other units, all the time, from some moment on or in one session; two columns swapped; a sign.
+
+The converter's grid proves it where the steps are declared (see `grid`); the slope against depth betrays it where they are not.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.telemetry.grid import factor_of, sits_on
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+
+FACTORS = (4.44822, 1 / 4.44822, 9.80665, 1 / 9.80665, 0.0980665, 1 / 0.0980665, 1000.0, 1e-3, 10.0, 0.1)
+NEAR = 0.06  # relative, how close a ratio of slopes must come to such a factor
+PIECES = 12  # of a session, each asked for its grid
+FOLLOWS = 0.5  # correlation with the load, without which a slope means nothing
+AGAINST = -0.6  # correlation with the load by which a channel is upside down
+
+
+def find_unit_faults(recordings: list) -> list[Symptom]:
+    """Everything of that kind; what is swapped is not asked for its units."""
+    swapped = _swapped(recordings)
+    names = {c for s in swapped for c in s.channels}
+    rest = [c for c in recordings[0].channels if c not in names]
+    found = [s for c in rest for s in (_by_grid(recordings, c) or _by_slope(recordings, c))]
+    return [*swapped, *found, *(s for c in rest for s in _upside_down(recordings, c))]
+
+
+def declared_step(recording, channel: str) -> float | None:
+    """The converter step that rig.yaml declares for a channel, N."""
+    d = recording.declared
+    return d.force_step_n if channel == "force" else d.of_taxel("taxel_step_n", int(channel.split("_")[1]))
+
+
+def _swapped(recordings: list) -> list[Symptom]:
+    """Two channels of which each sits on the other's grid and not on its own."""
+    names = list(recordings[0].channels)
+    steps = {c: declared_step(recordings[0], c) for c in names}
+    rows = {c: np.concatenate([r.channels[c] for r in recordings]) for c in names}
+    lost = [c for c in names if steps[c] and not sits_on(rows[c], steps[c])]
+    for i, a in enumerate(lost):
+        for b in lost[i + 1 :]:
+            if sits_on(rows[a], steps[b]) and sits_on(rows[b], steps[a]):
+                why = f"the levels of {a} are {steps[b]:.4g} N apart, as those of {b} should be, and the other way round: the columns are swapped"
+                return [Symptom("data_error", _place(a, recordings), (a, b), {}, {"why": why, "kind": "swapped columns"})]
+    return []
+
+
+def _by_grid(recordings: list, channel: str) -> list[Symptom]:
+    """A channel in other units, where its declared step tells."""
+    step = declared_step(recordings[0], channel)
+    if not step:
+        return []
+    pieces = [(r, k, factor_of(y, step, FACTORS)) for r in recordings for k, y in enumerate(np.array_split(r.channels[channel], PIECES))]
+    wrong = [(r, k, f) for r, k, f in pieces if f not in (None, 1.0)]
+    if len(wrong) < 2 or len({f for _, _, f in wrong}) > 1:
+        return []
+    (r, k, factor), known = wrong[0], [p for p in pieces if p[2] is not None]
+    if len(wrong) == len(known):
+        why = f"the levels of {channel} are {factor:.5g} times as far apart as declared, in all {len(recordings)} sessions: a factor of units"
+        return [_unit(recordings, channel, factor, why, "unit factor")]
+    at = k * len(r) / PIECES * r.dt
+    why = f"from about {at:.1f} s on in {r.name} the levels of {channel} are {factor:.5g} times as far apart as before: its unit changed"
+    return [_unit(recordings, channel, factor, why, "unit change")]
+
+
+def _by_slope(recordings: list, channel: str) -> list[Symptom]:
+    """A session whose slope against the load differs from the others' by a factor that only a unit has."""
+    slopes = np.array([_slope(r, channel) for r in recordings])
+    if len(slopes) < 2 or not np.all(np.isfinite(slopes)) or np.any(np.abs(slopes) < 1e-9):
+        return []
+    for r, ratio in zip(recordings, slopes / np.median(slopes), strict=True):
+        factor = next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR), None)
+        if factor:
+            why = f"{channel} of {r.name} is {ratio:.4g} times what the other sessions say: a factor of units"
+            return [_unit(recordings, channel, factor, why, "unit factor")]
+    return []
+
+
+def _unit(recordings: list, channel: str, factor: float, why: str, kind: str) -> Symptom:
+    return Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(factor, "1")}, {"why": why, "kind": kind})
+
+
+def _upside_down(recordings: list, channel: str) -> list[Symptom]:
+    """A channel that falls while the load rises."""
+    rows = [(np.corrcoef(r.channels[channel], load)[0, 1], r) for r in recordings if (load := _load(r, channel)) is not None and np.ptp(r.channels[channel]) > 0]
+    wrong = [(c, r) for c, r in rows if c < AGAINST]
+    if not wrong:
+        return []
+    why = f"{channel} falls while the load rises (correlation {wrong[0][0]:.2f} in {wrong[0][1].name}): its sign is wrong in {len(wrong)} of {len(recordings)} sessions"
+    return [Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(-1.0, "1")}, {"why": why, "kind": "sign"})]
+
+
+def _load(recording, channel: str) -> np.ndarray | None:
+    load = recording.depth if recording.depth is not None else recording.force if channel != "force" else None
+    return load if load is not None and np.ptp(load) > 0.0 else None
+
+
+def _slope(recording, channel: str) -> float:
+    x, y = _load(recording, channel), recording.channels[channel]
+    if x is None or np.ptp(y) == 0.0 or abs(np.corrcoef(x, y)[0, 1]) < FOLLOWS:
+        return float("nan")
+    x = x - x.mean()
+    return float(x @ (y - y.mean()) / (x @ x))
+
+
+def _place(channel: str, recordings: list) -> str:
+    return place_of(channel, len(recordings[0].taxels))
