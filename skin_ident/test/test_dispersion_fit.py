@@ -83,3 +83,12 @@ def test_encoder_noise_does_no_harm():
 def test_unusable_recordings_are_refused(r, says):
     with pytest.raises(FitError, match=says):
         fit_dispersion([r])
+
+
+def test_offsets_of_each_session_are_told_from_the_skin():
+    made = [recording(i, name=f"s{i}", sigma=0.02, offset=0.35e-3 + 0.1e-3 * i) for i in range(2)]
+    moved = [Recording(r.name, r.t, r.depth, r.force + 1.0 + i, r.taxels - 0.5) for i, r in enumerate(made)]
+    fit = fit_dispersion(moved, SILICONE[4][0], offsets=True)
+    assert [fit.values[n] for n in NAMES] == pytest.approx(SILICONE[4][1:], rel=0.02)
+    assert fit.notes["offsets_n"]["force"] == pytest.approx({"s0": 1.0, "s1": 2.0}, abs=0.1)
+    assert fit.notes["offsets_n"]["taxel_0"] == pytest.approx({"s0": -0.5, "s1": -0.5}, abs=0.1)

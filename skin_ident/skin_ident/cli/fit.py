@@ -40,10 +40,10 @@ def _estimate(recordings: list[Recording], chosen: argparse.Namespace) -> Estima
         return fit_force_to_force(recordings, chosen.order)
     mass = _mass(chosen.mass, chosen.thickness_mm, recordings)
     if chosen.motion == "measured":
-        return fit_dispersion(recordings, mass)
+        return fit_dispersion(recordings, mass, offsets=chosen.offsets)
     parts, motions, sinusoids = as_sinusoids(recordings)
-    estimate = fit_dispersion(parts, mass, motions, "linear least squares on fitted sinusoids")
-    return replace(estimate, notes={"sinusoids": {r.name: vars(s) for r, s in zip(recordings, sinusoids, strict=True)}})
+    estimate = fit_dispersion(parts, mass, motions, offsets=chosen.offsets, method="linear least squares on fitted sinusoids")
+    return replace(estimate, notes={**estimate.notes, "sinusoids": {r.name: vars(s) for r, s in zip(recordings, sinusoids, strict=True)}})
 
 
 def write(estimate: Estimate, folder: Path) -> None:
@@ -86,6 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--motion", default="measured", choices=("measured", "sinusoid"), help="depth as measured, or the sinusoid fitted to it"
     )
+    parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
     parser.add_argument("--out", metavar="DIR", help="where model.yaml and fit.json go; left out: nothing is written")
     return parser

@@ -31,27 +31,34 @@ ROUNDS = 10  # at most, until the samples where skin and plunger touch no longer
 
 @dataclass(frozen=True)
 class Shape:
-    """What the recordings allow: is there a load cell, how many taxels, is the mass estimated or `mass` (kg)."""
+    """What the recordings allow: is there a load cell, how many taxels, is the mass estimated or `mass` (kg), offsets per session."""
 
     force: bool
     taxels: int
     free: bool
     mass: float
+    offsets: bool
 
 
 def fit_dispersion(
-    recordings: Sequence[Recording], mass: float | str = 0.0, motions: Sequence[Motion] | None = None, method: str = "linear least squares"
+    recordings: Sequence[Recording],
+    mass: float | str = 0.0,
+    motions: Sequence[Motion] | None = None,
+    *,
+    offsets: bool = False,
+    method: str = "linear least squares",
 ) -> Estimate:
     """Fit one dispersion model to all sessions. `mass` is FREE or a value in kg; `motions` replaces the measured motion.
 
-    Raises `FitError` where the recordings lack what the fit needs.
+    The skin's parameters are shared by all sessions; `offsets` gives every channel a zero of its own in each of them, which is reported
+    in the notes. Raises `FitError` where the recordings lack what the fit needs.
     """
     sessions, warnings = prepare(recordings, motions)
-    shape = _shape(sessions, mass)
+    shape = _shape(sessions, mass, offsets)
     regression = _settled(sessions, shape)
     theta, to_theta = _parameters(regression, shape)
     if shape.free and theta[0] < 0.0:
-        return _at_bound(recordings, motions, method)
+        return _at_bound(recordings, motions, offsets, method)
     covariance = to_theta @ regression.covariance @ to_theta.T
     return _estimate(method, sessions, shape, regression, theta, covariance, warnings)
 
@@ -64,13 +71,13 @@ def known_mass(recordings: Sequence[Recording], thickness_mm: float | None = Non
     return MASS_PER_THICKNESS * 1e-3 * (thickness_mm or declared.skin_thickness_mm or 0.0)
 
 
-def _at_bound(recordings, motions, method: str) -> Estimate:
+def _at_bound(recordings, motions, offsets: bool, method: str) -> Estimate:
     """The mass came out negative: the best that physics allows is none."""
-    estimate = fit_dispersion(recordings, 0.0, motions, method)
+    estimate = fit_dispersion(recordings, 0.0, motions, offsets=offsets, method=method)
     return replace(estimate, verdicts={**estimate.verdicts, "m": mass_at_bound()})
 
 
-def _shape(sessions: list[Session], mass: float | str) -> Shape:
+def _shape(sessions: list[Session], mass: float | str, offsets: bool) -> Shape:
     force, taxels = sessions[0].force is not None, len(sessions[0].taxels)
     if not force and not taxels:
         raise FitError(f"{sessions[0].name} holds no force in newtons: neither a load cell nor a calibrated taxel")
@@ -79,7 +86,7 @@ def _shape(sessions: list[Session], mass: float | str) -> Shape:
     free = mass == FREE
     if free and not force:
         raise FitError("the mass acts on the load cell alone (eq 27), and there is no load cell in these recordings")
-    return Shape(force, taxels, free, 0.0 if free else float(mass))
+    return Shape(force, taxels, free, 0.0 if free else float(mass), offsets)
 
 
 def _settled(sessions: list[Session], shape: Shape) -> Regression:
@@ -96,41 +103,44 @@ def _settled(sessions: list[Session], shape: Shape) -> Regression:
 
 
 def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> list[list[Block]]:
-    """Force first, then the taxels. Columns: (a - g,) v, x for the force; v, x for a taxel."""
-    parts = [(s, part, columns[part]) for s in sessions for columns in [s.columns(recovery)] for part in s.parts]
-    force = [[_force_block(s.force[part], columns, s.prefilter.kernel, shape) for s, part, columns in parts]] if shape.force else []
-    return force + [
-        [Block(s.taxels[i, part], columns[:, :2], s.prefilter.kernel) for s, part, columns in parts] for i in range(shape.taxels)
-    ]
-
-
-def _force_block(force: np.ndarray, columns: np.ndarray, kernel: np.ndarray, shape: Shape) -> Block:
-    inertial = columns[:, 2] + columns[:, 3]
-    if shape.free:
-        return Block(force, np.column_stack([inertial, columns[:, :2]]), kernel)
-    return Block(force - shape.mass * inertial, columns[:, :2], kernel)
+    """Force first, then the taxels. Columns: (one per session,) (a - g,) v, x for the force; (one per session,) v, x for a taxel."""
+    channels: list[list[Block]] = [[] for _ in range(shape.force + shape.taxels)]
+    for i, s in enumerate(sessions):
+        v, x, a, g = s.columns(recovery).T
+        zeros = np.tile(np.arange(len(sessions)) == i, (v.size, 1)).astype(float) if shape.offsets else np.empty((v.size, 0))
+        columns = np.column_stack([zeros, v, x])
+        rows = [(y, columns) for y in s.taxels]
+        if shape.force:
+            inertial = a + g
+            with_mass = np.column_stack([zeros, inertial, v, x])
+            rows.insert(0, (s.force, with_mass) if shape.free else (s.force - shape.mass * inertial, columns))
+        for part in s.parts:
+            for blocks, (y, h) in zip(channels, rows, strict=True):
+                blocks.append(Block(y[part], h[part], s.prefilter.kernel))
+    return channels
 
 
 def _parameters(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
     """m, b1, k1, b2, k2, shares, and their Jacobian with respect to all coefficients."""
     beta = np.concatenate(regression.coefficients)
+    ends = np.cumsum([c.size for c in regression.coefficients])
     weights = weights_of(np.array(regression.noise[len(regression.noise) - shape.taxels :]))
-    metric = _metric(regression, shape)
+    metric = metric_of(regression.inverses[-1][-2:, -2:])
 
     def theta(beta: np.ndarray) -> np.ndarray:
-        lead = int(shape.free)
-        force = beta[lead : lead + 2] if shape.force else None
-        taxels = beta[beta.size - 2 * shape.taxels :].reshape(shape.taxels, 2)
-        return np.concatenate([[beta[0] if shape.free else shape.mass], split(force, taxels, weights, metric)])
+        pairs = np.array([beta[end - 2 : end] for end in ends])
+        m = beta[ends[0] - 3] if shape.free else shape.mass
+        return np.concatenate([[m], split(pairs[0] if shape.force else None, pairs[int(shape.force) :], weights, metric)])
 
     return theta(beta), jacobian(theta, beta)
 
 
-def _metric(regression: Regression, shape: Shape) -> np.ndarray:
-    """How well (b, k) of a taxel is known, as a metric; the same for all, for they share their columns."""
-    if not shape.taxels:
-        return np.eye(2)
-    return metric_of(regression.inverses[-1])
+def _zeros(sessions: list[Session], shape: Shape, regression: Regression) -> dict[str, dict[str, float]]:
+    """The offset of every channel in every session, N."""
+    if not shape.offsets:
+        return {}
+    pairs = zip(channel_names(shape), regression.coefficients, strict=True)
+    return {"offsets_n": {name: {s.name: float(z) for s, z in zip(sessions, c, strict=False)} for name, c in pairs}}
 
 
 def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.ndarray, covariance: np.ndarray, warnings) -> Estimate:
@@ -156,6 +166,7 @@ def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.
         dof=regression.dof,
         sessions=tuple(s.name for s in sessions),
         warnings=(*warnings, *notes),
+        notes=_zeros(sessions, shape, regression),
     )
 
 
@@ -170,11 +181,11 @@ def _residuals(sessions: list[Session], shape: Shape, regression: Regression) ->
 
 
 def _residual(y: np.ndarray, e: np.ndarray, ar: np.ndarray, noise: float) -> Residual:
-    mse, spread, largest = float(np.mean(e**2)), float(np.var(y)), float(np.max(y))
+    mse, spread, power = float(np.mean(e**2)), float(np.var(y)), float(np.mean(y**2))
     return Residual(
         rmse=mse**0.5,
         r2=1.0 - mse / spread if spread > 0 else 0.0,
-        relative_mse=mse / largest if largest > 0 else float("nan"),
+        relative_mse=mse / power if power > 0 else float("nan"),
         ar=tuple(float(a) for a in ar),
         noise=noise,
     )

@@ -29,9 +29,9 @@ class Verdict:
 class Residual:
     """What a fit leaves of one channel.
 
-    rmse (N) over the fitted samples, low-passed as fitted; r2; relative_mse = mean squared error / largest measured value, the thesis's
-    measure (section 4.3.2; N, though the thesis writes %); ar: coefficients of the noise model e[n] = sum ar[i] e[n-1-i] + w[n];
-    noise: std of w.
+    rmse (N) over the fitted samples, low-passed as fitted; r2; relative_mse = mean squared error / mean square of what was measured,
+    which is what the thesis's pairs of MSE and relative MSE imply (section 4.3.2); ar: coefficients of the noise model
+    e[n] = sum ar[i] e[n-1-i] + w[n]; noise: std of w.
     """
 
     rmse: float

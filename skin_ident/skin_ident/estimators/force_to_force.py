@@ -88,9 +88,9 @@ def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, u
 
 def _residual(fit: TransferFit, pairs: Sequence[Pair], unit: str) -> Residual:
     y, e = np.concatenate([p.y for p in pairs]), np.concatenate(fit.residuals)
-    mse, largest = float(np.mean(e**2)), float(np.max(np.abs(y)))
+    mse, power = float(np.mean(e**2)), float(np.mean(y**2))
     r2 = 1.0 - mse / max(float(np.var(y)), 1e-300)
-    return Residual(mse**0.5, r2, mse / max(largest, 1e-300), tuple(map(float, fit.ar)), fit.noise, unit)
+    return Residual(mse**0.5, r2, mse / max(power, 1e-300), tuple(map(float, fit.ar)), fit.noise, unit)
 
 
 def _verdict(p: Parameter, std: float) -> Verdict:

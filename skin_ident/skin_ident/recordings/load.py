@@ -66,4 +66,4 @@ def load_one(path: Path, topics: Mapping[str, str] | None = None) -> Any:
     if path.name == FILE_NAME or path.suffix.lower() not in TABLES:
         raise RecordingError(f"{path} is no recording: a rosbag2 directory, an .mcap file or a table is expected")
     text = read_text(path)
-    return read_spread_scan(path) if is_spread_scan(text) else read_table(path, declared)
+    return read_spread_scan(path, declared) if is_spread_scan(text) else read_table(path, declared)

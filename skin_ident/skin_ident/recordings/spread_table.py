@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.table import header_of, read_rows, read_text
 from skin_ident.recordings.units import FORCE, LENGTH, column
@@ -21,7 +22,7 @@ def is_spread_scan(text: str) -> bool:
     return first and len(titles) > 2 and all(_DISTANCE.fullmatch(title.lower()) for title in titles[1:])
 
 
-def read_spread_scan(path: Path) -> SpreadScan:
+def read_spread_scan(path: Path, declared: Declared | None = None) -> SpreadScan:
     """The scan in a table; an empty cell is a lost measurement. Raises `RecordingError`."""
     titles, values, _ = read_rows(read_text(path), path)
     try:
@@ -29,7 +30,7 @@ def read_spread_scan(path: Path) -> SpreadScan:
         distances = np.array([distance for distance, _ in columns])
         order = np.argsort(distances, kind="stable")
         force = np.array([factor for _, factor in columns])[:, None] * values[1:]
-        return SpreadScan(depth.factor * values[0], distances[order], force[order].T, name=path.name)
+        return SpreadScan(depth.factor * values[0], distances[order], force[order].T, name=path.name, declared=declared or Declared())
     except (RecordingError, SpreadScanError) as error:
         raise RecordingError(f"{path}: {error}") from error
 
