@@ -16,6 +16,7 @@ from skin_motion_profiles.profile_file import entry_to_text
 
 LONGEST = 120.0  # s
 BRISK = 500.0  # mm/s^2
+GENTLE = 1.0  # mm/s, up to which loops cross the surface: a jump of the force at contact is taken for a spike, or left out
 BATTERIES = ("demo", "full", "hysteresis_and_rate", "relaxation", "stiffness", "sinusoidal_identification", "pseudo_random_validation")
 
 
@@ -70,9 +71,11 @@ def _sines(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
 def _loops(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
     common = {"type": "constant_rate_loops", "acceleration_mm_s2": BRISK}
     for pace in (0.2, 0.5, 1.0, 3.0, 10.0):
-        yield f"triangles to {d:g} mm at {pace:g} mm/s", {**common, "base_mm": -0.1, "depths_mm": d, "speeds_mm_s": pace, "cycles": 2}
+        base = -0.1 if pace <= GENTLE else 0.1 * d
+        yield f"triangles to {d:g} mm at {pace:g} mm/s", {**common, "base_mm": base, "depths_mm": d, "speeds_mm_s": pace, "cycles": 3}
     deep = [0.4 * d, 0.7 * d, d]
-    yield "triangles of three depths at 1 and 10 mm/s", {**common, "base_mm": -0.1, "depths_mm": deep, "speeds_mm_s": [1, 10], "cycles": 2}
+    yield "triangles of three depths at 0.5 mm/s", {**common, "base_mm": -0.1, "depths_mm": deep, "speeds_mm_s": 0.5, "cycles": 2}
+    yield "triangles of three depths at 10 mm/s", {**common, "base_mm": 0.1 * d, "depths_mm": deep, "speeds_mm_s": 10, "cycles": 3}
     yield "small triangles at 0.1 and 1 mm/s", {**common, "base_mm": 0.5 * d, "depths_mm": 0.65 * d, "speeds_mm_s": [0.1, 1], "cycles": 2}
     yield "a slow approach", {**common, "base_mm": -0.3, "depths_mm": 0.3 * d, "speeds_mm_s": 0.2, "cycles": 2}
     for pace in (0.5, 2.0, 8.0):
