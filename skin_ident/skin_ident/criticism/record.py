@@ -42,7 +42,14 @@ def inspect(recordings: list) -> Inspected:
     """Look at the records themselves, then at what a first fit leaves at full rate."""
     units = find_unit_faults(recordings)
     coarse = [s for s in find_quantization(recordings) if not any(set(s.channels) & set(u.channels) for u in units)]
-    early = [*find_clock_faults(recordings), *find_copies(recordings), *units, *find_dead_taxels(recordings), *coarse, *find_encoder_faults(recordings)]
+    early = [
+        *find_clock_faults(recordings),
+        *find_copies(recordings),
+        *units,
+        *find_dead_taxels(recordings),
+        *coarse,
+        *find_encoder_faults(recordings),
+    ]
     mended = [_mended(r, early) for r in recordings]
     sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
     late = _in_residuals(mended, sessions)

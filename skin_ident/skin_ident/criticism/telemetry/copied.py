@@ -60,7 +60,14 @@ def _copy(recordings: list, here: tuple[int, int], first: tuple[int, int], lengt
     mask[start : start + length] = not whole
     bad = {} if whole else {(r.name, c): mask for c in channels}
     kind = "copied session" if whole else "repeated block"
-    return Symptom("data_error", "load_cell" if "force" in channels else "taxel", channels, parameters, {"why": why, "kind": kind, "session": r.name}, bad)
+    return Symptom(
+        "data_error",
+        "load_cell" if "force" in channels else "taxel",
+        channels,
+        parameters,
+        {"why": why, "kind": kind, "session": r.name},
+        bad,
+    )
 
 
 def _columns(recordings: list) -> list[Symptom]:

@@ -106,7 +106,9 @@ def _symptom(name: str, n: int, since: float, why: str, kind: str, level: float,
 
 def _load(recording) -> np.ndarray | None:
     """What presses: the force, or the depth below the surface."""
-    load = recording.force if recording.force is not None else recording.depth if recording.depth is None else np.maximum(recording.depth, 0.0)
+    load = (
+        recording.force if recording.force is not None else recording.depth if recording.depth is None else np.maximum(recording.depth, 0.0)
+    )
     return load if load is not None and np.ptp(load) > 0.0 else None
 
 

@@ -6,12 +6,19 @@ from skin_ident.criticism.telemetry.excursions import excursions, fill_clusters,
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import reach, smallest_step, stands_apart
 
+FEWEST = 2  # frozen runs that make a finding by themselves
 FROZEN = 5  # samples at one value
 MISSED = 10.0  # noise widths of change that a frozen run must have missed
 
 
 def find_outliers(
-    names: list[str], channels: tuple[str, ...], residuals: list[np.ndarray], raw: list[np.ndarray], jumps: list[np.ndarray], n_taxels: int, dt: float
+    names: list[str],
+    channels: tuple[str, ...],
+    residuals: list[np.ndarray],
+    raw: list[np.ndarray],
+    jumps: list[np.ndarray],
+    n_taxels: int,
+    dt: float,
 ) -> list[Symptom]:
     """Excursions and frozen runs per channel.
 
@@ -21,7 +28,7 @@ def find_outliers(
     every = [_of_channel([r[c] for r in residuals], [r[c] for r in raw], jumps) for c in range(len(channels))]
     found = []
     for c, (away, still) in enumerate(every):
-        others = [[m[k] for o, (_, m) in enumerate(every) if o != c] for k in range(len(names))]
+        others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
         own = [_alone(s, o) for s, o in zip(still, others, strict=True)]
         found.append(_symptom(names, channels[c], away, own, [r[c] for r in residuals], n_taxels, dt))
     return [s for s in found if s is not None]
@@ -39,11 +46,17 @@ def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray
     return away, still
 
 
+def _startled(e: np.ndarray) -> np.ndarray:
+    """Mask (N,) of samples where a residual jumps beyond its noise."""
+    d = np.diff(e, prepend=e[0])
+    return np.abs(d) > reach(d)
+
+
 def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
-    """The frozen runs that no other channel shares: what stands still in several is the plunger or the skin."""
+    """The frozen runs that no other channel shares: what stands still, or jumps at the end, in several is the plunger or the skin."""
     out = still.copy()
     for a, b in zip(*runs(still), strict=True):
-        if any(o[a:b].any() for o in others):
+        if any(o[a : b + 2].any() for o in others):
             out[a:b] = False
     return out
 
@@ -61,10 +74,12 @@ def _frozen(y: np.ndarray, e: np.ndarray, limit: float, step: float, resting: np
     return mask
 
 
-def _symptom(names: list[str], channel: str, away: list[np.ndarray], still: list[np.ndarray], e: list[np.ndarray], n_taxels: int, dt: float) -> Symptom | None:
+def _symptom(
+    names: list[str], channel: str, away: list[np.ndarray], still: list[np.ndarray], e: list[np.ndarray], n_taxels: int, dt: float
+) -> Symptom | None:
     masks = [a | s for a, s in zip(away, still, strict=True)]
     count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
-    if not count:
+    if not any(a.any() for a in away) and sum(runs(m)[0].size for m in still) < FEWEST:
         return None
     largest = max(float(np.max(np.abs(row[m]), initial=0.0)) for row, m in zip(e, masks, strict=True))
     stood, ran = sum(runs(s)[0].size for s in still), sum(runs(a)[0].size for a in away)

@@ -40,7 +40,10 @@ def find_quantization(recordings: list) -> list[Symptom]:
                     place_of(channel, len(recordings[0].taxels)),
                     (channel,),
                     {"step": quantity(np.median(steps), unit)},
-                    {"declared": quantity(step, unit), "why": f"the levels of {channel} are {np.median(steps) / step:.1f} times as far apart as declared"},
+                    {
+                        "declared": quantity(step, unit),
+                        "why": f"the levels of {channel} are {np.median(steps) / step:.1f} times as far apart as declared",
+                    },
                 )
             )
     return found

@@ -55,7 +55,9 @@ def _by_grid(recordings: list, channel: str) -> list[Symptom]:
         return []
     (r, k, factor), known = wrong[0], [p for p in pieces if p[2] is not None]
     if len(wrong) == len(known):
-        why = f"the levels of {channel} are {factor:.5g} times as far apart as declared, in all {len(recordings)} sessions: a factor of units"
+        why = (
+            f"the levels of {channel} are {factor:.5g} times as far apart as declared, in all {len(recordings)} sessions: a factor of units"
+        )
         return [_unit(recordings, channel, factor, why, "unit factor")]
     at = k * len(r) / PIECES * r.dt
     why = f"from about {at:.1f} s on in {r.name} the levels of {channel} are {factor:.5g} times as far apart as before: its unit changed"
@@ -81,7 +83,11 @@ def _unit(recordings: list, channel: str, factor: float, why: str, kind: str) ->
 
 def _upside_down(recordings: list, channel: str) -> list[Symptom]:
     """A channel that falls while the load rises."""
-    rows = [(np.corrcoef(r.channels[channel], load)[0, 1], r) for r in recordings if (load := _load(r, channel)) is not None and np.ptp(r.channels[channel]) > 0]
+    rows = [
+        (np.corrcoef(r.channels[channel], load)[0, 1], r)
+        for r in recordings
+        if (load := _load(r, channel)) is not None and np.ptp(r.channels[channel]) > 0
+    ]
     wrong = [(c, r) for c, r in rows if c < AGAINST]
     if not wrong:
         return []

@@ -1,0 +1,48 @@
+"""Faults of the record: found where they are, marked for what they are, and nothing raised over sound recordings or other causes."""
+
+import numpy as np
+import pytest
+from world import make_sessions, write_case
+
+from skin_ident.criticism.record import inspect
+from skin_ident.recordings.load import load
+
+FAULTS = [
+    ("outliers", "load_cell", "spikes"), ("outliers", "rig", "spikes"), ("outliers", "rig", "frozen"), ("outliers", "taxel_0", "dropouts"),
+    ("quantization", "load_cell", "cut"), ("quantization", "rig", "round"), ("interference", "load_cell", "mains"),
+    ("dead_taxel", "taxel_0", "stuck"), ("dead_taxel", "taxel_0", "dies"),
+    ("data_error", None, "repeated_block"), ("data_error", None, "swapped_columns"), ("data_error", None, "unit_factor"),
+    ("data_error", None, "unit_change"), ("data_error", None, "broken_time"), ("data_error", None, "copied_session"),
+]  # fmt: skip
+
+
+def looked(folder, cause, where=None, form=None, size=1.0, seed=0, taxels=1, noise="white"):
+    sessions, _ = make_sessions(cause, where, form, size, seed, "full", 2, taxels, noise)
+    write_case(sessions, folder)
+    return inspect(load(folder))
+
+
+@pytest.mark.parametrize(("cause", "where", "form"), FAULTS)
+def test_a_fault_is_found_and_explained(tmp_path, cause, where, form):
+    symptoms = [s for s in looked(tmp_path, cause, where, form, 2.0, 41).symptoms if s.cause == cause]
+    assert symptoms
+    assert any(c.isdigit() for c in symptoms[0].evidence["why"]) and "\n" not in symptoms[0].evidence["why"]
+
+
+@pytest.mark.parametrize(("seed", "noise"), [(20, "ar_t3"), (35, "t3"), (3, "hetero"), (9, "ar")])
+def test_sound_recordings_raise_nothing(tmp_path, seed, noise):
+    assert not looked(tmp_path, "null", seed=seed, noise=noise).symptoms
+
+
+@pytest.mark.parametrize("cause", ["inertia", "adhesion", "friction", "position_offset"])
+def test_contacts_and_reversals_are_no_outliers(tmp_path, cause):
+    assert not looked(tmp_path, cause, size=2.0, seed=102).symptoms
+
+
+def test_bad_samples_have_no_weight_and_are_bridged(tmp_path):
+    found = looked(tmp_path, "outliers", "load_cell", "spikes", 2.0, 41)
+    bad = {k: m for s in found.symptoms for k, m in s.bad.items()}
+    assert bad
+    row = found.sessions[0].channels.index("force")
+    assert np.any(found.sessions[0].weight[row] == 0.0)
+    assert np.all(found.sessions[0].weight[found.sessions[0].channels.index("taxel_0")] == 1.0)
