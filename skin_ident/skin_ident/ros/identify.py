@@ -8,10 +8,8 @@ from pathlib import Path
 from skin_testbed_msgs.action import Identify
 
 from skin_ident.cli.common import output_folder, write_json
-from skin_ident.cli.fit import sessions_of
-from skin_ident.estimators.dispersion import fit_dispersion, known_mass
 from skin_ident.estimators.estimate import Estimate
-from skin_ident.estimators.force_to_force import fit_force_to_force
+from skin_ident.estimators.fit import fit_recordings, sessions_of
 from skin_ident.estimators.text import as_dict
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load_one
@@ -64,10 +62,9 @@ class Run:
         return loaded
 
     def _fitted(self) -> Result:
-        recordings = sessions_of(self._load(list(self.goal.recordings), 0.6))
+        recordings, _ = sessions_of(self._load(list(self.goal.recordings), 0.6))
         self._say(f"fitting {len(recordings)} sessions", 0.6)
-        material = any(r.depth is not None for r in recordings)
-        estimate = fit_dispersion(recordings, known_mass(recordings)) if material else fit_force_to_force(recordings)
+        estimate = fit_recordings(recordings)
         self._say("writing", 0.95)
         self._write(estimate)
         self._say("done", 1.0)

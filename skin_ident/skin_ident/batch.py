@@ -1,0 +1,147 @@
+"""Many sessions, each fitted by itself, in parallel: one table of results, failures listed in it, resumable.
+
+Every finished session is appended to `fits.jsonl` at once, under a key of its path, size, time of change and the options; a second call
+skips what is there. `fits.csv` (or `fits.parquet`) is written from it at the end, whole.
+"""
+
+import csv
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import asdict
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
+from skin_ident.recordings.load import load_one
+from skin_models.errors import SkinError
+
+JOURNAL = "fits.jsonl"
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def fit_session(path: str, options: Options, topics: Mapping[str, str]) -> dict[str, Any]:
+    """One row of the table: path, status (ok or failed), why, parameters with standard errors, residuals, warnings. Never raises."""
+    try:
+        recordings, _ = sessions_of([load_one(Path(path), topics)])
+        estimate = fit_recordings(recordings, options)
+    except SkinError as error:
+        return {"path": path, "status": "failed", "why": str(error)}
+    except Exception as error:  # one broken file must not end a night's batch
+        return {"path": path, "status": "failed", "why": f"{type(error).__name__}: {' '.join(str(error).split())}"}
+    row: dict[str, Any] = {"path": path, "status": "ok", "why": "", "samples": len(recordings[0]), "method": estimate.method}
+    for p in estimate.parameters:
+        row |= {p.name: p.value, f"{p.name}_std": estimate.std[p.name], f"{p.name}_verdict": estimate.verdicts[p.name].word}
+    row |= {f"{name}_rmse": r.rmse for name, r in estimate.residuals.items()}
+    return row | {"warnings": " | ".join(estimate.warnings)}
+
+
+def run_batch(
+    paths: Sequence[Path],
+    folder: Path,
+    options: Options | None = None,
+    topics: Mapping[str, str] | None = None,
+    *,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[int, int, Mapping[str, Any]], None] = lambda done, total, row: None,
+) -> list[dict[str, Any]]:
+    """Fit every path and return the rows in the order of `paths`. `scheduler` is the address of a Dask cluster. Raises `FitError`.
+
+    `progress(done, total, row)` is called as rows come in. Sessions that are in the journal already are not fitted again.
+    """
+    options, topics = options or Options(), dict(topics or {})
+    keys = {str(p): _key(p, options, topics) for p in paths}
+    rows = {row["key"]: row for row in _journal(folder) if row["key"] in set(keys.values())}
+    todo = [p for p, key in keys.items() if key not in rows]
+    with (folder / JOURNAL).open("a", encoding="utf-8") as journal:
+        if journal.tell() and not (folder / JOURNAL).read_bytes().endswith(b"\n"):
+            journal.write("\n")  # an earlier call was cut off within a line
+        for row in _rows(todo, (options, topics), jobs, scheduler):
+            row["key"] = keys[row["path"]]
+            rows[row["key"]] = row
+            journal.write(json.dumps(row) + "\n")
+            journal.flush()
+            progress(len(rows), len(keys), row)
+    return [rows[key] for key in keys.values()]
+
+
+def _key(path: Path, options: Options, topics: dict[str, str]) -> str:
+    files = sorted(path.rglob("*")) if path.is_dir() else [path]
+    facts = [(str(f), f.stat().st_size, f.stat().st_mtime_ns) for f in files]
+    return hashlib.sha256(json.dumps([facts, asdict(options), topics]).encode()).hexdigest()[:24]
+
+
+def _journal(folder: Path) -> Iterator[dict[str, Any]]:
+    """Rows of earlier calls; a line that was cut off by a crash is passed over."""
+    path = folder / JOURNAL
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+        try:
+            row = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        if isinstance(row, dict) and "key" in row:
+            yield row
+
+
+def _rows(todo: list[str], how: tuple[Options, dict[str, str]], jobs: int | None, scheduler: str | None) -> Iterator[dict[str, Any]]:
+    """Rows as they are finished. A worker that dies takes down its pool: what was lost is tried once more, one by one."""
+    lost: list[str] = []
+    with _workers(jobs, scheduler) as executor:
+        running = {executor.submit(fit_session, path, *how): path for path in todo}
+        for future in as_completed(running):
+            try:
+                yield future.result()
+            except BrokenProcessPool:
+                lost.append(running[future])
+    for path in lost:
+        with _workers(1, scheduler) as executor:
+            try:
+                yield executor.submit(fit_session, path, *how).result()
+            except BrokenProcessPool:
+                yield {"path": path, "status": "failed", "why": "the process that fitted it died (out of memory?)"}
+
+
+@contextmanager
+def _workers(jobs: int | None, scheduler: str | None) -> Iterator[Executor]:
+    if scheduler is None:
+        for name in THREADS:  # one thread each: the sessions are the parallelism
+            os.environ.setdefault(name, "1")
+        with ProcessPoolExecutor(jobs or os.cpu_count(), mp_context=get_context("spawn")) as pool:
+            yield pool
+        return
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise FitError("a Dask scheduler was named, but Dask is not installed: pip install distributed") from error
+    try:
+        client = Client(scheduler, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise FitError(f"no Dask scheduler answers at {scheduler}") from error
+    with client:
+        yield client.get_executor()
+
+
+def write_table(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """All rows as CSV or, by the suffix .parquet, as Parquet; whole or not at all. Raises `FitError` without pyarrow for the latter."""
+    columns = list(dict.fromkeys(name for row in rows for name in row if name != "key"))
+    partial = path.with_name(path.name + ".partial")
+    if path.suffix == ".parquet":
+        try:
+            import pyarrow
+            import pyarrow.parquet
+        except ImportError as error:
+            raise FitError("Parquet needs pyarrow: pip install pyarrow, or write .csv") from error
+        pyarrow.parquet.write_table(pyarrow.table({c: [row.get(c) for row in rows] for c in columns}), partial)
+    else:
+        with partial.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, columns, extrasaction="ignore")
+            writer.writeheader()
+            writer.writerows(rows)
+    partial.replace(path)

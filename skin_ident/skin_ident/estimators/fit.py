@@ -1,0 +1,61 @@
+"""One call for all fits: what the recordings are decides which estimator is taken, `Options` the rest."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from skin_ident.estimators.dispersion import FREE, fit_dispersion, known_mass
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.force_to_force import fit_force_to_force
+from skin_ident.estimators.sinusoid import as_sinusoids
+from skin_ident.recordings.recording import Recording
+
+FIXED = "fixed"
+MEASURED, SINUSOID = "measured", "sinusoid"
+
+
+@dataclass(frozen=True)
+class Options:
+    """`mass`: free, fixed (from rig.yaml or the thickness), or kg; `thickness_mm` for the fixed mass; `motion` as measured or the sinusoid
+    fitted to it; `offsets`: a zero of every channel in every session; `order` of the transfer function from force to force.
+    """
+
+    mass: str = FIXED
+    thickness_mm: float | None = None
+    motion: str = MEASURED
+    offsets: bool = False
+    order: int = 1
+
+
+def fit_recordings(recordings: Sequence[Recording], options: Options = Options()) -> Estimate:
+    """The dispersion model of all sessions together; from force to force where none of them has a depth. Raises `FitError`."""
+    if all(r.depth is None for r in recordings):
+        return fit_force_to_force(recordings, options.order)
+    mass = mass_of(options, recordings)
+    if options.motion == MEASURED:
+        return fit_dispersion(recordings, mass, offsets=options.offsets)
+    parts, motions, found = as_sinusoids(recordings)
+    estimate = fit_dispersion(parts, mass, motions, offsets=options.offsets, method="linear least squares on fitted sinusoids")
+    return replace(estimate, notes={**estimate.notes, "sinusoids": {r.name: vars(s) for r, s in zip(recordings, found, strict=True)}})
+
+
+def mass_of(options: Options, recordings: Sequence[Recording]) -> float | str:
+    """FREE, or the mass in kg. Raises `FitError` for a text that is neither."""
+    if options.mass in (FREE, FIXED):
+        return FREE if options.mass == FREE else known_mass(recordings, options.thickness_mm)
+    try:
+        mass = float(options.mass)
+    except ValueError:
+        raise FitError(f"the mass is {FREE}, {FIXED}, or a number in kg, not {options.mass!r}") from None
+    if not 0.0 <= mass < 1e3:
+        raise FitError(f"a mass of {options.mass} kg is negative, or a ton")
+    return mass
+
+
+def sessions_of(loaded: Sequence) -> tuple[list[Recording], list[str]]:
+    """The sessions among what was loaded, and the names of static scans. Raises `FitError` where there are only scans."""
+    sessions = [r for r in loaded if isinstance(r, Recording)]
+    scans = [r.name for r in loaded if not isinstance(r, Recording)]
+    if not sessions:
+        raise FitError(f"{scans[0]} is a static spread scan, which has no dispersion model; give it to diagnose")
+    return sessions, scans

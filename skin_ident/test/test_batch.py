@@ -1,0 +1,74 @@
+"""Many sessions at once: one table, failures in it, and nothing is done twice."""
+
+import csv
+import json
+
+import pytest
+from making import SILICONE, recording, write_table
+
+from skin_ident.batch import JOURNAL, run_batch, write_table as write_rows
+from skin_ident.cli.fit import main
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.fit import Options
+
+
+@pytest.fixture
+def folder(tmp_path):
+    data = tmp_path / "data"
+    data.mkdir()
+    for i in range(6):
+        write_table(data / f"s{i}.csv", recording(i, n=800))
+    (data / "broken.csv").write_text("t_s,x,force_n\n0,1,2\n")
+    return data
+
+
+def test_every_session_gives_a_row_and_a_second_call_does_nothing(folder, tmp_path):
+    out, seen = tmp_path / "out", []
+    out.mkdir()
+    paths = sorted(folder.glob("*.csv"))
+    rows = run_batch(paths, out, Options(mass=str(SILICONE[4][0])), jobs=2, progress=lambda done, total, row: seen.append(done))
+    assert [row["status"] for row in rows] == ["failed", *["ok"] * 6] and seen == list(range(1, 8))
+    assert rows[1]["k1"] == pytest.approx(9619, rel=0.01) and "unit" in rows[0]["why"]
+    again = run_batch(paths, out, Options(mass=str(SILICONE[4][0])), jobs=2, progress=lambda *_: pytest.fail("fitted again"))
+    assert again == rows
+    assert len(run_batch(paths, out, Options(mass="free"), jobs=2)) == 7  # other options, other fits
+    write_rows(rows, out / "fits.csv")
+    assert len(list(csv.DictReader((out / "fits.csv").open()))) == 7
+
+
+def test_resumes_after_a_crash(folder, tmp_path):
+    paths = sorted(folder.glob("s*.csv"))[:3]
+    run_batch(paths[:2], tmp_path, jobs=1)
+    journal = tmp_path / JOURNAL
+    lines = journal.read_text().splitlines()
+    journal.write_text(lines[0] + "\n" + lines[1][: len(lines[1]) // 2])
+    fresh = []
+    rows = run_batch(paths, tmp_path, jobs=1, progress=lambda done, total, row: fresh.append(row["path"]))
+    assert len(rows) == 3 and len(fresh) == 2 and all(row["status"] == "ok" for row in rows)
+    assert [json.loads(line)["status"] for line in journal.read_text().splitlines()[2:]] == ["ok", "ok"]
+    run_batch(paths, tmp_path, jobs=1, progress=lambda *_: pytest.fail("fitted again"))
+
+
+def test_on_a_command_line(folder, tmp_path, capsys):
+    assert main([str(folder), "--each", "--jobs", "2", "--out", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr()
+    assert "6 sessions fitted, 1 failed" in said.out and "broken.csv" in said.out and "[7/7]" in said.err
+    assert len((tmp_path / "out" / "fits.csv").read_text().splitlines()) == 8
+
+
+def test_nothing_fitted_is_an_error(folder, tmp_path, capsys):
+    assert main([str(folder / "broken.csv"), "--each", "--out", str(tmp_path / "out")]) == 2
+    assert main([str(folder), "--each"]) == 2 and "--out" in capsys.readouterr().err
+
+
+def test_no_scheduler_answers(folder, tmp_path):
+    with pytest.raises(FitError, match=r"not installed|no Dask scheduler"):
+        run_batch([folder / "s0.csv"], tmp_path, scheduler="tcp://127.0.0.1:9")
+
+
+def test_on_a_dask_cluster(folder, tmp_path):
+    """A real scheduler and a real worker, each a process."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, host="127.0.0.1") as cluster:
+        rows = run_batch(sorted(folder.glob("s*.csv")), tmp_path, scheduler=cluster.scheduler_address)
+    assert [row["status"] for row in rows] == ["ok"] * 6
