@@ -18,15 +18,20 @@ LONGEST = 120.0  # s
 BRISK = 500.0  # mm/s^2
 GENTLE = 1.0  # mm/s, up to which loops cross the surface: a jump of the force at contact is taken for a spike, or left out
 BATTERIES = ("demo", "full", "hysteresis_and_rate", "relaxation", "stiffness", "sinusoidal_identification", "pseudo_random_validation")
+RICH = ("demo", "full", "pseudo_random_validation")
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A battery by its words: YAML text that the profile server runs, and the motion that it makes."""
+    """A battery by its words: YAML text that the profile server runs, and the motion that it makes.
+
+    `rich` is one that does not repeat itself: from periodic motion alone nobody can tell noise from an effect that repeats with it.
+    """
 
     name: str
     text: str
     motion: Motion
+    rich: bool
 
     @property
     def seconds(self) -> float:
@@ -37,25 +42,25 @@ class Candidate:
 def candidates(deepest: float, dt: float) -> list[Candidate]:
     """Every motion that goes no deeper than `deepest` (m) and that the rig can make, sampled every `dt` s."""
     found = []
-    for name, content in _described(round(deepest * 1e3, 3)):
+    for name, content, rich in _described(round(deepest * 1e3, 3)):
         try:
             entry = entry_from_dict(content)
             motion = planned(entry, dt, within(deepest * 1.001))
         except ProfileError:
             continue  # not at this depth, or not by motions alone
         if len(motion) * dt <= LONGEST:
-            found.append(Candidate(name, entry_to_text(entry), motion))
+            found.append(Candidate(name, entry_to_text(entry), motion, rich))
     return found
 
 
-def _described(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Name and content of every candidate for a depth of `d` mm."""
-    for name, profile in (*_sines(d), *_loops(d), *_rests(d), *_rich(d)):
-        air = {"type": "free_air", "duration_s": 1.5}
-        about = "tells rival causes apart"
-        yield name, {"type": "battery", "name": "separating", "about": about, "profiles": [air, profile, air]}
+def _described(d: float) -> Iterator[tuple[str, dict[str, Any], bool]]:
+    """Name and content of every candidate for a depth of `d` mm, and whether it is rich."""
+    air = {"type": "free_air", "duration_s": 1.5}
+    for profiles, rich in (((*_sines(d), *_loops(d), *_rests(d)), False), (_rich(d), True)):
+        for name, profile in profiles:
+            yield name, {"type": "battery", "profiles": [air, profile, air]}, rich
     for name in sorted(set(BATTERIES) & set(battery_names())):
-        yield f"the battery {name}", {"battery": name, "depth_mm": d}
+        yield f"the battery {name}", {"battery": name, "depth_mm": d}, name in RICH
 
 
 def _sines(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -101,5 +106,6 @@ def _rich(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
             f"a multisine of {share * d:.2g} mm up to 8 Hz",
             {"type": "multisine", "seed": 0, "amplitude_mm": share * d, "offset_mm": 0.5 * d, "base_frequency_hz": 0.25, "highest_hz": 8},
         )
-    ramps = {"type": "random_ramps", "seed": 0, "deepest_mm": d, "slowest_mm_s": 0.3, "fastest_mm_s": 8, "acceleration_mm_s2": BRISK}
-    yield "random ramps", {**ramps, "count": 12}
+    for fastest in (2, 8):
+        ramps = {"type": "random_ramps", "seed": 0, "deepest_mm": d, "slowest_mm_s": 0.2, "fastest_mm_s": fastest, "count": 16}
+        yield f"random ramps at 0.2 to {fastest} mm/s", {**ramps, "acceleration_mm_s2": BRISK}

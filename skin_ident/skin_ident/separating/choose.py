@@ -90,7 +90,7 @@ def separating_experiment(
     deepest = max(float(s.motion.x.max()) for s in train)
     tried = candidates(deepest, max(PERIOD, train[0].band.dt))
     singles = [_Option((k,), judged([rehearsed(k.motion, train[0], rivals[0].model)])) for k in tried]
-    best = min((o for o in _options(singles) if o.seconds >= SHORTEST), key=lambda o: _cost(known, o))
+    best = min(filter(_usable, _options(singles)), key=lambda o: _cost(known, o))
     return _experiment(rivals, known, best)
 
 
@@ -118,6 +118,10 @@ def _options(singles: list[_Option]) -> Iterator[_Option]:
             repeated = repeated.and_then(o)
     for a, b in combinations(singles, 2):
         yield a.and_then(b)
+
+
+def _usable(o: _Option) -> bool:
+    return o.seconds >= SHORTEST and any(p.rich for p in o.parts)
 
 
 def _cost(known: Contest, o: _Option) -> tuple[int, float]:

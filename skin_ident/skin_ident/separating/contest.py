@@ -18,11 +18,13 @@ from skin_ident.criticism.fitting import tangents
 from skin_ident.criticism.proposals import Direction, bank
 from skin_ident.criticism.ranking import project, rank
 from skin_ident.criticism.residual import simulated
-from skin_ident.criticism.session import Session, without_parting
+from skin_ident.criticism.session import Session, meeting, without_parting
 from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 from skin_models.signals import Motion
+
+GENTLE = 1.01e-3  # m/s
 
 
 @dataclass(frozen=True)
@@ -95,10 +97,15 @@ def _left(mine: tuple[Direction, ...], forms: np.ndarray, own: np.ndarray, diffe
 
 
 def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
-    """A session of `motion` with the channels of `like` and nothing measured, less the moments that a criticism leaves out."""
+    """A session of `motion` with the channels of `like` and nothing measured, less the moments that a criticism leaves out.
+
+    Contact met at speed is left out too: there the rivals differ by a jump between two samples, which telemetry takes for a spike.
+    """
     band = Band(motion.dt, like.band.cutoff)
     t = band.times(motion.t)
     shape = (len(like.channels), t.size)
+    hasty = meeting(motion, model.dispersion) & (np.abs(motion.v) > GENTLE)
+    weight = np.ones(shape) * (band.thin(hasty.astype(float)) < 0.02)
     drive = None if like.drive is None else np.zeros(len(motion))
-    blank = Session("rehearsed", motion, like.channels, np.zeros((shape[0], len(motion))), band, t, np.zeros(shape), np.ones(shape), drive)
+    blank = Session("rehearsed", motion, like.channels, np.zeros((shape[0], len(motion))), band, t, np.zeros(shape), weight, drive)
     return without_parting(blank, model.dispersion)
