@@ -1,9 +1,10 @@
 """A static spread scan: what one taxel feels when the plunger presses beside it, at several depths (as thesis Table 4-10)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from skin_ident.recordings.declared import Declared
 from skin_models.errors import SkinError
 
 
@@ -18,6 +19,7 @@ class SpreadScan:
     depth     (D,)    m, indentation depth of each row, positive
     distance  (R,)    m, from the taxel's centre to the plunger's axis, increasing; negative on the other side
     force     (D, R)  N, sensed force, compression positive; NaN where a measurement was lost
+    direction         x or y, along which the plunger was moved; empty where that is not known
 
     Raises `SpreadScanError` for shapes that do not match, distances that do not increase and rows with fewer than 3 forces.
     """
@@ -26,10 +28,12 @@ class SpreadScan:
     distance: np.ndarray
     force: np.ndarray
     name: str = "spread scan"
+    direction: str = ""
+    declared: Declared = field(default_factory=Declared, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        for field in ("depth", "distance", "force"):
-            object.__setattr__(self, field, np.array(getattr(self, field), float))
+        for name in ("depth", "distance", "force"):
+            object.__setattr__(self, name, np.array(getattr(self, name), float))
         if self.depth.ndim != 1 or self.distance.ndim != 1 or self.force.shape != (self.depth.size, self.distance.size):
             sizes = f"{self.depth.size} depths and {self.distance.size} distances"
             raise SpreadScanError(f"{self.name}: force has shape {self.force.shape}, but there are {sizes}")

@@ -12,8 +12,10 @@ from skin_ident.criticism.leftover import systematic_rest
 from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, motion_under
 from skin_ident.separating.choose import separating_experiments
+from skin_ident.spread_scan import SpreadScan
 from skin_models.model import Model
 
 MASS_PER_THICKNESS = 0.108  # kg/m
@@ -28,6 +30,8 @@ def diagnose(
     Raises `DiagnosisError` where the sessions do not belong together or lack what is needed.
     """
     hold_out = hold_out or []
+    if are_scans([*recordings, *hold_out]):
+        return diagnose_scans(recordings, hold_out, model, progress)
     every = _named_apart([*recordings, *hold_out])
     belong_together(every, model)
     progress("inspecting the recordings")
@@ -45,6 +49,14 @@ def diagnose(
     shown = looked.sessions if len(every) > 1 else looked.sessions[:1]
     traces = tuple(_trace(c, s, any(s is h for h in held)) for s in shown)
     return Outcome(findings, c.baseline.model, c.extended.model, c.extended.std, traces, (), _rounds(c), dict(_batteries(experiments)))
+
+
+def are_scans(recordings: list) -> bool:
+    """Whether these are static spread scans. Raises `DiagnosisError` for scans among sessions."""
+    scans = [r.name for r in recordings if isinstance(r, SpreadScan)]
+    if scans and len(scans) < len(recordings):
+        raise DiagnosisError(f"static scans and sessions in time are diagnosed apart: leave out {', '.join(scans[:3])}, or everything else")
+    return bool(scans)
 
 
 def skin_mass(recording) -> float:

@@ -1,6 +1,6 @@
 """What may be wrong in a static scan, and by which parameters of the family."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,9 +26,11 @@ class Candidate:
 CANDIDATES = (
     Candidate("spread_width", "skin", "", ("width",), "spread"),
     Candidate("spread_shape", "skin", "generalised_gaussian", ("power",), "spread", ((1.0,), (-0.7,))),
-    Candidate("spread_shape", "skin", "heavy_tail", ("tail",), "spread", ((1.0,),)),
+    Candidate("spread_shape", "skin", "heavy_tail", ("tail",), "spread", ((0.1,), (1.0,))),
     Candidate("spread_shape", "skin", "disc", ("disc",), "spread", ((0.8,), (1.6,))),
+    Candidate("spread_shape", "skin", "flat_with_tail", ("power", "tail"), "spread", ((1.0, 2.0),)),
     Candidate("spread_shape", "skin", "polynomial", ("bend2", "bend3"), "spread"),
+    Candidate("spread_shape", "skin", "quartic", ("bend2", "bend3", "bend4"), "spread"),
     Candidate("spread_depth", "skin", "", ("growth",), "spread"),
     Candidate("spread_depth", "skin", "power", ("depth_power",), "spread"),
     Candidate("off_centre", "rig", "", ("centre",), "spread", ((1.0,), (-1.0,))),
@@ -84,8 +86,17 @@ def excited(cells: Cells, given_width: bool, given_level: bool) -> Excited:
 
 
 def able(x: Excited) -> tuple[Candidate, ...]:
-    """The candidates that these scans can tell about."""
-    return tuple(c for c in CANDIDATES if not x.why_not(c.cause) and not (c.form == "cubic" and x.depths < FEWEST_DEPTHS + 2))
+    """The candidates that these scans can tell about. Another shape brings its own width: that of a given model means nothing for it."""
+    told = (c for c in CANDIDATES if not x.why_not(c.cause) and not _too_free(c, x))
+    return tuple(_with_width(c) if x.given_width and c.cause == "spread_shape" else c for c in told)
+
+
+def _with_width(c: Candidate) -> Candidate:
+    return replace(c, names=(*c.names, "width"), starts=tuple((*factors, 0.0) for factors in c.starts))
+
+
+def _too_free(c: Candidate, x: Excited) -> bool:
+    return (c.form == "cubic" and x.depths < FEWEST_DEPTHS + 2) or (c.form == "quartic" and x.distances < FEWEST_DISTANCES + 3)
 
 
 def rich(x: Excited) -> tuple[str, ...]:

@@ -55,8 +55,8 @@ def cells_of(scans: list[SpreadScan], directions: list[str], keep: list[np.ndarr
         D, R = scan.force.shape
         d, j = np.mgrid[0:D, 0:R]
         known = np.isfinite(scan.force) & (True if keep is None else keep[i])
-        whole = (scan.force, scan.depth[d], scan.distance[j], np.full((D, R), ALONG[directions[i]]), d / max(D - 1, 1), d + rows, j + columns,
-                 np.full((D, R), i))  # fmt: skip
+        along, number = np.full((D, R), ALONG[directions[i]]), np.full((D, R), i)
+        whole = (scan.force, scan.depth[d], scan.distance[j], along, d / max(D - 1, 1), d + rows, j + columns, number)
         parts.append([a[known] for a in whole])
         rows, columns = rows + D, columns + R
     return Cells(*(np.concatenate(group) for group in zip(*parts, strict=True)))

@@ -3,8 +3,9 @@
     force(r, z) = min( max(A(z) S(r, z) - threshold, 0) + offset + drift * order, ceiling )
 
     A(z)   level     k z (1 + square z' + cube z'^2), k z'^exponent, or either met `shift` deeper;   z' = z / deepest
-    S      spread    exp(-u^power),  (1 + tail u^2)^(-1 / tail),  a Gaussian averaged over a disc,  or a Gaussian times a polynomial,
-                     with u = |r - centre| / c and c = width (1 + growth (z - mean depth)) (z / mean depth)^depth_power exp(along ratio)
+    S      spread    (1 + tail u^power)^(-1 / tail), which is exp(-u^power) for tail = 0;  or a Gaussian averaged over a disc;
+                     or a Gaussian times a polynomial;  u = |r - centre| / c,
+    c      width     width (1 + growth (z - mean depth)) (z / mean depth)^depth_power exp(along ratio)
 
 The thesis's model is A = k z (a linear skin) times exp(-(r / c)^2): what the simulated skin does, too.
 
@@ -13,6 +14,7 @@ Contact Mechanics, 1985, ch. 3 (tails of an elastic layer); E. Kreyszig, Advance
 polynomials of Laguerre, which are orthogonal over a Gaussian's disc).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,22 +69,23 @@ def plain(width: float) -> Values:
 
 def sizes(cells: Cells, width: float) -> Values:
     """What is an ordinary amount of each parameter in these scans; steps of derivatives and bounds of `excluded` refer to it."""
-    mean, deepest = cells.depth_span
+    deepest = cells.depth_span[1]
     force = float(np.percentile(np.abs(cells.y), 98.0))
     relative = {"power": 0.5, "tail": 0.1, "bend2": 0.05, "bend3": 0.05, "bend4": 0.05, "depth_power": 0.1, "ratio": 0.1}
     level = {"square": 0.2, "cube": 0.2, "exponent": 0.2, "shift": 0.1 * deepest, "growth": 0.2 / max(deepest, 1e-9)}
     lengths = {"width": 0.1 * width, "disc": 0.8 * width, "centre": 0.15 * width}
-    return relative | level | lengths | {name: 0.04 * force for name in ("offset", "drift", "threshold", "ceiling")}
+    return relative | level | lengths | dict.fromkeys(("offset", "drift", "threshold", "ceiling"), 0.04 * force)
 
 
 @dataclass(frozen=True, eq=False)
 class Scale:
     """Depths that the family is written about, m: fixed once per diagnosis, so that values keep their meaning. `law` maps depth to
-    the level of a given model per its own size (None: the depth over the deepest)."""
+    the level of a given model (N), `shape` r / width to its spread; None: the depth over the deepest, a Gaussian."""
 
     mean: float
     deepest: float
-    law: object = None
+    law: Callable[[np.ndarray], np.ndarray] | None = None
+    shape: Callable[[np.ndarray], np.ndarray] | None = None
 
 
 def level(p: Values, z: np.ndarray, scale: Scale) -> np.ndarray:
@@ -96,18 +99,30 @@ def level(p: Values, z: np.ndarray, scale: Scale) -> np.ndarray:
 
 
 def spread(p: Values, cells: Cells, scale: Scale) -> np.ndarray:
-    """S(r, z), 1 at the centre (but for the polynomial)."""
+    """S(r, z), 1 at the centre (but for the polynomial). A given shape is bent by as much as the Gaussian would be."""
+    s, u = _spread(p, cells, scale)
+    return s if scale.shape is None else scale.shape(u) * s * np.exp(np.minimum(u * u, 50.0))
+
+
+def _spread(p: Values, cells: Cells, scale: Scale) -> tuple[np.ndarray, np.ndarray]:
     c = p["width"] * np.maximum(1.0 + p["growth"] * (cells.z - scale.mean), 0.1) * np.exp(p["ratio"] * cells.along)
     if p["depth_power"]:
         c = c * (cells.z / scale.mean) ** p["depth_power"]
     r = np.abs(cells.r - p["centre"])
+    if p["disc"] > 0.0 and np.ptp(c) == 0.0:
+        few, which = np.unique(r, return_inverse=True)
+        return disc_of_gaussian(few, c[: few.size], p["disc"])[which], r / c
     if p["disc"] > 0.0:
-        return disc_of_gaussian(r, c, p["disc"])
+        return disc_of_gaussian(r, c, p["disc"]), r / c
     u = r / c
+    return _radial(p, u), u
+
+
+def _radial(p: Values, u: np.ndarray) -> np.ndarray:
+    v = u * u if p["power"] == 2.0 else u ** p["power"]
     if p["tail"] > 1e-7:
-        return np.exp(-np.log1p(p["tail"] * u * u) / p["tail"])
-    v = u * u
-    s = np.exp(-v) if p["power"] == 2.0 else np.exp(-(u ** p["power"]))
+        return np.exp(-np.log1p(p["tail"] * v) / p["tail"])
+    s = np.exp(-v)
     if p["bend2"] or p["bend3"] or p["bend4"]:
         l2, l3 = 0.5 * v * v - 2.0 * v + 1.0, ((-v / 6.0 + 1.5) * v - 3.0) * v + 1.0
         l4 = (((v / 24.0 - 2.0 / 3.0) * v + 3.0) * v - 4.0) * v + 1.0
@@ -122,7 +137,7 @@ def disc_of_gaussian(r: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
     """A Gaussian of width c averaged over a disc, at distance r, over its value at the centre; all m."""
     q = 0.5 * radius * (_X + 1.0)
     weight = _W * q
-    c2 = np.asarray(c)[..., None] ** 2
+    c2 = np.maximum(np.asarray(c)[..., None], 0.05 * radius) ** 2  # a sharper edge is a disc for every purpose
     inner = np.exp(-((r[..., None] - q) ** 2) / c2) * ive(0, 2.0 * r[..., None] * q / c2)
     return (inner @ weight) / (np.exp(-(q**2) / c2) @ weight)
 

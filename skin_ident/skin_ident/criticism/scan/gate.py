@@ -86,12 +86,9 @@ def left_out(m: Member, cells: Cells, noise: Noise, groups: np.ndarray, how: str
 
 def held_scans(m: Member, held: Cells, how: str) -> np.ndarray:
     """Errors (N,) in scans that were not fitted; the skin's stiffness there is not known, so its size comes from every other column."""
-    if how == SIZED_AGAIN:
-        parts = [(held.row == row) for row in np.unique(held.row)]
-    else:
-        parts = [(held.scan == scan) for scan in held.scans]
+    group = held.row if how == SIZED_AGAIN else held.scan
     e = np.empty(len(held))
-    for part in parts:
+    for part in (group == g for g in np.unique(group)):
         e[part] = _errors(m, held.only(part), SIZED_AGAIN)
     return e
 

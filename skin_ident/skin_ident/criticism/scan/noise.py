@@ -20,7 +20,7 @@ from skin_ident.criticism.scan.whitening import Noise
 
 HUBER = 2.5
 SWEEPS = 2
-WORTH = 1.0  # -2 log L that a component of the noise must gain to be kept
+WORTH = 2.0  # -2 log L that a component of the noise must gain to be kept
 
 
 def white(cells: Cells, sigma: float = 1.0) -> Noise:
@@ -39,12 +39,15 @@ class Estimated:
     spare: int  # cells beyond the directions
 
 
-def estimate(m: Member, cells: Cells, rich: tuple[str, ...], floor: float) -> Estimated:
-    """The noise around member `m`, whose directions `rich` are projected out; sigma is at least `floor` (N)."""
+def estimate(m: Member, cells: Cells, rich: tuple[str, ...], floor: float, placing: bool = True) -> Estimated:
+    """The noise around member `m`, whose directions `rich` are projected out; sigma is at least `floor` (N).
+
+    `placing` False takes every distance for exact.
+    """
     J = _independent(np.hstack([tangents(m, cells, rich), by_size(m, cells)]))
     e = cells.y - m.predict(cells)
     start = replace(white(cells), slope=slope_of(m, cells), through=m.through(cells))
-    found = _search(start, J, e, cells)
+    found = _search(start, J, e, cells, placing)
     deviance, sigma = _deviance(found, J, e)
     noise = replace(found, sigma=sigma, relative=sigma * found.relative, placing=sigma * found.placing, repeat=sigma * found.repeat)
     noise = replace(noise, sigma=max(sigma, floor))
@@ -60,11 +63,11 @@ def slope_of(m: Member, cells: Cells) -> np.ndarray:
     return (ahead - behind) / (2.0 * h)
 
 
-def _search(n: Noise, J: np.ndarray, e: np.ndarray, cells: Cells) -> Noise:
+def _search(n: Noise, J: np.ndarray, e: np.ndarray, cells: Cells, placing: bool) -> Noise:
     """The ratios of relative, placing and repeat to sigma; a component that is hardly worth it is left out."""
     typical = {"relative": n.through, "placing": n.slope, "repeat": n.through}
     groups = {"relative": 4, "placing": np.unique(cells.column).size, "repeat": np.unique(cells.row).size}
-    able = [c for c in typical if groups[c] >= 4 and np.any(typical[c])]
+    able = [c for c in typical if groups[c] >= 4 and np.any(typical[c]) and (placing or c != "placing")]
     best = _deviance(n, J, e)[0]
     for _ in range(SWEEPS):
         for name in able:
@@ -85,7 +88,7 @@ def _component(n: Noise, name: str, unit: float, best: float, J: np.ndarray, e: 
 
 def _deviance(n: Noise, J: np.ndarray, e: np.ndarray) -> tuple[float, float]:
     """-2 log L with the best scale, and that scale, for sigma = 1."""
-    v, inverse, log_det = _inverse(n)
+    _, inverse, log_det = _inverse(n)
     VJ, Ve = inverse(J), inverse(e)
     G = J.T @ VJ
     g = VJ.T @ e

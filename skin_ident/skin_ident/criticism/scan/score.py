@@ -21,7 +21,8 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Fit, jacobian
 from skin_ident.criticism.scan.whitening import Noise, Whitener
 
-CHARGE = 8.0  # squared units of the noise: about one false name in 300 scans for each cause that is tried
+CHARGE = 6.5  # squared units of the noise: about one false name in 150 scans, before held-out cells have their say
+COARSE = 8.0  # charged more where the converter's steps are most of the noise: they repeat with the force, as a cause does
 MANY = 60.0  # degrees of freedom from which an F is taken for a chi-square
 USED = 5  # columns' or rows' degrees of freedom that the directions of the family use up, at most
 
@@ -34,12 +35,18 @@ class Judge:
     whitener: Whitener
     cells: Cells
     spare: int
+    coarse: bool = False
 
     def score(self, fall: float, after: Fit, names: tuple[str, ...], count: int) -> float:
         """Worth of a fall of the cost that `count` parameters (among them `names`) gave in the fit `after`."""
         if fall <= 0.0 or count == 0:
-            return -CHARGE
-        return rarity(fall, count, self.degrees(after, names)) - count * float(np.log(len(self.cells))) - CHARGE
+            return -self.charge
+        return rarity(fall, count, self.degrees(after, names)) - count * float(np.log(len(self.cells))) - self.charge
+
+    @property
+    def charge(self) -> float:
+        """What a cause costs, besides its parameters."""
+        return CHARGE + COARSE * self.coarse
 
     def degrees(self, after: Fit, names: tuple[str, ...]) -> float:
         """The least degrees of freedom behind the estimates of `names`, or of the sizes where there are none."""

@@ -3,45 +3,30 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from skin_ident.criticism.scan.candidates import Candidate, starts
-from skin_ident.criticism.scan.cells import Cells
-from skin_ident.criticism.scan.family import QUANTITIES
+from skin_ident.criticism.scan.candidates import Candidate
 from skin_ident.criticism.scan.fitting import Fit, Member, fit
-from skin_ident.criticism.scan.gate import Gain, Test, gain_of
+from skin_ident.criticism.scan.gate import Gain, gain_of
 from skin_ident.criticism.scan.noise import Estimated, estimate
 from skin_ident.criticism.scan.score import Judge
+from skin_ident.criticism.scan.trials import (
+    CLOSE,
+    Setting,
+    Trial,
+    judge_in,
+    promising,
+    surveyed,
+    taken,
+    trial,
+    with_candidate,
+    without_candidate,
+)
 
 MOST_FINDINGS = 5
 SHORTLIST = 4  # causes put to the gate before none is named
-AHEAD = 5  # trials that are tried together with every other cause before one is chosen
-NOISE_TRIES = 4  # causes around whose fit the noise is estimated, too
 REACH = 0.05  # a rival within this share of the score, or within CLOSE, cannot be told from the cause
-CLOSE = 6.0
+FINE = 15.0  # score that a shape needs where placing errors could be it instead
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Setting:
-    """What stays the same through a search: the cells, the causes that can be tested, the directions of the noise, its floor (N)."""
-
-    cells: Cells
-    able: tuple[Candidate, ...]
-    rich: tuple[str, ...]
-    floor: float
-    test: Test
-    both_sides: bool = True  # without: an offset centre and another shape are two names of one thing
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """A cause added to a member, fitted: `fall` of the cost, and its score."""
-
-    candidate: Candidate
-    fit: Fit
-    fall: float
-    score: float
-    promise: float = -1e9  # score together with the best other cause
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +37,7 @@ class Named:
     gain: Gain
     explained: float
     rivals: tuple[tuple[Candidate, float], ...] = ()
+    or_placing: bool = False  # the same could come from a plunger that stood beside every distance by a little
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,11 +63,11 @@ def search(start: Member, s: Setting, progress: Progress = lambda stage: None) -
     rounds = []
     while True:
         progress("estimating the noise")
-        noise, trials, present = _surveyed(present, [n.candidate for n in named], s)
+        noise, trials, present = surveyed(present, [n.candidate for n in named], s)
         if len(named) == MOST_FINDINGS:
             break
         progress("holding out depths and distances")
-        found = _first_believed(present, _promising(trials, named, noise, s), noise, s, refused)
+        found = _first_believed(present, promising(trials, [n.candidate for n in named], noise, s), noise, s, refused)
         rounds.append((trials, found and found[1].candidate.cause))
         if found is None:
             break
@@ -91,85 +77,16 @@ def search(start: Member, s: Setting, progress: Progress = lambda stage: None) -
         present, named = _exchanged(present, named, noise, s)
     present, named, dropped = _eliminated(present, named, noise, s)
     if dropped:
-        noise, trials, present = _surveyed(present, [n.candidate for n in named], s)
-    verdict = _judge(noise, s)
-    named = [replace(n, rivals=_rivals(present, n, named, noise, s)) for n in named]
+        noise, trials, present = surveyed(present, [n.candidate for n in named], s)
+    fine = _fine_shape(present, named, noise, s)
+    if fine is not None:
+        present, named = fine[0], [*named, fine[1]]
+        rounds.append(((), fine[1].candidate.cause))
+        noise, trials, present = surveyed(present, [n.candidate for n in named], s)
+    verdict = judge_in(noise, s)
+    named = [n if n.or_placing else replace(n, rivals=_rivals(present, n, named, noise, s)) for n in named]
     baseline = fit(baseline.member, s.cells, noise.noise.whitener())
     return Search(baseline, present, tuple(named), tuple(refused), noise, verdict, trials, tuple(rounds))
-
-
-def _surveyed(present: Fit, named: list[Candidate], s: Setting) -> tuple[Estimated, tuple[Trial, ...], Fit]:
-    """The noise, the trials of every cause that is not in the model, best first, and the present fit in that noise.
-
-    A cause that is not smooth (saturation, a dead zone) is in no direction of the family: the noise is estimated around the best few
-    trials as well, and the likeliest estimate counts.
-    """
-    noise = estimate(present.member, s.cells, s.rich, s.floor)
-    trials, present = _trials(present, named, noise, s)
-    others = [estimate(t.fit.member, s.cells, s.rich, s.floor) for t in trials[:NOISE_TRIES] if t.score > 0.0]
-    best = min([noise, *others], key=lambda n: n.deviance)
-    if best is not noise:
-        noise = best
-        trials, present = _trials(present, named, noise, s)
-    return noise, trials, present
-
-
-def _trials(present: Fit, named: list[Candidate], noise: Estimated, s: Setting) -> tuple[tuple[Trial, ...], Fit]:
-    j = _judge(noise, s)
-    present = fit(present.member, s.cells, j.whitener)
-    every = [_trial(present, c, j, s) for c in s.able if c.cause not in taken(named, s)]
-    return tuple(sorted(every, key=lambda t: -t.score)), present
-
-
-def taken(named: list[Candidate], s: Setting) -> set[str]:
-    """The causes that are not tried beside those named."""
-    causes = {c.cause for c in named}
-    return causes | {"spread_shape", "off_centre"} if causes & {"spread_shape", "off_centre"} and not s.both_sides else causes
-
-
-def _promising(trials: tuple[Trial, ...], named: list[Named], noise: Estimated, s: Setting) -> list[Trial]:
-    """The trials that score, the one first that promises most together with one more cause: two small causes hide in one wrong shape."""
-    j = _judge(noise, s)
-    scoring = [t for t in trials if t.score > 0.0]
-    ahead = []
-    for t in scoring[:AHEAD]:
-        done = taken([*(n.candidate for n in named), t.candidate], s)
-        more = max((_trial(t.fit, c, j, s).score for c in s.able if c.cause not in done), default=0.0)
-        ahead.append(replace(t, promise=t.score + max(more, 0.0)))
-    ahead.sort(key=lambda t: -t.promise)
-    if not s.both_sides and any(t.candidate.cause == "spread_shape" for t in scoring):
-        ahead.sort(key=lambda t: t.candidate.cause == "off_centre")
-    return [*ahead, *scoring[AHEAD:]]
-
-
-def _judge(noise: Estimated, s: Setting) -> Judge:
-    return Judge(noise.noise, noise.noise.whitener(), s.cells, noise.spare)
-
-
-def _trial(present: Fit, c: Candidate, j: Judge, s: Setting) -> Trial:
-    best = min((fit(m, s.cells, j.whitener) for m in with_candidate(c, present.member)), key=lambda f: f.cost)
-    fall = present.cost - best.cost
-    count = best.member.unknowns.size - present.member.unknowns.size
-    return Trial(c, best, fall, j.score(fall, best, c.names, count))
-
-
-def with_candidate(c: Candidate, m: Member) -> list[Member]:
-    """The members from which a fit of `m` with the cause sets out."""
-    return [replace_sizes(m, True)] if c.cause == "parameters" else starts(c, m)
-
-
-def without_candidate(c: Candidate, m: Member, start: Member) -> Member:
-    """`m` without the cause: its parameters at the values that remove it, and no longer free."""
-    if c.cause == "parameters":
-        return replace_sizes(m, False, start)
-    gone = {n: start.values[n] if n == "width" else QUANTITIES[n].neutral for n in c.names}
-    m = m.moved(**gone)
-    return Member(m.values, m.k, tuple(n for n in m.free if n not in c.names or n in start.free), m.scale, m.steps, m.k_free)
-
-
-def replace_sizes(m: Member, free: bool, start: Member | None = None) -> Member:
-    """`m` with its sizes free, or back at those of `start`."""
-    return Member(m.values, m.k if start is None else start.k, m.free, m.scale, m.steps, free)
 
 
 def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Setting, refused: list[Named]):
@@ -192,7 +109,7 @@ def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Sett
 def _exchanged(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, list[Named]]:
     """Put another cause, or another form, in the place of a named one wherever the whole then fits better by more than CLOSE."""
     whitener = noise.noise.whitener()
-    for i, n in enumerate(named):
+    for n in named:
         others = taken([o.candidate for o in named if o is not n], s)
         base = without_candidate(n.candidate, present.member, s.test.start)
         best = None
@@ -216,6 +133,28 @@ def _exchanged(present: Fit, named: list[Named], noise: Estimated, s: Setting) -
     return present, named
 
 
+def _fine_shape(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, Named] | None:
+    """A shape that is named only if every distance is taken for exact, as (fit, finding), or None.
+
+    Placing errors can look like a shape with more bends than the distances resolve. Where the same distances are off at all depths and
+    a shape also predicts the distances left out, both names are given.
+    """
+    causes = {n.candidate.cause for n in named}
+    if noise.noise.placing == 0.0 or causes & {"spread_shape", "off_centre"}:
+        return None
+    exact = estimate(present.member, s.cells, s.rich, s.floor, placing=False)
+    if exact.deviance < noise.deviance + CLOSE:
+        return None
+    j = judge_in(exact, s)
+    present = fit(present.member, s.cells, j.whitener)
+    trials = [trial(present, c, j, s) for c in s.able if c.cause == "spread_shape"]
+    for t in sorted(trials, key=lambda t: -t.score):
+        gain = gain_of(present.member, t.fit.member, t.candidate, exact.noise, s.cells, s.test)
+        if t.score > FINE and gain.passed:
+            return t.fit, Named(t.candidate, gain, t.score, or_placing=True)
+    return None
+
+
 def _eliminated(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, list[Named], bool]:
     """Take out every cause without which the rest fits and predicts just as well."""
     dropped = False
@@ -229,7 +168,7 @@ def _eliminated(present: Fit, named: list[Named], noise: Estimated, s: Setting) 
 
 
 def _worth(present: Fit, n: Named, noise: Estimated, s: Setting) -> tuple[Fit, float, Gain]:
-    j = _judge(noise, s)
+    j = judge_in(noise, s)
     before = fit(without_candidate(n.candidate, present.member, s.test.start), s.cells, j.whitener)
     count = max(present.member.unknowns.size - before.member.unknowns.size, 1)
     worth = j.score(before.cost - present.cost, present, n.candidate.names, count)
@@ -238,7 +177,7 @@ def _worth(present: Fit, n: Named, noise: Estimated, s: Setting) -> tuple[Fit, f
 
 def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Setting) -> tuple[tuple[Candidate, float], ...]:
     """The causes that in the place of a named one explain nearly as much, with what they lack."""
-    j = _judge(noise, s)
+    j = judge_in(noise, s)
     others = {o.candidate.cause for o in named}
     same = {"spread_shape", "off_centre"} if not s.both_sides else set()
     base = fit(without_candidate(n.candidate, present.member, s.test.start), s.cells, j.whitener)
@@ -248,7 +187,7 @@ def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Set
     for c in s.able:
         if c.cause in others:
             continue
-        score = _trial(base, c, j, s).score
+        score = trial(base, c, j, s).score
         short, twin = own - score, {c.cause, n.candidate.cause} == same
         if (short < max(CLOSE, REACH * own) or twin) and score > 0.0 and (c.cause not in best or short < best[c.cause][1]):
             best[c.cause] = (c, float(short))

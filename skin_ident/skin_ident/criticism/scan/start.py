@@ -8,8 +8,13 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.family import Scale, plain, sizes
 from skin_ident.criticism.scan.fitting import Member, fit
 from skin_ident.criticism.scan.noise import white
+from skin_models.model import Model
+from skin_models.signals import motion
+from skin_models.spread.kernels import Anisotropic, DepthWidth, Gaussian
+from skin_models.spread.noted import kernel_of, spread_width
 
 WIDTHS = 60
+POINTS, RAMP = 2001, 1e4  # of the slow ramp that a given model is pressed with; s
 
 
 def plain_start(cells: Cells) -> Member:
@@ -23,11 +28,28 @@ def plain_start(cells: Cells) -> Member:
     return fit(m, cells, white(cells).whitener()).member
 
 
-def given_start(cells: Cells, width: float, law: Callable[[np.ndarray], np.ndarray]) -> Member:
-    """A given model: its width, and its level `law(depth)` in N, both taken as they are."""
+def given_start(cells: Cells, model: Model) -> Member:
+    """A given model, its level, width and spread taken as they are."""
     mean, deepest = cells.depth_span
-    k = np.ones(int(cells.scan.max()) + 1)
-    return Member(plain(width), k, (), Scale(mean, deepest, law), _steps(cells, width), k_free=False)
+    width, kernel = spread_width(model), kernel_of(model)
+    values = plain(width)
+    if isinstance(kernel, Anisotropic):
+        values["ratio"], kernel = float(np.log(kernel.ratio)), kernel.kernel
+    if isinstance(kernel, DepthWidth):
+        surface = 1.0 + kernel.growth * mean
+        values |= {"width": width * surface, "growth": kernel.growth / surface}
+        kernel = kernel.kernel
+    shape = None if isinstance(kernel, Gaussian) else lambda u: kernel.shape(u * width)
+    scale = Scale(mean, deepest, static_law(model, 1.3 * deepest), shape)
+    return Member(values, np.ones(int(cells.scan.max()) + 1), (), scale, _steps(cells, width), k_free=False)
+
+
+def static_law(model: Model, deepest: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Force (N) that the model's first taxel feels right under a plunger at a depth (m) reached so slowly that nothing damps it."""
+    t = np.arange(POINTS) * (RAMP / (POINTS - 1))
+    x = np.linspace(0.0, deepest, POINTS)
+    felt = model.simulate(motion(t, x)).taxels_truth[0]
+    return lambda depth: np.interp(depth, x, felt)
 
 
 def _linear(cells: Cells, d: np.ndarray, width: float) -> tuple[float, float, np.ndarray]:

@@ -1,0 +1,132 @@
+"""The diagnosis of static spread scans: from tables to findings, an extended model and the curves for the report."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.outcome import Outcome, Round, ScanTrace
+from skin_ident.criticism.scan.candidates import able, excited, rich
+from skin_ident.criticism.scan.cells import Cells, as_tables, cells_of
+from skin_ident.criticism.scan.declared_noise import declared_noise
+from skin_ident.criticism.scan.extended import baseline_of, model_of
+from skin_ident.criticism.scan.faults import Looked, look
+from skin_ident.criticism.scan.findings import as_findings, parameters
+from skin_ident.criticism.scan.fitting import Member
+from skin_ident.criticism.scan.gate import Test
+from skin_ident.criticism.scan.leftover import systematic_rest
+from skin_ident.criticism.scan.search import Search, search
+from skin_ident.criticism.scan.start import given_start, plain_start
+from skin_ident.criticism.scan.trials import Setting, Trial
+from skin_ident.criticism.scan.unreadable import unreadable
+from skin_ident.spread_scan import SpreadScan
+from skin_models.model import Model
+
+NAME = "static spread scan"
+
+
+def diagnose_scans(
+    scans: list[SpreadScan],
+    hold_out: list[SpreadScan] | None = None,
+    model: Model | None = None,
+    progress: Callable[[str], None] = lambda stage: None,
+) -> Outcome:
+    """Criticise the thesis's spread model, or that of `model`, on static scans; `hold_out` are scans never used to fit.
+
+    The baseline is what the simulated skin does: force = k depth exp(-(r / c)^2), one stiffness per scan and one width for all. Raises
+    `DiagnosisError` where pressing makes the readings negative.
+    """
+    if not scans:
+        raise DiagnosisError("there is no scan to diagnose")
+    scans, held = _named_apart(list(scans), list(hold_out or []))
+    progress("looking at the tables")
+    declared = scans[0].declared
+    looked = look(scans, [direction(s) for s in scans], declared)
+    if not looked.enough:
+        return unreadable(scans, held, looked, model)
+    setting = _setting(looked, _held(held, declared), model)
+    found = search(setting.test.start, setting, progress)
+    progress("asking what is left")
+    rest = systematic_rest(found, setting)
+    looked = declared_noise(looked, found, declared)
+    verdict = _verdict(bool(found.named or looked.faults), rest.is_systematic)
+    names = {s.name for s in held}
+    content = as_findings(found, looked, setting, rest, [*scans, *held], names, verdict, model.name if model else "")
+    return _outcome(content, found, [*scans, *held], model)
+
+
+def direction(scan: SpreadScan) -> str:
+    """x, y or empty: what the scan says, or a word of its file name (scan_x.csv)."""
+    words = re.split(r"[^a-z0-9]+", scan.name.lower().rsplit(".", 1)[0])
+    named = [w for w in words if w in ("x", "y")]
+    return scan.direction or (named[0] if len(named) == 1 else "")
+
+
+def _named_apart(scans: list[SpreadScan], held: list[SpreadScan]) -> tuple[list[SpreadScan], list[SpreadScan]]:
+    """Scans whose names are all different, so that findings can speak of them."""
+    names = [s.name for s in [*scans, *held]]
+    apart = [s if names.count(s.name) == 1 else replace(s, name=f"{s.name} ({i + 1})") for i, s in enumerate([*scans, *held])]
+    return apart[: len(scans)], apart[len(scans) :]
+
+
+def _held(held: list[SpreadScan], declared) -> Cells | None:
+    """The believable cells of held-out scans; their rows count among themselves, their sizes are found anew."""
+    if not held:
+        return None
+    cells = look(held, [direction(s) for s in held], declared).cells
+    if not len(cells):
+        raise DiagnosisError(f"nothing in {held[0].name} can be believed: hold out another scan")
+    return cells
+
+
+def _setting(looked: Looked, held: Cells | None, model: Model | None) -> Setting:
+    cells = looked.cells
+    start = given_start(cells, model) if model else plain_start(cells)
+    x = excited(cells, model is not None, model is not None)
+    if held is not None:
+        held = replace(held, scan=np.zeros(len(held), int))
+    return Setting(cells, able(x), rich(x), looked.floor, Test(start, held), x.both_sides)
+
+
+def _verdict(anything: bool, systematic: bool) -> str:
+    if anything:
+        return "partly_explained" if systematic else "explained"
+    return "unexplained" if systematic else "nothing_wrong"
+
+
+def _outcome(content: dict, found: Search, scans: list[SpreadScan], model: Model | None) -> Outcome:
+    before, after = found.baseline.member, found.extended.member
+    model_after = model_of(after, model, NAME)
+    bent = model_after.dispersion.k1 != float(np.mean(after.k)) / after.scale.deepest  # one of several terms has no error of its own
+    std = {} if bent or model else {k: v["std"] for k, v in parameters(found.extended).items() if k == "k1"}
+    traces = tuple(trace(s, i, before, after) for i, s in enumerate(scans))
+    ranked = tuple(Round(_ranked(trials), name) for trials, name in found.rounds)
+    return Outcome(content, baseline_of(before, model, NAME), model_after, std, (), traces, ranked)
+
+
+def _ranked(trials: tuple[Trial, ...]) -> tuple[tuple[str, str, float], ...]:
+    """The best form of every cause, best first, as a round of the report."""
+    kept: dict[str, Trial] = {}
+    for t in sorted(trials, key=lambda t: -t.fall):
+        kept.setdefault(t.candidate.cause, t)
+    return tuple((t.candidate.cause, t.candidate.where, t.fall) for t in kept.values())
+
+
+def trace(scan: SpreadScan, number: int, before: Member, after: Member) -> ScanTrace:
+    """A scan as measured and as simulated, lost and faulty cells included."""
+    whole = SpreadScan(scan.depth, scan.distance, np.zeros(scan.force.shape), name=scan.name)
+    cells = cells_of([whole], [direction(scan)])
+    own = [m if number < m.k.size else _resized(m, scan, cells) for m in (before, after)]
+    cells = replace(cells, scan=np.full(len(cells), number if number < before.k.size else 0))
+    curves = [as_tables(m.predict(cells), replace(cells, scan=np.zeros(len(cells), int)), [scan])[0] for m in own]
+    return ScanTrace(scan.name, scan.depth, scan.distance, scan.force, *curves)
+
+
+def _resized(m: Member, scan: SpreadScan, cells: Cells) -> Member:
+    """A member with the size that suits a scan that was held out."""
+    known = np.isfinite(scan.force.ravel())
+    shape = m.through(cells)[known]
+    factor = float(shape @ scan.force.ravel()[known]) / max(float(shape @ shape), 1e-300)
+    return Member(m.values, m.k * factor, m.free, m.scale, m.steps, m.k_free)

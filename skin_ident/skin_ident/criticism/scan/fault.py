@@ -1,0 +1,28 @@
+"""What a look at the table itself returns: a cause that needs no model, and the cells that must not be believed."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Fault:
+    """`bad` (N,) masks cells; `why` is one sentence; `parameters` as findings.json writes them; `alternatives` are (cause, where)."""
+
+    cause: str
+    where: str
+    why: str
+    bad: np.ndarray
+    parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
+    alternatives: tuple[tuple[str, str], ...] = ()
+
+
+def quantity(value: float, unit: str) -> dict[str, Any]:
+    """A parameter as findings.json writes it."""
+    return {"value": float(value), "unit": unit}
+
+
+def mm(length: float) -> str:
+    """A length (m) in words."""
+    return f"{1e3 * length:.4g} mm"

@@ -1,0 +1,158 @@
+"""Looks at the tables themselves, before any believing: steps, copies, slips of the pen, a taxel that does not answer."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import spearmanr
+
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.scan.cells import Cells, cells_of
+from skin_ident.criticism.scan.copies import find_copies, resolution
+from skin_ident.criticism.scan.fault import Fault, mm, quantity
+from skin_ident.criticism.scan.levels import Levels, find_levels
+from skin_ident.criticism.scan.rough import rough
+from skin_ident.criticism.scan.slips import FACTORS, factor_near, find_slips
+from skin_ident.criticism.scan.start import plain_start
+from skin_ident.recordings.declared import Declared
+from skin_ident.spread_scan import SpreadScan
+
+COARSER = 1.5  # times the declared step
+ANSWERS = 1e-4  # chance, below which readings are said to follow depth and distance
+FEWEST = 12  # cells that a search needs
+SANE = {"distance": (5e-5, 0.2), "depth": (1e-6, 0.1), "force": (1e-3, 1e5)}  # m, m, N: widths, depths and largest forces of robot skin
+
+
+@dataclass(frozen=True, eq=False)
+class Looked:
+    """`cells` are those to believe, `every` all of them; `step` N of the converter or None; `known` words for `limits`."""
+
+    every: Cells
+    cells: Cells
+    faults: tuple[Fault, ...]
+    step: float | None
+    known: dict[str, str]
+    warnings: tuple[str, ...]
+
+    @property
+    def floor(self) -> float:
+        """The least standard deviation that readings on levels can have, N."""
+        return (self.step or resolution(self.every.y)) / np.sqrt(12.0)
+
+    @property
+    def enough(self) -> bool:
+        """Whether a search can run on what is left."""
+        rows = [np.sum(self.cells.row == d) for d in np.unique(self.cells.row)]
+        return len(self.cells) >= FEWEST and sum(n >= 3 for n in rows) >= 2
+
+
+def look(scans: list[SpreadScan], directions: list[str], declared: Declared) -> Looked:
+    """Everything that shows without a model. Raises `DiagnosisError` where pressing makes the readings negative."""
+    cells = cells_of(scans, directions)
+    levels = [found for s in scans if (found := find_levels(s.force[np.isfinite(s.force)])) is not None]
+    step = float(np.median([f.step for f in levels])) if len(levels) == len(scans) else None
+    faults = [*_silent(cells, scans), *_coarse(cells, step, declared)]
+    answering = ~np.any([f.bad for f in faults], axis=0) if faults else np.ones(len(cells), bool)
+    if answering.sum() >= FEWEST:
+        faults += _in_the_record(cells, answering, scans, step)
+    bad = np.any([f.bad for f in faults], axis=0) if faults else np.zeros(len(cells), bool)
+    return Looked(cells, cells.only(~bad), tuple(faults), step, _words(declared, step), tuple(_off_level(scans)))
+
+
+def _in_the_record(cells: Cells, answering: np.ndarray, scans: list[SpreadScan], step: float | None) -> list[Fault]:
+    believed = cells.only(answering)
+    table = rough(believed, (step or resolution(believed.y)) / np.sqrt(12.0))
+    if np.all(table.member.k < 0.0):
+        raise DiagnosisError(f"{scans[0].name}: pressing makes the readings negative; compression must be positive")
+    found = [*find_copies(believed, table, scans, step)]
+    copied = np.any([f.bad for f in found], axis=0) if found else np.zeros(len(believed), bool)
+    rest = believed.only(~copied)
+    if len(rest) >= FEWEST and np.unique(rest.row).size >= 3:
+        table = rough(rest, (step or resolution(rest.y)) / np.sqrt(12.0))
+        found += [_widened(f, ~copied) for f in find_slips(rest, table, scans)]
+        found += [_widened(f, ~copied) for f in _other_units(rest, scans)]
+    return [_widened(f, answering) for f in found]
+
+
+def _widened(f: Fault, mask: np.ndarray) -> Fault:
+    """A fault of the cells of a mask as one of all cells."""
+    bad = np.zeros(mask.size, bool)
+    bad[mask] = f.bad
+    return Fault(f.cause, f.where, f.why, bad, f.parameters, f.alternatives)
+
+
+def _silent(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
+    """Scans whose readings depend on neither depth nor distance."""
+    for i, scan in enumerate(scans):
+        mine = cells.only(cells.scan == i)
+        if not answers(mine):
+            why = f"the readings of {scan.name} depend on neither depth nor distance: the taxel does not answer"
+            yield Fault("dead_taxel", "taxel", why, cells.scan == i, {"spread_of_readings": quantity(np.std(mine.y), "N")})
+
+
+def answers(cells: Cells) -> bool:
+    """Whether readings grow with depth and fall with distance, whatever the curve: Spearman's rank correlation with a rough guess."""
+    if len(cells) < 4 or np.ptp(cells.y) == 0.0:
+        return False
+    guess = cells.z * np.exp(-((cells.r / (0.4 * np.abs(cells.r).max())) ** 2))
+    found = spearmanr(np.abs(cells.y), guess)
+    return bool(found.statistic > 0.0 and found.pvalue < ANSWERS)
+
+
+def _coarse(cells: Cells, step: float | None, declared: Declared) -> Iterator[Fault]:
+    """Steps coarser than rig.yaml declares."""
+    said = declared.of_taxel("taxel_step_n", 0)
+    if said and step and step > COARSER * said:
+        why = f"the readings are {step:.3g} N apart, {step / said:.2g} times the step that rig.yaml declares"
+        parameters = {"step": quantity(step, "N"), "declared": quantity(said, "N")}
+        yield Fault("quantization", "taxel", why, np.zeros(len(cells), bool), parameters)
+
+
+def _other_units(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
+    """Whole scans in another unit: against the other scans, or against anything that can be a skin."""
+    answering = [s for s in cells.scans if answers(cells.only(cells.scan == s))]
+    parts = [cells.only(cells.scan == s) for s in answering]
+    fits = [plain_start(Cells(**{**vars(one), "scan": np.zeros(len(one), int)})) for one in parts]
+    stiffness = np.array([f.k[0] / f.scale.deepest for f in fits])
+    width = np.array([f.values["width"] for f in fits])
+    for i, s in enumerate(answering):
+        for what, value in (("force over depth", stiffness), ("width", width)):
+            ratio = value[i] / np.median(value[:i]) if i else 1.0
+            factor = factor_near(ratio) if not 0.4 < ratio < 2.5 else None
+            if factor is not None and factor > 0.0:
+                other = f"{ratio:.4g} times that of {scans[int(answering[0])].name}"
+                why = f"the {what} of {scans[int(s)].name} is {other}: a factor that only a unit has ({FACTORS[factor]})"
+                yield Fault("data_error", "rig", why, cells.scan == s, {"factor": quantity(factor, "1")})
+        yield from _insane(scans[int(s)], float(width[i]), len(cells))
+
+
+def _insane(scan: SpreadScan, width: float, n: int) -> Iterator[Fault]:
+    """Sizes that no robot skin has."""
+    sizes = {"distance": width, "depth": float(scan.depth.max()), "force": float(np.nanmax(np.abs(scan.force)))}
+    for what, value in sizes.items():
+        unit, (low, high) = "N" if what == "force" else "m", SANE[what]
+        if not low < value < high:
+            why = f"the {what}s of {scan.name} are of the order of {value:.2g} {unit}: check their unit"
+            yield Fault("data_error", "rig", why, np.zeros(n, bool), {what: quantity(value, unit)})
+
+
+def _words(declared: Declared, step: float | None) -> dict[str, str]:
+    """For causes that are decided here: empty where it was looked for, or why that could not be."""
+    words = {"outliers": "", "dead_taxel": "", "data_error": "", "quantization": "", "noise": ""}
+    if not declared.taxel_step_n:
+        words["quantization"] = "rig.yaml does not declare taxel_step_n" + (f"; the readings are {step:.3g} N apart" if step else "")
+    if not declared.taxel_noise_n:
+        words["noise"] = "rig.yaml does not declare taxel_noise_n"
+    return words
+
+
+def _off_level(scans: list[SpreadScan]) -> Iterator[str]:
+    """Readings on no level of the converter: not wrong enough to matter, but no converter wrote them."""
+    for scan in scans:
+        d, j = np.nonzero(np.isfinite(scan.force))
+        found: Levels | None = find_levels(scan.force[d, j])
+        for i in () if found is None else found.off:
+            yield (
+                f"{scan.name}: the reading {scan.force[d[i], j[i]]:.3g} N of {mm(scan.depth[d[i]])} depth and {mm(scan.distance[j[i]])} "
+                f"sits on no level of the converter, whose steps are {found.step:.3g} N: misread or misprinted"
+            )

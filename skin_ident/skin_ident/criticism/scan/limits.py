@@ -1,0 +1,101 @@
+"""For every cause that was not named: excluded above so much, or untestable and what would test it.
+
+The size of a cause beside all that is in the model is estimated in first order: z with standard error sd. The scans speak about it where
+an ordinary amount (`family.sizes`) would stand out by CLEAR standard errors; it is then excluded above |z| + 1.96 sd.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.scan.candidates import CANDIDATES, Candidate, Excited
+from skin_ident.criticism.scan.cells import Cells
+from skin_ident.criticism.scan.family import QUANTITIES
+from skin_ident.criticism.scan.fitting import Member, jacobian, tangents
+from skin_ident.criticism.scan.whitening import Whitener
+from skin_ident.criticism.vocabulary import CAUSES
+
+CLEAR = 3.0
+_TIME = "a static scan has no time in it"
+_ONE = "there is one taxel in these scans"
+_STIFFNESS = "in a static scan it is the same as another stiffness"
+NEVER = {
+    "stress_relaxation": _TIME,
+    "rate_dependence": _TIME,
+    "hysteresis": "a static scan does not say from which side each depth was approached",
+    "cyclic_softening": "a static scan does not say what the skin had felt before",
+    "adhesion": "a static scan does not withdraw the plunger",
+    "friction": "a static scan has no reversals",
+    "mount_compliance": _STIFFNESS,
+    "backlash": "a static scan has no reversals",
+    "inertia": _TIME,
+    "lag": _TIME,
+    "time_shift": _TIME,
+    "interference": _TIME,
+    "crosstalk": _ONE,
+    "gain_error": _STIFFNESS,
+}
+NEEDS = {
+    "off_centre": "a scan across the taxel, to both sides",
+    "spread_width": "a given model (--model) with a width to compare with",
+    "drift": "scans at three or more depths, best not in the order of depth",
+}
+PLAINEST = {"spread_shape": "power", "spread_depth": "growth", "nonlinear_stiffness": "square"}  # the parameter that a limit is given in
+
+
+def limits(m: Member, cells: Cells, noise: Whitener, x: Excited, named: set[str], known: dict[str, str]) -> tuple[list[dict], list[dict]]:
+    """Entries `excluded` and `untestable` of findings.json for all causes not in `named`. `known` gives the reason for causes that are
+    looked for in the table itself: an empty text means looked for and not seen."""
+    excluded: list[dict[str, Any]] = []
+    untestable: list[dict[str, Any]] = []
+    for cause in CAUSES:
+        if cause.name in named:
+            continue
+        because = NEVER.get(cause.name) or known.get(cause.name) or x.why_not(cause.name) or _tied(cause.name, m, x)
+        entry = None if because else _excluded(m, cells, noise, cause.name, x)
+        if entry is not None:
+            excluded.append(entry)
+        else:
+            because = because or "even an ordinary amount of it would not stand out of the noise here"
+            untestable.append({"cause": cause.name, "because": because, "needs": NEEDS.get(cause.name, cause.needs)})
+    return excluded, untestable
+
+
+def _tied(cause: str, m: Member, x: Excited) -> str:
+    """Why a cause that could be tested cannot be told from what is in the model."""
+    if cause == "off_centre" and not x.both_sides:
+        return "from one side of the taxel, a centre that is off looks like another shape of the spread"
+    return "another shape was fitted, and it brings its own width" if cause == "spread_width" and "width" in m.free else ""
+
+
+def _excluded(m: Member, cells: Cells, noise: Whitener, cause: str, x: Excited) -> dict[str, Any] | None:
+    c = next((c for c in CANDIDATES if c.cause == cause), None)
+    if c is None or cause == "saturation":
+        return {"cause": cause, "below": None, "unit": "", "because": "looked for and not seen"}
+    if cause == "parameters":
+        return _size(m, cells, noise)
+    return _limit(m, cells, noise, c)
+
+
+def _limit(m: Member, cells: Cells, noise: Whitener, c: Candidate) -> dict[str, Any] | None:
+    name = PLAINEST.get(c.cause, c.names[0])
+    if name == "threshold":  # its slope at zero is that of an offset: a little of it stands for more
+        m = m.moved(threshold=0.5 * m.steps["threshold"])
+    J = noise.apply(jacobian(m.freeing(name), cells))
+    position = m.freeing(name).free.index(name)
+    e = noise.apply(cells.y - m.predict(cells))
+    covariance = np.linalg.pinv(J.T @ J)
+    sd = float(np.sqrt(covariance[position, position]))
+    z = float((covariance @ (J.T @ e))[position]) + (m.values[name] if name == "threshold" else 0.0)
+    if not sd or CLEAR * sd > m.steps[name]:
+        return None
+    return {"cause": c.cause, "where": c.where, "parameter": name, "below": abs(z) + 1.96 * sd, "unit": QUANTITIES[name].unit}
+
+
+def _size(m: Member, cells: Cells, noise: Whitener) -> dict[str, Any]:
+    """By how much the level of a given model may be wrong, relative."""
+    J = noise.apply(np.hstack([tangents(m, cells, m.free), m.through(cells)[:, None]]))
+    covariance = np.linalg.pinv(J.T @ J)
+    z = float((covariance @ (J.T @ noise.apply(cells.y - m.predict(cells))))[-1])
+    below = abs(z) + 1.96 * float(np.sqrt(covariance[-1, -1]))
+    return {"cause": "parameters", "where": "skin", "parameter": "k1", "below": below, "unit": "1"}

@@ -1,0 +1,99 @@
+"""A rough, robust description of a table, good enough to see what does not belong in it: before any believing."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.scan.candidates import FEWEST_DISTANCES
+from skin_ident.criticism.scan.cells import Cells
+from skin_ident.criticism.scan.fitting import Member, fit
+from skin_ident.criticism.scan.start import plain_start
+from skin_ident.criticism.scan.whitening import Whitener
+
+ROUNDS = 6
+TUKEY = 4.7
+WILD = 3.0  # a row or column this many times what its neighbours say takes no part
+
+
+@dataclass(frozen=True, eq=False)
+class Rough:
+    """Expected force (N,) and its noise `sigma` (N), from a fit that outvotes single rows, columns and cells."""
+
+    member: Member
+    expected: np.ndarray
+    sigma: float
+
+    def strangeness(self, cells: Cells) -> np.ndarray:
+        """Residual over its standard deviation, (N,)."""
+        return (cells.y - self.expected) / self.tolerance
+
+    @property
+    def tolerance(self) -> np.ndarray:
+        """Standard deviation that a rough description deserves, N: the noise, and 3 % of the force for what it does not describe."""
+        return np.hypot(self.sigma, 0.03 * np.abs(self.expected))
+
+
+def rough(cells: Cells, floor: float) -> Rough:
+    """Fit level, shape, offset and centre with Tukey's weights (N,)."""
+    calm = ~_wild_rows(cells)
+    calm[calm] = ~_wild_columns(cells.only(calm))
+    believed = cells.only(calm)
+    m = plain_start(believed).freeing("exponent", "offset")
+    m = m.freeing("power", "tail") if np.unique(np.abs(cells.r)).size >= FEWEST_DISTANCES else m
+    m = m.freeing("centre") if cells.r.min() < 0.0 < cells.r.max() else m
+    m = m.freeing("ratio") if np.unique(cells.along[cells.along != 0.0]).size > 1 else m
+    m = replace_sizes_for(m, cells)
+    weight, sigma = np.ones(len(believed)), 1.0
+    for _ in range(ROUNDS):
+        m = fit(m, believed, Whitener(1.0 / np.sqrt(weight)), 15, 1e-4).member
+        e = believed.y - m.predict(believed)
+        sigma = max(1.4826 * float(np.median(np.abs(e))), floor, 1e-9)
+        allowed = np.hypot(sigma, 0.03 * np.abs(m.through(believed)))
+        weight = np.maximum(1.0 - (e / (TUKEY * allowed)) ** 2, 0.0) ** 2 + 1e-6
+    return Rough(m, m.predict(cells), sigma)
+
+
+def replace_sizes_for(m: Member, cells: Cells) -> Member:
+    """`m` with a size for every scan of `cells`, also for one that took no part in the start."""
+    scans = int(cells.scan.max()) + 1
+    k = np.array([m.k[i] if i < m.k.size and m.k[i] else np.median(m.k) for i in range(scans)])
+    return Member(m.values, k, m.free, replace(m.scale), m.steps, m.k_free)
+
+
+def _wild_rows(cells: Cells) -> np.ndarray:
+    """Cells (N,) of rows whose force per depth is far from that of most rows of the scan."""
+    wild = np.zeros(len(cells), bool)
+    for s in cells.scans:
+        rows = np.unique(cells.row[cells.scan == s])
+        size = np.array([_top(cells.y[cells.row == d]) / cells.z[cells.row == d][0] for d in rows])
+        usual = np.median(size)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            far = np.abs(np.log(np.abs(size / usual))) > np.log(WILD)
+        if rows.size >= 4 and far.mean() < 0.4:
+            wild |= np.isin(cells.row, rows[far])
+    return wild
+
+
+def _top(y: np.ndarray) -> float:
+    """The third largest magnitude of a row, or the largest of a short one, with its sign."""
+    order = np.argsort(-np.abs(y))
+    return float(y[order[min(2, y.size - 1)]])
+
+
+def _wild_columns(cells: Cells) -> np.ndarray:
+    """Cells (N,) of columns that stand far above both neighbours, or far below them, in most rows."""
+    wild = np.zeros(len(cells), bool)
+    for s in cells.scans:
+        mine = cells.scan == s
+        columns = np.unique(cells.column[mine])
+        if columns.size < 5:
+            continue
+        size = np.array([np.median(cells.y[cells.column == j] / cells.z[cells.column == j]) for j in columns])
+        ends = np.r_[size[1], size, size[-2]]
+        beside = np.array([ends[:-2], ends[2:]])
+        second, most = np.partition(np.abs(size), -2)[-2:]
+        floor = 0.05 * (most if most < WILD * second else second)
+        above = size > WILD * np.maximum(beside.max(axis=0), floor)
+        below = (size * WILD < beside.min(axis=0)) & (beside.min(axis=0) > floor)
+        wild |= np.isin(cells.column, columns[above | below])
+    return wild
