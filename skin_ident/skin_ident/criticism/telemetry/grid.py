@@ -9,23 +9,22 @@ import numpy as np
 TOLERANCE = 2e-3  # of a step, plus what nine written digits round away
 ROUNDED = 2e-8
 FEWEST_LEVELS = 8
+CLOSE = 2.5  # steps between neighbouring levels, in a record that dwells on many of them
 
 
 def sits_on(y: np.ndarray, step: float) -> bool:
-    """Whether the levels in y (N,) are whole multiples of `step`, or all half a step beside them, and most are not too fine for it."""
+    """Whether the levels in y (N,) are a whole number of `step` apart, and many of them just one."""
     levels = np.unique(y[y != 0.0])
     if levels.size < FEWEST_LEVELS or not step or np.ptp(levels) < FEWEST_LEVELS * step:
         return False
-    return _on(levels, step)
+    return float(np.percentile(np.diff(levels), 20.0)) < CLOSE * step and _on(levels, step)
 
 
 def _on(levels: np.ndarray, step: float) -> bool:
-    for shift in (0.0, 0.5):
-        z = levels / step - shift
-        off = np.abs(z - np.round(z))
-        if np.mean(off < TOLERANCE + ROUNDED * np.abs(z)) > 0.97:
-            return True
-    return False
+    """Whether the levels are whole steps apart; where they begin is a matter of the tare."""
+    z = (levels - np.median(levels)) / step
+    off = np.abs(z - np.round(z))
+    return bool(np.mean(off < TOLERANCE + ROUNDED * np.abs(levels / step)) > 0.97)
 
 
 def factor_of(y: np.ndarray, step: float, factors: tuple[float, ...]) -> float | None:
