@@ -16,6 +16,8 @@ from datetime import datetime
 from pathlib import Path
 
 import numpy as np
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
 
 from skin_ident.cli import common
 from skin_ident.cli.diagnose import summary
@@ -111,21 +113,30 @@ def live_comparison(folder: Path, seed: int, tell: "Teller") -> str:
 
 
 def error_table(bag: Path) -> str:
-    """RMSE of both simulated skins against the rig, from one bag in which all three published."""
-    names = {"force": "force", "taxels": "taxels"}
-    measured, before, after = (
-        load([bag], {role: prefix + topic for role, topic in names.items()})[0] for prefix in ("/", "/before/", "/after/")
-    )
-    lines = ["\n  live, simulated skin against rig:     before       after"]
-    for channel, y in measured.channels.items():
-        errors = [_rmse(measured.t, y, simulated.t, simulated.channels[channel]) for simulated in (before, after)]
-        lines.append(f"    RMSE of {channel:<12}            {errors[0]:8.4f} N  {errors[1]:8.4f} N")
+    """RMSE of both simulated skins against the rig over the samples of one stamp, from a bag in which all three published."""
+    with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
+        rows = {who: _samples(reader, who) for who in ("", "/before", "/after")}
+    stamps = sorted(set.intersection(*map(set, rows.values())))
+    if not stamps:
+        raise SkinError(f"{bag} holds no sample that rig and simulations share")
+    measured, before, after = (np.array([row[stamp] for stamp in stamps]) for row in rows.values())
+    lines = [f"\n  live, simulated skin against rig, {len(stamps)} samples:    before        after"]
+    for c, channel in enumerate(["force", *(f"taxel_{i}" for i in range(measured.shape[1] - 1))]):
+        errors = [np.sqrt(np.mean((measured[:, c] - simulated[:, c]) ** 2)) for simulated in (before, after)]
+        lines.append(f"    RMSE of {channel:<12}                         {errors[0]:8.4f} N  {errors[1]:8.4f} N")
     return "\n".join(lines)
 
 
-def _rmse(t: np.ndarray, y: np.ndarray, at: np.ndarray, simulated: np.ndarray) -> float:
-    common_part = (t >= at[0]) & (t <= at[-1])
-    return float(np.sqrt(np.mean((y[common_part] - np.interp(t[common_part], at, simulated)) ** 2)))
+def _samples(reader: AnyReader, who: str) -> dict[tuple[int, int], np.ndarray]:
+    """Force and taxels (N, compression positive) under their stamp; samples that lack one of the two are left out."""
+    parts: dict[str, dict[tuple[int, int], np.ndarray]] = {f"{who}/force": {}, f"{who}/taxels": {}}
+    for connection, _, raw in reader.messages([c for c in reader.connections if c.topic in parts]):
+        message = reader.deserialize(raw, connection.msgtype)
+        stamp = message.header.stamp
+        values = message.force if connection.topic.endswith("taxels") else [-message.wrench.force.z]
+        parts[connection.topic][stamp.sec, stamp.nanosec] = np.asarray(values, float)
+    force, taxels = parts.values()
+    return {stamp: np.concatenate([force[stamp], taxels[stamp]]) for stamp in force if stamp in taxels}
 
 
 def answer(hidden: Effect | None, findings: dict) -> str:
