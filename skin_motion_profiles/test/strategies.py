@@ -11,6 +11,7 @@ SPEED = st.floats(0.05, 20.0)
 ACCELERATION = st.floats(20.0, 900.0)
 SECONDS = st.floats(0.0, 3.0)
 SEED = st.integers(0, 2**31 - 1)
+TURNS = st.lists(st.integers(5, 300), min_size=2, max_size=6, unique=True).map(lambda cents: [c / 100 for c in cents])
 DEPTHS = st.lists(DEEP, min_size=1, max_size=3)
 SPEEDS = st.lists(SPEED, min_size=1, max_size=3)
 
@@ -24,7 +25,7 @@ PARAMETERS = {
         "seed": SEED, "amplitude_mm": st.floats(0.05, 1.0), "base_frequency_hz": st.floats(0.1, 0.5), "highest_hz": st.floats(4.0, 10.0),
         "periods": st.integers(1, 2), "falling": st.floats(0.0, 2.0), "group": st.integers(2, 4),
     },
-    "ramp_list": {"depths_mm": st.lists(DEEP, min_size=2, max_size=6, unique=True), "speeds_mm_s": SPEEDS, "hold_s": SECONDS},
+    "ramp_list": {"depths_mm": TURNS, "speeds_mm_s": SPEEDS, "hold_s": SECONDS},
     "random_ramps": {"seed": SEED, "deepest_mm": DEEP, "shallowest_mm": BASE, "count": st.integers(1, 12), "longest_hold_s": SECONDS},
     "repeated_step": {"depth_mm": DEEP, "base_mm": BASE, "repeats": st.integers(1, 4), "speed_mm_s": SPEED, "hold_s": SECONDS},
     "sine": {
