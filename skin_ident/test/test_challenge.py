@@ -1,0 +1,84 @@
+"""`challenge` counts honestly, goes on where it stopped, and says what is wrong with a call in one sentence."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from skin_ident.cli.challenge import RESULTS, main
+from skin_ident.hiding.campaign import NULL, Case, cases, kept, key
+from skin_ident.hiding.picture import save_confusion
+from skin_ident.hiding.tally import confusion, extra, interval, rate, right, summary
+
+
+def entry(cause, named=(), alternatives=(), where="skin", size=1.0, seed=0, **more):
+    return {
+        "cause": cause, "size": size if cause != NULL else 0.0, "seed": seed, "protocol": "full", "taxels": 1, "where": where, "form": "",
+        "imitated": False, "named": [list(n) for n in named], "alternatives": [list(a) for a in alternatives], "verdict": "explained",
+        "over_oracle": 1.02, "seconds_per_session": 0.4, **more,
+    }  # fmt: skip
+
+
+LAG, FRICTION = ("lag", "taxel"), ("friction", "rig")
+ENTRIES = [
+    entry(NULL, seed=0), entry(NULL, [LAG], seed=1), entry("lag", [LAG], where="taxel"), entry("friction", [LAG], [FRICTION], where="rig"),
+    entry("lag", [("lag", "load_cell")], where="taxel", seed=1), entry("gain_error", imitated=True), entry("backlash", [FRICTION, LAG]),
+]  # fmt: skip
+
+
+def test_clopper_pearson_as_in_the_tables():
+    assert interval(0, 10) == pytest.approx((0.0, 0.3085), abs=1e-4)
+    assert interval(5, 10) == pytest.approx((0.1871, 0.8129), abs=1e-4)
+    assert interval(10, 10)[1] == 1.0 and rate(0, 0) == "none tried"
+
+
+def test_what_is_right():
+    assert [right(e) for e in ENTRIES] == [True, False, True, True, False, True, False]
+    assert right(ENTRIES[4], place=False)
+    assert [extra(e) for e in ENTRIES] == [[], ["lag"], [], [], [], [], ["friction", "lag"]]
+
+
+def test_the_matrix_and_its_picture(tmp_path):
+    causes, names, counts = confusion(ENTRIES)
+    assert counts.sum() == len(ENTRIES) and causes[-1] == NULL and names[-1] == "nothing"
+    assert counts[causes.index("lag"), names.index("lag")] == 2
+    save_confusion(ENTRIES, tmp_path / "confusion.png")
+    assert (tmp_path / "confusion.png").stat().st_size > 5000
+    said = summary([*ENTRIES, {"cause": "lag", "skipped": "too large"}])
+    assert "1 of 2, 50 %" in said and "skipped 1: too large" in said
+
+
+def test_cases_are_spread_over_causes_before_seeds():
+    wanted = cases([NULL, "lag"], [0.5, 1.0], 3, "demo", 1)
+    assert len(wanted) == 9 and {c.cause for c in wanted[:3]} == {NULL, "lag"} and wanted[0].size == 0.0
+
+
+def test_a_line_cut_short_is_played_again(tmp_path):
+    file = tmp_path / RESULTS
+    file.write_text(json.dumps(ENTRIES[2]) + "\n" + json.dumps(ENTRIES[3])[:40])
+    assert [key(e) for e in kept(file)] == [Case("lag", 1.0, 0)]
+
+
+def test_a_campaign_resumes_and_writes_its_tables(tmp_path, capsys):
+    call = ["--causes", NULL, "force_offset", "--sizes", "2", "--seeds", "1", "--protocol", "demo", "--jobs", "1", "--out", str(tmp_path)]
+    assert main(call) == 0
+    first = (tmp_path / RESULTS).read_text()
+    assert "failed" not in first and "force_offset" in capsys.readouterr().out
+    assert main(call) == 0
+    assert (tmp_path / RESULTS).read_text() == first and "2 of 2 cases are there already" in capsys.readouterr().err
+    rows = list(csv.DictReader((tmp_path / "cases.csv").open()))
+    assert {r["cause"] for r in rows} == {NULL, "force_offset"} and (tmp_path / "confusion.png").exists()
+    ratios = [float(r["over_oracle"]) for r in rows]
+    assert np.all(np.array(ratios) < 1.5) and (tmp_path / "confusion.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [(["--causes", "witchcraft"], "is no cause"), (["--protocol", "array_walk"], "motions alone"), (["--seeds", "0"], "--seeds"),
+     (["--causes", "spread_width"], "cannot be hidden here"), (["--sizes", "0"], "positive"), (["--protocol", "x"], "no battery")],
+)  # fmt: skip
+def test_a_bad_call(tmp_path, capsys, arguments, word):
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert word in said and "Traceback" not in said and not (tmp_path / "out").exists()

@@ -1,0 +1,105 @@
+"""`hide` puts an effect of the size asked for into any recording, keeps the truth apart, and refuses with one sentence."""
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from skin_ident.cli.hide import main
+from skin_ident.hiding.campaign import Case, recordings
+from skin_ident.hiding.drawing import hideable
+from skin_ident.hiding.errors import HidingError
+from skin_ident.hiding.ground import ground
+from skin_ident.hiding.hide import hide
+from skin_ident.hiding.writing import write_recordings
+from skin_ident.recordings.load import load
+
+BASE = recordings(Case("null", 0.0, 1, "demo", taxels=2))[:2]
+ALONE = ("dead_taxel", "quantization", "saturation")  # whose size is what it is, or falls in steps
+
+
+@pytest.fixture(scope="module")
+def on():
+    return ground(BASE)
+
+
+@pytest.fixture
+def command(capsys):
+    def run(*arguments):
+        status = main([str(a) for a in arguments])
+        return SimpleNamespace(status=status, err=capsys.readouterr().err)
+
+    return run
+
+
+@pytest.fixture
+def base(tmp_path):
+    write_recordings([r.part(0, 1500) for r in BASE], tmp_path / "base")
+    return tmp_path / "base"
+
+
+def test_every_cause_has_the_size_asked_for(on):
+    for cause in hideable(on.sessions[0]):
+        changed, hidden = hide(BASE, cause, size=2.0, seed=3, on=on)
+        assert hidden.effect.cause == cause and len(changed) == len(BASE)
+        if cause not in ALONE:
+            assert hidden.size == pytest.approx(2.0, rel=0.15), cause
+            assert max((hidden.change if hidden.imitated else hidden.visible).values()) == pytest.approx(hidden.size)
+
+
+def test_what_changes_is_what_the_place_says(on):
+    for cause, where in (("lag", "load_cell"), ("drift", "taxel_1"), ("hysteresis", "skin")):
+        (after, _), _ = hide(BASE, cause, where, 1.0, 0, on)
+        moved = {c for c, y in after.channels.items() if not np.array_equal(y, BASE[0].channels[c])}
+        assert moved == {"load_cell": {"force"}, "taxel_1": {"taxel_1"}, "skin": {"force", "taxel_0", "taxel_1"}}[where]
+        assert np.array_equal(after.depth, BASE[0].depth)
+        steps = after.force / after.declared.force_step_n
+        assert np.allclose(steps, np.round(steps), atol=1e-6)
+
+
+def test_equal_seeds_hide_equal_things(on):
+    (one, _), truth = hide(BASE, size=1.0, seed=7, on=on)
+    (other, _), again = hide(BASE, size=1.0, seed=7, on=on)
+    assert truth == again and np.array_equal(one.force, other.force) and np.array_equal(one.taxels, other.taxels)
+
+
+def test_a_lone_gain_is_said_to_be_imitated(on):
+    _, hidden = hide(BASE, "mount_compliance", size=1.0, seed=0, on=on)
+    assert hidden.imitated and max(hidden.visible.values()) < 0.1
+
+
+def test_the_truth_lies_apart_and_the_data_are_read_again(command, base, tmp_path):
+    done = command(base, "--cause", "friction", "--size", 3, "--out", tmp_path / "out")
+    assert done.status == 0, done.err
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["rig.yaml", "session_1.csv", "session_2.csv"]
+    truth = json.loads((tmp_path / "out_truth.json").read_text())["hidden"][0]
+    assert truth["cause"] == "friction" and truth["parameters"]["force"]["unit"] == "N"
+    read = load(tmp_path / "out")
+    assert [len(r) for r in read] == [1500, 1500] and read[0].declared.force_step_n == pytest.approx(0.0678)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--cause", "witchcraft"], "choose from adhesion"),
+        (["--cause", "lag", "--where", "skin"], "choose from load_cell"),
+        (["--size", "-1"], "positive"),
+        (["--cause", "lag", "--size", "5000"], "cannot be made 5000 times"),
+        (["--truth", "OUT/truth.json"], "beside the data"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_writes_nothing(command, base, tmp_path, arguments, word):
+    out = tmp_path / "out"
+    done = command(base, *(a.replace("OUT", str(out)) for a in arguments), "--out", out)
+    assert done.status == 2 and word in done.err and "Traceback" not in done.err
+    assert not out.exists() and not (tmp_path / "out_truth.json").exists()
+
+
+def test_recordings_of_a_force_driven_test(on):
+    driven = [replace(r.part(0, 1500), depth=None) for r in BASE]
+    changed, hidden = hide(driven, "lag", "taxel_0", 1.0, 0)
+    assert hidden.size == pytest.approx(1.0, rel=0.1) and np.array_equal(changed[0].force, driven[0].force)
+    with pytest.raises(HidingError, match="backlash"):
+        hide(driven, "backlash")

@@ -1,0 +1,115 @@
+"""The separating experiment tells rivals apart: computed from recordings that cannot, recorded, and criticised."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from skin_ident.criticism.criticise import Named, Rival
+from skin_ident.criticism.diagnose import diagnose, skin_mass
+from skin_ident.criticism.fitting import fit
+from skin_ident.criticism.gate import Gain
+from skin_ident.criticism.growing import grow
+from skin_ident.criticism.proposals import directions
+from skin_ident.criticism.session import prepare
+from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.survey import survey
+from skin_ident.hiding.simulated_rig import SimulatedRig, varied
+from skin_ident.separating.candidates import candidates
+from skin_ident.separating.choose import Experiment, separating_experiment
+from skin_models.catalogue import effect_class
+from skin_models.materials import material
+from skin_models.model import Model
+from skin_motion_profiles.profile_file import entry_from_text, entry_from_words
+
+AIR = "{type: free_air, duration_s: 1}"
+TRIANGLES = f"{{type: battery, profiles: [{AIR}, {{type: constant_rate_loops, depths_mm: 1, speeds_mm_s: 1, cycles: 5}}, {AIR}]}}"
+SINE = "{type: sine, amplitude_mm: 0.2, offset_mm: 0.6, frequency_hz: 0.5, periods: 6}"
+RAMPS = "{type: random_ramps, seed: 1, shallowest_mm: 0.3, deepest_mm: 0.9, count: 14, slowest_mm_s: 0.3, fastest_mm_s: 2}"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two rivals at their places, with what to hide of each, and a battery that cannot tell them apart (from second `begins` on)."""
+
+    rivals: dict
+    battery: str
+    begins: float
+
+
+PAIRS = {
+    "memory": Pair({("hysteresis", "skin"): {"threshold": 4e-4}, ("stress_relaxation", "skin"): {}}, TRIANGLES, 0.0),
+    "zero": Pair({("force_offset", "load_cell"): {"offset": 0.1}, ("position_offset", "rig"): {"offset": 1.5e-5}}, RAMPS, 2.0),
+    "delay": Pair({("lag", "load_cell"): {}, ("time_shift", "clock"): {"skew": 0.0}}, SINE, 2.0),
+}
+CASES = [(name, truth) for name, pair in PAIRS.items() for truth in pair.rivals]
+
+
+def specimen(pair: Pair, truth, seed: int) -> Model:
+    cause, where = truth
+    return varied(material("silicone_4mm").model, seed).extended(effect_class(cause, where).typical(where, **pair.rivals[truth]))
+
+
+def recorded(model: Model, battery, seeds, begins: float = 0.0) -> list:
+    rig = SimulatedRig()
+    whole = [rig.record(model, battery, seed) for seed in seeds]
+    return [r.part(int(begins * rig.rate), len(r)) for r in whole]
+
+
+def experiment(pair: Pair, recordings: list) -> Experiment:
+    """What the criticism would compute if it had found the recordings unable to tell the pair apart."""
+    sessions = [prepare(r) for r in recordings]
+    which = directions(sessions[0])
+    start = dispersion_start(sessions, skin_mass(recordings[0]))
+    first = survey(start, sessions, which)
+    before = fit(start, sessions, first.noise)
+    ranked = {(r.cause, r.where): r for r in survey(before.model, sessions, which, first.noise).ranked}
+    models = {rival: grow(before, ranked[rival], sessions, which, first.noise).model for rival in pair.rivals}
+    (one, other), gain = pair.rivals, Gain("force", ("force",), 1.0, 1.0, (0.0, 0.0), 0.0, 0.0, "")
+    named = Named(*one, gain, 0.0, (Rival(*other, 0.0, models[other]),), before.model, models[one])
+    return separating_experiment(named, sessions, first.noise)
+
+
+def names_left(pair: Pair, truth, seed: int) -> tuple[Experiment, set]:
+    """The experiment, and which of the pair are still named once it is recorded."""
+    model = specimen(pair, truth, seed)
+    poor = recorded(model, entry_from_text(pair.battery), [100 * seed, 100 * seed + 1], pair.begins)
+    found = experiment(pair, poor)
+    rich = recorded(model, entry_from_text(found.text), [100 * seed + i for i in (2, 3)])
+    sessions = [replace(r, name=str(i)) for i, r in enumerate((poor[0], rich[0], poor[1], rich[1]))]
+    findings = diagnose(sessions[:2], sessions[2:]).findings["findings"]
+    said = {(e["cause"], e["where"]) for f in findings for e in (f, *f["alternatives"])}
+    return found, said & set(pair.rivals)
+
+
+@pytest.mark.parametrize(("name", "truth"), CASES, ids=lambda x: x if isinstance(x, str) else x[0])
+def test_recording_it_leaves_the_truth_alone(name, truth):
+    found, left = names_left(PAIRS[name], truth, seed=1)
+    assert left == {truth}, found.sentence("separating.yaml")
+    assert found.evidence > found.recorded
+
+
+@pytest.mark.campaign
+def test_campaign_of_seeds(capsys):
+    results = [names_left(PAIRS[name], truth, seed)[1] == {truth} for name, truth in CASES for seed in range(2, 7)]
+    with capsys.disabled():
+        print(f"\none name left, the right one: {sum(results)} of {len(results)}")
+    assert np.mean(results) > 0.8
+
+
+def test_candidates_stay_within_depth_and_rig():
+    found = candidates(0.6e-3, 0.01)
+    assert len(found) > 25 and len({c.name for c in found}) == len(found)
+    for c in found:
+        assert c.motion.x.max() < 0.602e-3 and np.abs(c.motion.v).max() < 20.1e-3
+
+
+def test_the_battery_is_one_that_the_server_reads(tmp_path):
+    pair = PAIRS["delay"]
+    model = specimen(pair, ("lag", "load_cell"), 1)
+    found = experiment(pair, recorded(model, entry_from_text(pair.battery), [1], pair.begins))
+    (tmp_path / "separating.yaml").write_text(found.text)
+    battery = entry_from_words(str(tmp_path / "separating.yaml"))
+    assert battery.kind == "battery" and battery.about == found.name
+    sentence = found.sentence("separating.yaml")
+    assert sentence.startswith("record separating.yaml (") and "to tell lag from time_shift" in sentence

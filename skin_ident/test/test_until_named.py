@@ -1,0 +1,27 @@
+"""Experiment and criticism by turns: one name is left in the end, and the rig's time is counted."""
+
+import json
+
+from skin_ident.cli.identify import main
+
+TRIANGLES = (
+    "{type: battery, profiles: [{type: free_air, duration_s: 1}, "
+    "{type: constant_rate_loops, depths_mm: 1, speeds_mm_s: 1, cycles: 5}, {type: free_air, duration_s: 1}]}"
+)
+
+
+def test_goes_on_until_one_name_is_left(tmp_path, capsys):
+    call = ["--until-named", "--cause", "hysteresis", "--seed", "2", "--first", TRIANGLES, "--fixed", "demo", "--out", str(tmp_path)]
+    assert main(call) == 0
+    said = capsys.readouterr().out
+    told = json.loads((tmp_path / "experiments.json").read_text())
+    assert "the fixed battery demo" in said and told["course"][0]["battery"] == TRIANGLES
+    assert all(len(names) == 1 for names in told["course"][-1]["left"])
+    for name in ("findings.json", "model.yaml", "report.html", "specimen.yaml", "recordings/session_1.csv"):
+        assert (tmp_path / name).exists(), name
+
+
+def test_bad_calls(tmp_path, capsys):
+    for arguments, word in ((["--budget", "0"], "--budget"), (["--cause", "witchcraft"], "choose from"), (["--first", "x"], "neither")):
+        assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
+        assert word in capsys.readouterr().err and not (tmp_path / "out").exists()
