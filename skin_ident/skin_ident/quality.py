@@ -16,6 +16,8 @@ SPIKE_RANGE = 0.03  # of the channel's range
 WIDEST = 3  # samples of one spike
 FROZEN = 8  # samples at one value before it is asked whether the channel should have moved
 MOVED = 0.05  # of a channel's range: what it should have moved by
+WAY = 8  # samples to either side from which the slope around a spike is taken
+JUMP = 2.0  # times the largest usual step: how a frozen encoder catches up
 SOFT, HARD = 30.0, 1e6  # N/m, stiffness of a skin under a plunger: outside, a unit is suspected
 FAR_TOO_MUCH = 30.0  # times the applied force: no taxel feels that
 MOST, LEAST = 1.5, 0.01  # of the applied force, felt by all taxels together and by the strongest
@@ -104,7 +106,8 @@ def _mark(y: np.ndarray, i: int, limit: float, out: np.ndarray) -> None:
             if before < 1 or after > y.size - 2:
                 continue
             line = np.interp(np.arange(start, after), [before, after], [y[before], y[after]])
-            slope = max(abs(y[before] - y[before - 1]), abs(y[after + 1] - y[after]))
+            back, on = max(0, before - WAY), min(y.size - 1, after + WAY)
+            slope = max(abs(y[before] - y[back]) / (before - back), abs(y[on] - y[after]) / (on - after))
             if np.all(np.abs(y[start:after] - line) > limit) and abs(y[after] - y[before]) < limit / 2 + (width + 1) * slope:
                 out[start:after] = True
                 return
@@ -121,16 +124,21 @@ def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
     rows = _rows(r)
     good, counts = np.ones(len(r), bool), {}
     for name, y in rows.items():
-        frozen = _frozen(y, [other for n, other in rows.items() if n != name])
+        others = [other for n, other in rows.items() if n != name]
+        frozen = _frozen(y, others, holds=name == "depth")
         counts[name] = int(frozen.sum())
         good &= ~frozen
     return good, counts
 
 
-def _frozen(y: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
-    """Samples in runs of one value during which every other channel says that this one should have moved."""
+def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:
+    """Samples in runs of one value during which every other channel says that this one should have moved.
+
+    A depth may be held while forces relax (`holds`): it counts as frozen only where it jumps afterwards.
+    """
     out = np.zeros(y.size, bool)
-    edges = np.flatnonzero(np.diff(y) != 0.0)
+    steps = np.abs(np.diff(y))
+    edges = np.flatnonzero(steps)
     starts, stops = np.concatenate([[0], edges + 1]), np.concatenate([edges + 1, [y.size]])
     long = stops - starts >= FROZEN
     spread = float(np.ptp(y))
@@ -138,8 +146,10 @@ def _frozen(y: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
     if not long.any() or spread == 0.0 or not related:
         return out
     least = MOVED * spread + 2.0 * _step(y)
+    jump = JUMP * float(np.percentile(steps[edges], 95))
     for start, stop in zip(starts[long], stops[long], strict=True):
-        if all(abs(slope) * np.ptp(o[start:stop]) > least for o, slope in related):
+        leaps = stop < y.size and steps[stop - 1] > jump
+        if all(abs(slope) * np.ptp(o[start:stop]) > least for o, slope in related) and (leaps or not holds):
             out[start:stop] = True
     return out
 

@@ -1,0 +1,80 @@
+"""Straight lines that calibrate: newtons per volt of a taxel against the load cell (thesis eq 26, Table 3-1), and newtons per metre of
+anything against the depth (Table 3-2), with errors that hold although the residual is coloured by hysteresis and drift.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.regression import Block, regress
+from skin_ident.recordings.recording import Recording
+
+ALL = np.ones(1)  # no low-pass
+LEAST_RANGE = 5.0  # times the residual: a smaller load says nothing about a slope
+
+
+@dataclass(frozen=True)
+class Line:
+    """y = slope (x - zero): slope and its standard error; zero in the unit of x; rms of y about the line; R²; samples."""
+
+    slope: float
+    slope_std: float
+    zero: float
+    rms: float
+    r2: float
+    samples: int
+
+
+def fit_line(x: Sequence[np.ndarray], y: Sequence[np.ndarray], through_zero: bool = False) -> Line:
+    """The line through sessions x, y of (N_s,) each. `through_zero` leaves the zero at 0. Raises `FitError` where x hardly varies."""
+    if any(a.shape != b.shape or a.size < 20 for a, b in zip(x, y, strict=True)):
+        raise FitError("a calibration needs matching rows of at least 20 samples")
+    if np.ptp(np.concatenate(x)) == 0.0:
+        raise FitError("what the calibration is made against never changes")
+    columns = [a[:, None] if through_zero else np.column_stack([np.ones(a.size), a]) for a in x]
+    fit = regress([[Block(b, h, ALL) for b, h in zip(y, columns, strict=True)]])
+    c, residual, whole = fit.coefficients[0], np.concatenate(fit.residuals[0]), np.concatenate(y)
+    slope, rms = float(c[-1]), float(np.sqrt(np.mean(residual**2)))
+    if abs(slope) * np.ptp(np.concatenate(x)) < LEAST_RANGE * rms:
+        raise FitError("the two hardly go together: the load is too small, or the wrong channels were named")
+    zero = 0.0 if through_zero else float(-c[0] / slope)
+    r2 = 1.0 - float(np.mean(residual**2)) / max(float(np.var(whole)), 1e-300)
+    return Line(slope, float(np.sqrt(fit.covariance[-1, -1])), zero, rms, r2, whole.size)
+
+
+def calibrate(recordings: Sequence[Recording]) -> dict[str, Line]:
+    """Newtons per volt of every taxel that is in volts, against the load cell over all sessions. Raises `FitError`."""
+    first = recordings[0]
+    names = [n for n, unit in zip(first.taxel_names, first.taxel_units, strict=True) if unit == "V"]
+    if not names:
+        raise FitError(f"{first.name} has no taxel in volts: there is nothing to calibrate")
+    for r in recordings:
+        if r.force is None or not set(names) <= set(r.taxel_names):
+            raise FitError(f"{r.name} lacks a load cell, or one of {', '.join(names)}: a calibration needs both together")
+    return {n: fit_line([r.taxels[r.taxel_names.index(n)] for r in recordings], [r.force for r in recordings]) for n in names}
+
+
+def stiffness(recordings: Sequence[Recording]) -> dict[str, Line]:
+    """Newtons per metre of every force against the depth, over all sessions, where the plunger touches. Raises `FitError`."""
+    lacking = [r.name for r in recordings if r.depth is None]
+    if lacking:
+        raise FitError(f"{', '.join(lacking)}: no depth was recorded")
+    touched = [r.depth > 0.0 for r in recordings]
+    depths = [r.depth[t] for r, t in zip(recordings, touched, strict=True)]
+    return {n: fit_line(depths, [r.channels[n][t] for r, t in zip(recordings, touched, strict=True)]) for n in first_channels(recordings)}
+
+
+def first_channels(recordings: Sequence[Recording]) -> list[str]:
+    """The channels that every recording has."""
+    return [n for n in recordings[0].channels if all(n in r.channels for r in recordings)]
+
+
+def as_rig_yaml(lines: dict[str, Line]) -> str:
+    """The calibration as an entry of rig.yaml."""
+    rows = [
+        f"  {n}: {{slope_n_per_v: {line.slope:.6g}, zero_v: {line.zero:.6g}}}  # ± {2 * line.slope_std:.2g} N/V"
+        for n, line in lines.items()
+    ]
+    return "\n".join(["calibration:", *rows, ""])

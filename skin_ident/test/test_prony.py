@@ -1,0 +1,47 @@
+"""Relaxation times and stiffnesses come back from holds, and no more of them are found than there are."""
+
+import numpy as np
+import pytest
+from making import SILICONE, noise, response
+
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.prony import fit_prony
+from skin_ident.recordings.recording import Recording
+
+
+def held(arms, sigma=0.02, seed=0, dt=0.01):
+    """Ramps of 1 mm/s and holds of 12 s at four depths; every arm by a fine Euler integration written out here."""
+    knots_t, knots_x = [0.0], [0.05e-3]
+    for depth in (0.4e-3, 0.8e-3, 0.3e-3, 0.6e-3):
+        knots_t += [knots_t[-1] + abs(depth - knots_x[-1]) / 1e-3, knots_t[-1] + abs(depth - knots_x[-1]) / 1e-3 + 12.0]
+        knots_x += [depth, depth]
+    t = np.arange(int(knots_t[-1] / dt)) * dt
+    fine = np.arange(t.size * 20) * dt / 20
+    xf = np.interp(fine, knots_t, knots_x)
+    x = xf[::20]
+    force, taxels = response(np.array([x, np.gradient(x, dt), np.zeros_like(x)]), (0.0, *SILICONE[4][1:]))
+    for sensed, dispersed, tau in arms:
+        r, out = 0.0, np.empty(fine.size)
+        for i in range(fine.size):
+            out[i] = r
+            r += (xf[min(i + 1, fine.size - 1)] - xf[i]) - r * dt / 20 / tau
+        force, taxels = force + (sensed + dispersed) * out[::20], taxels + sensed * out[::20]
+    rng = np.random.default_rng(seed)
+    return Recording("holds", t, x, force + noise(rng, t.size, sigma), taxels + noise(rng, t.size, sigma))
+
+
+@pytest.mark.parametrize("arms", [[], [(1500.0, 800.0, 1.5)], [(1500.0, 800.0, 0.5), (900.0, 700.0, 6.0)]])
+def test_arms_come_back(arms):
+    fit = fit_prony([held(arms)])
+    assert len(fit.arms) == len(arms), fit.arms
+    for found, (sensed, dispersed, tau) in zip(fit.arms, arms, strict=True):
+        assert found.tau == pytest.approx(tau, abs=0.05 * tau + 4 * found.tau_std)
+        for channel, truth in (("taxel_0", sensed), ("force", sensed + dispersed)):
+            value, std = found.stiffness[channel]
+            assert value == pytest.approx(truth, abs=0.05 * truth + 4 * std)
+    assert fit.model is not None and fit.model.dispersion.k1 == pytest.approx(9619, rel=0.03) and len(fit.model.effects) == len(arms)
+
+
+def test_number_of_arms_is_bounded():
+    with pytest.raises(FitError, match="between 0 and"):
+        fit_prony([held([])], arms=9)
