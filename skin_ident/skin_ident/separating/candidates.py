@@ -5,6 +5,7 @@ Every candidate begins and ends in free air, so that it can be recorded as a ses
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import floor
 from typing import Any
 
 from skin_ident.separating.path import planned, within
@@ -42,15 +43,20 @@ class Candidate:
 def candidates(deepest: float, dt: float) -> list[Candidate]:
     """Every motion that goes no deeper than `deepest` (m) and that the rig can make, sampled every `dt` s."""
     found = []
-    for name, content, rich in _described(round(deepest * 1e3, 3)):
+    for name, content, rich in _described(_rounded(deepest * 1e3)):
         try:
             entry = entry_from_dict(content)
-            motion = planned(entry, dt, within(deepest * 1.001))
+            motion = planned(entry, dt, within(deepest + 2e-6))
         except ProfileError:
             continue  # not at this depth, or not by motions alone
         if len(motion) * dt <= LONGEST:
             found.append(Candidate(name, entry_to_text(entry), motion, rich))
     return found
+
+
+def _rounded(d: float) -> float:
+    """A depth in mm that a person would type: whole hundredths, no deeper."""
+    return floor(d * 100.0 + 0.2) / 100.0 if d > 0.1 else d
 
 
 def _described(d: float) -> Iterator[tuple[str, dict[str, Any], bool]]:
