@@ -25,6 +25,7 @@ class Parameter:
     upper: float = math.inf
     role: str = AMPLITUDE
     typical: float = math.nan
+    negligible: float = 0.0
     doc: str = ""
 
 
@@ -36,15 +37,17 @@ def quantity(
     upper: float = math.inf,
     role: str = AMPLITUDE,
     typical: float | None = None,
+    negligible: float = 0.0,
     scan: tuple[float, ...] = (),
     doc: str = "",
 ) -> Any:
     """Declare a parameter as a field of a frozen dataclass.
 
-    `typical` is a sensible size (the prior's median), used to draw examples and to start fits; `scan` is the grid on which a SHAPE
+    `typical` is a sensible size (the prior's median), used to draw examples and to start fits; an amplitude up to `negligible` is what good
+    hardware has anyway, and no cause to be named; `scan` is the grid on which a SHAPE
     parameter is profiled when a cause is proposed.
     """
-    metadata = dict(unit=unit, lower=lower, upper=upper, role=role, typical=typical, scan=scan, doc=doc)
+    metadata = dict(unit=unit, lower=lower, upper=upper, role=role, typical=typical, negligible=negligible, scan=scan, doc=doc)
     return field(default=default, metadata=metadata, kw_only=True)
 
 
@@ -65,6 +68,7 @@ def _parameter(f: Any, thing: Any) -> Parameter:
         upper=f.metadata["upper"],
         role=f.metadata["role"],
         typical=math.nan if typical is None else typical,
+        negligible=f.metadata["negligible"],
         doc=f.metadata["doc"],
     )
 

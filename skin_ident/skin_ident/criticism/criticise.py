@@ -7,7 +7,7 @@ import numpy as np
 
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import Gain, held_out_gain
-from skin_ident.criticism.growing import grow
+from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.residual import simulated
@@ -155,10 +155,13 @@ class Search:
     def _first_believed(self, trials: list[_Trial]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support. What they do not support is kept in `refused`.
 
-        What is small beside the largest effect so far may be the imperfect form of that effect, and is not named.
+        What is small beside the largest effect so far may be the imperfect form of that effect, and is not named. Where the best
+        explanation is what good hardware has anyway, a lesser one is not looked for.
         """
         shadow = SHADOW * max((n.gain.squares for n in self.named), default=0.0)
         for trial in (t for t in trials if t.score > 0.0):
+            if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
+                return None
             gain = self._gain(self.present.model, trial.fit.model)
             rivals = [t for t in trials if t is not trial and t.score > _reach(trial.score)]
             alternatives = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)

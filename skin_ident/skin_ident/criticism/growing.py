@@ -54,3 +54,9 @@ def _ready(d: Direction, amount: float) -> Effect:
 def instances(model: Model, cause: str, where: str) -> tuple[Effect, ...]:
     """The effects of a model that carry one cause at one place."""
     return tuple(e for e in model.effects if (e.cause, e.where) == (cause, where))
+
+
+def negligible(e: Effect) -> bool:
+    """Whether every amplitude of an effect is within what good hardware has anyway."""
+    sizes = [p for p in parameters_of(e) if p.role == AMPLITUDE]
+    return bool(sizes) and all(abs(p.value) <= p.negligible for p in sizes)

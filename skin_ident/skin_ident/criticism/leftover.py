@@ -15,27 +15,31 @@ from skin_ident.criticism.proposals import bank
 from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import Survey
+from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import stack
 
 SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
 SYSTEMATIC_RMSE = 0.05  # and of the plain error, in the channel that gains most
+RESOLVED = 0.2  # of a converter's step: what is smaller than that on average may be the converter's own unevenness
 SHADOW = 0.01  # of what the named causes explained: a remainder below is their own imperfect form
 
 
 @dataclass(frozen=True)
 class Rest:
-    """What a general predictor gains on held-out data: fall of the whitened mean square, its lower 99 % bound, and plain RMSE (N)."""
+    """What a general predictor gains on held-out data: fall of the whitened mean square, its lower 99 % bound, and plain RMSE (N) in the
+    channel that gains most, whose converter steps by `step` (N; 0 where it does not step)."""
 
     fall: float
     lower: float
     before: float
     after: float
+    step: float
 
     def is_systematic(self, explained: float) -> bool:
         """Whether the rest deserves the word `unexplained`, next to causes that made a mean square fall by `explained` (N^2)."""
         sure = self.lower > 0.0 and self.fall > SYSTEMATIC and self.after < (1.0 - SYSTEMATIC_RMSE) * self.before
-        return sure and self.before**2 - self.after**2 > SHADOW * explained
+        return sure and self.before**2 - self.after**2 > max(SHADOW * explained, (RESOLVED * self.step) ** 2)
 
 
 def systematic_rest(last: Survey, train: list[Session], held: list[Session]) -> Rest:
@@ -52,7 +56,7 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session]) -> 
     fall, lower = bootstrap_fall(*([last.noise.apply(e, s.weight) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
-    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]))
+    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), step_of(held[0].raw[c]) or 0.0)
 
 
 def _directions(last: Survey, s: Session) -> tuple[np.ndarray, np.ndarray]:

@@ -13,23 +13,23 @@ CLOSE = 2.5  # steps between neighbouring levels, in a record that dwells on man
 
 
 def sits_on(y: np.ndarray, step: float) -> bool:
-    """Whether the levels in y (N,) are a whole number of `step` apart, and many of them just one."""
+    """Whether the samples in y (N,) are a whole number of `step` apart, and their levels mostly just one or two."""
     levels = np.unique(y[y != 0.0])
     if levels.size < FEWEST_LEVELS or not step or np.ptp(levels) < FEWEST_LEVELS * step:
         return False
-    return float(np.percentile(np.diff(levels), 20.0)) < CLOSE * step and _on(levels, step)
+    return float(np.median(np.diff(levels))) < CLOSE * step and _on(y, step)
 
 
-def _on(levels: np.ndarray, step: float) -> bool:
-    """Whether the levels are whole steps apart; where they begin is a matter of the tare."""
-    z = (levels - np.median(levels)) / step
+def _on(y: np.ndarray, step: float) -> bool:
+    """Whether nearly all samples are whole steps apart. Where they begin is a matter of the tare; a few may have been interpolated."""
+    z = (y - np.median(y)) / step
     off = np.abs(z - np.round(z))
-    return bool(np.mean(off < TOLERANCE + ROUNDED * np.abs(levels / step)) > 0.97)
+    return bool(np.mean(off < TOLERANCE + ROUNDED * np.abs(y / step)) > 0.97)
 
 
 def factor_of(y: np.ndarray, step: float, factors: tuple[float, ...]) -> float | None:
     """The factor f of `factors` for which y sits on the grid of f × step, 1 first; None where it sits on none of them."""
-    if _on(np.unique(y), step):
+    if _on(y, step):
         return 1.0
     for f in factors:
         if sits_on(y, f * step):
