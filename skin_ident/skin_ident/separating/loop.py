@@ -25,8 +25,8 @@ class Step:
 
     @property
     def decided(self) -> bool:
-        """Whether no finding has a rival any more, and something is found where anything is wrong."""
-        return self.verdict != "unexplained" and all(len(names) == 1 for names in self.left)
+        """Whether something is named, and no finding has a rival any more."""
+        return bool(self.left) and all(len(names) == 1 for names in self.left)
 
     @property
     def words(self) -> str:
@@ -52,7 +52,8 @@ class Course:
 def until_named(record: Record, first: str, rich: str, budget: float, progress: Progress = lambda stage: None) -> Course:
     """Begin with the battery `first` and go on until one name is left, `budget` (s of recording) is spent, or nothing would help.
 
-    What is wrong but has no name yet has no rivals to separate either: then the battery `rich` is next, once.
+    Where nothing is named there are no rivals to separate, and the first battery may have been too poor to show anything: then the battery
+    `rich` is next, once.
     """
     train, held, steps, battery = [], [], [], first
     while True:
