@@ -18,6 +18,7 @@ from skin_ident.separating.contest import Contender, Contest, contest, rehearsed
 FLOOR = 100.0  # squared whitened units, ten times the criticism's: causes that nobody thinks of now must not stand between the two
 SHORTEST = 20.0  # s: held-out data are judged by blocks of 2 s, and a few of them say nothing
 MARGIN = 1.5  # times the criticism's own bound: real skins are not quite of the forms that were fitted
+PATIENCE = 75.0  # s of recording, for an experiment that is not sure to decide
 MOST_RUNS = 3
 PERIOD = 0.01  # s, at which candidates are simulated
 
@@ -125,11 +126,11 @@ def _usable(o: _Option) -> bool:
 
 
 def _cost(known: Contest, o: _Option) -> tuple[int, float]:
-    """How many pairs it leaves together, then its seconds; where it tells none apart, the evidence per second counts instead."""
+    """How many pairs it leaves together, then its seconds; where it tells none apart, how near it comes within `PATIENCE`."""
     together = _together(known, o)
     if together.sum() < together.size:
         return int(together.sum()), o.seconds
-    return together.size, -float(o.new.evidence.min()) / o.seconds
+    return together.size, -float((known + o.new).margin(FLOOR, REACH).min()) * (o.seconds <= PATIENCE)
 
 
 def _together(known: Contest, o: _Option) -> np.ndarray:
