@@ -96,7 +96,7 @@ def test_campaign_of_seeds(capsys):
     alone, sure = [left == {truth} for _, left, truth in results], [found.decides for found, _, _ in results]
     with capsys.disabled():
         print(
-            f"\none name left, the right one: {sum(alone)} of {len(alone)}; where expected: {np.dot(alone, sure)} of {sum(sure)}"
+            f"\none name left, the right one: {sum(alone)} of {len(alone)}; where expected: {np.sum(np.logical_and(alone, sure))} of {sum(sure)}"
         )
     assert np.mean(alone) > 0.7
 
