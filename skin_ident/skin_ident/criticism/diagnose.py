@@ -13,7 +13,9 @@ from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.scan import diagnose_scans
-from skin_ident.criticism.session import Session, motion_under
+from skin_ident.criticism.session import Session, meeting, motion_under
+from skin_ident.criticism.telemetry.noise_level import find_noise
+from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model import Model
@@ -41,11 +43,12 @@ def diagnose(
         train, held = _blocks(train[0])
     c = criticise(train, held, model, progress, skin_mass(every[0]))
     progress("asking what is left")
+    symptoms = (*looked.symptoms, *_noise(c, every, looked.sessions))
     rest = systematic_rest(c.last, train, held)
     explained = max((n.gain.squares for n in c.named), default=0.0)
-    verdict = _verdict(bool(c.named or looked.symptoms), rest.is_systematic(explained))
+    verdict = _verdict(bool(c.named or symptoms), rest.is_systematic(explained))
     experiments = separating_experiments(c, train, progress)
-    findings = as_findings(c, looked.symptoms, every, train, held, rest, verdict, model is not None, experiments)
+    findings = as_findings(c, symptoms, every, train, held, rest, verdict, model is not None, experiments)
     shown = looked.sessions if len(every) > 1 else looked.sessions[:1]
     traces = tuple(_trace(c, s, any(s is h for h in held)) for s in shown)
     return Outcome(findings, c.baseline.model, c.extended.model, c.extended.std, traces, (), _rounds(c), dict(_batteries(experiments)))
@@ -63,6 +66,16 @@ def skin_mass(recording) -> float:
     """Mass of the skin under the plunger, kg: what rig.yaml says, or silicone of the declared thickness (4 mm: thesis 4.3.1, 0.432 g)."""
     declared = recording.declared
     return declared.moving_mass_kg or MASS_PER_THICKNESS * 1e-3 * (declared.skin_thickness_mm or 4.0)
+
+
+def _noise(c: Criticism, recordings: list, sessions: list[Session]) -> list[Symptom]:
+    """Noise that is not as declared, in what the extended model leaves."""
+    model = c.extended.model
+    rest = [s.raw - simulated(model, s) for s in sessions]
+    calm = [~meeting(motion_under(s, model.dispersion), model.dispersion) for s in sessions]
+    skin = model.dispersion
+    stiffness = [skin.k1 + skin.k2 if c == "force" else skin.k1 * model.shares[int(c.rpartition("_")[2])] for c in sessions[0].channels]
+    return find_noise(recordings, sessions[0].channels, rest, calm, stiffness)
 
 
 def _verdict(anything: bool, systematic: bool) -> str:

@@ -1,0 +1,91 @@
+"""Noise: not what rig.yaml declares, in level, in colour, or because it grows with the load.
+
+Looks at what the extended model leaves at full rate, far from contact made or lost, less its own running median: what is slow may be the
+model's. Speaks only where a level is declared (`force_noise_n`, `taxel_noise_n`, as white noise), and widens it by the converter's step q
+and by what the encoder's step d does through the stiffness k of the skin:
+
+    expected^2 = declared^2 + q^2 / 12 + k^2 d^2 / 12.
+
+An encoder that adds as much as was declared makes any noise coloured and load-dependent; then only the level is looked at.
+"""
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from skin_ident.criticism.telemetry.quantization import step_of
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+
+SLOW_S = 2.0  # of the running median
+OTHER_LEVEL = 1.5  # times as much, or as little, as expected
+COLOURED = 0.5  # correlation of neighbouring samples of noise that should have none
+GROWN = 1.6  # times the spread in the air, in the third of the samples with the greatest load
+FEWEST = 300  # samples that a verdict needs
+
+
+def find_noise(
+    recordings: list, channels: tuple[str, ...], residuals: list[np.ndarray], believed: list[np.ndarray], stiffness: list[float]
+) -> list[Symptom]:
+    """Channels whose noise is not as declared, from residuals (C, N) at full rate and masks (N,) of the samples to look at.
+
+    `stiffness` is the force per depth of each channel, N/m.
+    """
+    declared, n_taxels = recordings[0].declared, len(recordings[0].taxels)
+    found = []
+    for c, channel in enumerate(channels):
+        level = declared.force_noise_n if channel == "force" else declared.of_taxel("taxel_noise_n", int(channel.rpartition("_")[2]))
+        if not level:
+            continue
+        rows = [_quick(e[c], r.dt) for e, r in zip(residuals, recordings, strict=True)]
+        encoder = stiffness[c] * _encoder_step(recordings[0]) / np.sqrt(12.0)
+        why = _unlike(level, encoder, rows, [r.channels[channel] for r in recordings], believed)
+        if why:
+            kind, value, sentence = why
+            text = f"the noise of {channel} {sentence}"
+            found.append(
+                Symptom("noise", place_of(channel, n_taxels), (channel,), {kind: quantity(value, "1")}, {"why": text, "kind": kind})
+            )
+    return found
+
+
+def _unlike(
+    level: float, encoder: float, rows: list[np.ndarray], raw: list[np.ndarray], believed: list[np.ndarray]
+) -> tuple[str, float, str] | None:
+    """Kind, size and sentence of the first thing that is unlike the declaration."""
+    e, y = (
+        np.concatenate([r[b] for r, b in zip(rows, believed, strict=True)]),
+        np.concatenate([r[b] for r, b in zip(raw, believed, strict=True)]),
+    )
+    if e.size < FEWEST:
+        return None
+    expected = float(np.sqrt(level**2 + (step_of(raw[0]) or 0.0) ** 2 / 12.0 + encoder**2))
+    low, high = np.percentile(y, [33.0, 67.0])
+    growth = _spread(e[y >= high]) / max(_spread(e[y <= low]), 0.5 * expected)
+    plain = encoder < 0.5 * level
+    if plain and growth > GROWN:
+        return "growth", growth, f"is {growth:.1f} times as large under load as without"
+    ratio = _spread(e) / expected
+    colour = float(np.median([_neighbours(r, b) for r, b in zip(rows, believed, strict=True)]))
+    if plain and colour > COLOURED:
+        return "correlation", colour, f"hangs together from sample to sample ({colour:.2f}); white noise was declared"
+    if not 1.0 / OTHER_LEVEL < ratio < OTHER_LEVEL:
+        return "level", ratio, f"is {ratio:.2f} times the declared {level:.3g} N (with the converter's step)"
+    return None
+
+
+def _encoder_step(recording) -> float:
+    declared = (recording.declared.encoder_step_um or 0.0) * 1e-6
+    return 0.0 if recording.depth is None else max(declared, step_of(recording.depth) or 0.0)
+
+
+def _quick(e: np.ndarray, dt: float) -> np.ndarray:
+    return e - median_filter(e, 2 * int(0.5 * SLOW_S / dt) + 1)
+
+
+def _spread(e: np.ndarray) -> float:
+    return float(np.mean(np.abs(e)) * np.sqrt(np.pi / 2.0))  # a mean, not a median: quantized noise has few levels
+
+
+def _neighbours(e: np.ndarray, believed: np.ndarray) -> float:
+    pairs = believed[1:] & believed[:-1]
+    a, b = e[1:][pairs], e[:-1][pairs]
+    return float(a @ b / max(np.sqrt((a @ a) * (b @ b)), 1e-300))
