@@ -57,7 +57,7 @@ def _read(bag: Storage, chosen: Chosen, log_time: bool) -> tuple[dict[str, Decod
     layouts = [t for t in bag.topics.values() if t.kind == decode.LAYOUT_TYPE and t.count]
     raws: list[bytes] = []
     if "taxels" in chosen and len(layouts) == 1:
-        takers[layouts[0].name] = lambda buffer, starts, sizes, logs: raws.append(bytes(buffer[starts[-1] : starts[-1] + sizes[-1]]))
+        takers[layouts[0].name] = lambda places, sizes, logs: raws.append(places.raw(len(places) - 1, sizes[-1]))
     warnings = list(bag.read(takers))
     found = {role: decode.decoded(topic, gatherers[role], log_time) for role, (topic, _) in chosen.items()}
     names, positions = decode.layout(layouts[0], raws) if raws else ((), ())

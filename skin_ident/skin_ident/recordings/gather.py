@@ -1,12 +1,12 @@
 """Messages of one topic to arrays, a chunk at a time: one fancy index per field instead of one call per message."""
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from skin_ident.recordings.errors import RecordingError
-from skin_ident.recordings.mcap_chunk import taken
+from skin_ident.recordings.places import Places
 from skin_ident.recordings.layout import Layout, NotPlain, learn
 
 STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -48,26 +48,26 @@ class Gatherer:
         self.log_ns = np.empty(self.count, np.int64)
         self.stamp_ns = np.zeros(self.count, np.int64)
 
-    def add(self, buffer: Any, starts: np.ndarray, sizes: np.ndarray, log_ns: np.ndarray) -> None:
-        """Take in messages that begin at `starts` in a buffer and have `sizes` bytes, in their order."""
-        if self.layout is None and not self._learn(buffer, starts, sizes):
-            self.lost += len(starts)
+    def add(self, places: Places, sizes: np.ndarray, log_ns: np.ndarray) -> None:
+        """Take in messages of these sizes (bytes), in their order."""
+        if self.layout is None and not self._learn(places, sizes):
+            self.lost += len(places)
             return
-        self._make_room(len(starts))
-        fits = self._fits(buffer, starts, sizes)
+        self._make_room(len(places))
+        fits = self._fits(places, sizes)
         if fits.all():
-            self._bulk(buffer, starts, log_ns)
+            self._bulk(places, log_ns)
             return
-        for start, size, stamp, fit in zip(starts, sizes, log_ns, fits, strict=True):
+        for i, (size, stamp, fit) in enumerate(zip(sizes, log_ns, fits, strict=True)):
             if fit:
-                self._bulk(buffer, np.array([start]), np.array([stamp]))
+                self._bulk(Places(places.buffer, places.starts[i : i + 1]), log_ns[i : i + 1])
             else:
-                self._single(bytes(buffer[start : start + size]), stamp)
+                self._single(places.raw(i, size), stamp)
 
-    def _learn(self, buffer: Any, starts: np.ndarray, sizes: np.ndarray) -> bool:
+    def _learn(self, places: Places, sizes: np.ndarray) -> bool:
         """Learn the layout from the first message that can be decoded, and only if both ways of reading it agree."""
-        for start, size in zip(starts.tolist(), sizes.tolist(), strict=True):
-            raw = bytes(buffer[start : start + size])
+        for i, size in enumerate(sizes.tolist()):
+            raw = places.raw(i, size)
             try:
                 self.chosen = self.reader.path(raw)
                 values, stamp = self.reader.read(raw)
@@ -90,7 +90,7 @@ class Gatherer:
         one = Gatherer(self.reader, 1, layout=self.layout, chosen=self.chosen, rows=np.empty((1, values.size)))
         if self.layout.fields[self.chosen].count != values.size:
             return False
-        one._bulk(raw, np.zeros(1, np.int64), np.zeros(1, np.int64))
+        one._bulk(Places(raw, np.zeros(1, np.int64)), np.zeros(1, np.int64))
         return np.array_equal(one.rows[0], values, equal_nan=True) and int(one.stamp_ns[0]) == stamp
 
     def _make_room(self, more: int) -> None:
@@ -104,41 +104,30 @@ class Gatherer:
                 new[: self.size] = old[: self.size]
                 setattr(self, name, new)
 
-    def _fits(self, buffer: Any, starts: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    def _fits(self, places: Places, sizes: np.ndarray) -> np.ndarray:
         """Which messages have the layout: same size, same bytes wherever it says so."""
         good = sizes == self.layout.size
-        inside = starts[good]
-        same = np.ones(inside.size, bool)
-        for offset, content in self.layout.fixed:
-            same &= taken(buffer, inside + offset, len(content)) == np.frombuffer(content, f"V{len(content)}")
-        good[good] = same
+        inside = places.only(good)
+        for offset, content in self.layout.fixed if len(inside) else ():
+            good[good] &= inside.share(offset, content)
+            inside = places.only(good)
         return good
 
-    def _bulk(self, buffer: Any, starts: np.ndarray, log_ns: np.ndarray) -> None:
-        at = slice(self.size, self.size + starts.size)
-        if self.layout.fields.keys() >= set(STAMP):
-            sec, nanosec = (self._field(buffer, starts, path) for path in STAMP)
+    def _bulk(self, places: Places, log_ns: np.ndarray) -> None:
+        at, f = slice(self.size, self.size + len(places)), self.layout.fields
+        if STAMP[0] in f and STAMP[1] in f:
+            sec, nanosec = (places.at(f[path].offset, f[path].code) for path in STAMP)
             np.multiply(sec, 1_000_000_000, out=self.stamp_ns[at], dtype=np.int64)
             self.stamp_ns[at] += nanosec
         self.log_ns[at] = log_ns
-        rows = self.rows[at]
-        self._copy(buffer, starts, rows)
-        self.size += starts.size
-
-    def _field(self, buffer: Any, starts: np.ndarray, path: str) -> np.ndarray:
-        """One number of every message."""
-        f = self.layout.fields[path]
-        return np.ascontiguousarray(taken(buffer, starts + f.offset, int(f.code[2:]))).view(f.code)
-
-    def _copy(self, buffer: Any, starts: np.ndarray, rows: np.ndarray) -> None:
-        """The chosen numbers of every message into `rows` (n, R)."""
-        f = self.layout.fields[self.chosen]
-        size = f.count * int(f.code[2:])
-        found = taken(buffer, starts + f.offset, size)
-        if np.dtype(f.code) == rows.dtype and size:
-            rows.view(found.dtype)[:, 0] = found
+        rows, chosen = self.rows[at], f[self.chosen]
+        if np.dtype(chosen.code) == rows.dtype and chosen.count:
+            whole = f"V{8 * chosen.count}"
+            rows.view(whole)[:, 0] = places.at(chosen.offset, whole)
         else:
-            rows[...] = np.ascontiguousarray(found).view(f.code).reshape(rows.shape)
+            found = places.at(chosen.offset, f"V{chosen.count * int(chosen.code[2:])}")
+            rows[...] = np.ascontiguousarray(found).view(chosen.code).reshape(rows.shape)
+        self.size += len(places)
 
     def _single(self, raw: bytes, log_ns: int) -> None:
         try:

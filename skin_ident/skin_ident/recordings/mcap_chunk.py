@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from skin_ident.recordings.places import Places
+
 HEADER = struct.Struct("<QQQIi")  # message start, message end, uncompressed size, crc, length of the compression's name
-HEAD = np.dtype([("op", "u1"), ("size", "<u8"), ("channel", "<u2")])
 BEFORE = 31  # bytes of a message record before its data: opcode, size, channel, sequence, log time, publish time
 SCHEMA, CHANNEL, MESSAGE = 3, 4, 5
 
@@ -80,11 +81,11 @@ def _as_far_as_it_goes(stream, packed: memoryview, failure: type[Exception]) -> 
     return b"".join(parts)
 
 
-Found = tuple[int, np.ndarray, np.ndarray, np.ndarray]
+Found = tuple[int, Places, np.ndarray, np.ndarray]  # channel, where, sizes, log times (ns)
 
 
 def scan_messages(data, other: Callable[[int, memoryview], None] = lambda op, part: None) -> Iterator[Found]:
-    """Walk through the records: channel, where its messages' data begin, their sizes, their log times (ns). `other` gets the rest."""
+    """Walk through the records: where every channel's messages are, their sizes, their log times (ns). `other` gets the rest."""
     view, at, found = memoryview(data), 0, {}
     while at + 9 <= len(view):
         op, size = view[at], struct.unpack_from("<Q", view, at + 1)[0]
@@ -98,36 +99,24 @@ def scan_messages(data, other: Callable[[int, memoryview], None] = lambda op, pa
         at += 9 + size
     for channel, rows in found.items():
         starts, sizes, logs = np.array(rows, np.int64).T
-        yield channel, starts, sizes, logs
+        yield channel, Places(data, np.ascontiguousarray(starts)), sizes, logs
 
 
 def indexed_messages(data, channel: int, entries: np.ndarray) -> Found | None:
     """The same for one channel from its message index, entries (n, 2) of log time and offset; None where the index does not fit."""
-    if len(entries) > 1 and not np.all(entries[1:, 1] > entries[:-1, 1]):
+    if len(entries) > 1 and not (entries[1:, 1] > entries[:-1, 1]).all():
         entries = entries[np.argsort(entries[:, 1], kind="stable")]
     offsets, logs = entries[:, 1].astype(np.int64), entries[:, 0].astype(np.int64)
-    if not offsets.size:
-        return channel, offsets, offsets, logs
-    if offsets[0] < 0 or offsets[-1] + BEFORE > len(data):
-        return None
-    heads = taken(data, offsets, 11)  # opcode, size, channel
-    first = heads[0].tobytes()
-    if (heads == np.frombuffer(first, "V11")).all():
+    if not offsets.size or offsets[0] < 0 or offsets[-1] + BEFORE > len(data):
+        return None if offsets.size else (channel, Places(data, offsets), offsets, logs)
+    places = Places(data, offsets)
+    first = places.raw(0, 11)  # opcode, size, channel
+    if places.share(0, first).all():
         sizes = np.full(offsets.size, struct.unpack_from("<Q", first, 1)[0] - 22)
         good = first[0] == MESSAGE and struct.unpack_from("<H", first, 9)[0] == channel
     else:
-        heads = heads.view(HEAD)
-        sizes = heads["size"].astype(np.int64) - 22
-        good = np.all((heads["op"] == MESSAGE) & (heads["channel"] == channel))
-    if not good or sizes.min() < 0 or np.any(offsets + BEFORE + sizes > len(data)):
+        sizes = places.at(1, "<u8").astype(np.int64) - 22
+        good = np.all((places.at(0, "u1") == MESSAGE) & (places.at(9, "<u2") == channel))
+    if not good or sizes.min() < 0 or (offsets + sizes).max() + BEFORE > len(data):
         return None
-    return channel, offsets + BEFORE, sizes, logs
-
-
-def taken(buffer, starts: np.ndarray, size: int) -> np.ndarray:
-    """`size` bytes from every start, as an array of raw items: a strided view where the starts are evenly spaced, else a copy."""
-    if starts.size > 1:
-        step = int(starts[1] - starts[0])
-        if step > 0 and (np.diff(starts) == step).all():
-            return np.ndarray((starts.size,), f"V{size}", buffer, int(starts[0]), strides=(step,))
-    return np.ndarray((max(0, len(buffer) - size + 1),), f"V{size}", buffer, strides=(1,))[starts]
+    return channel, places.moved(BEFORE), sizes, logs

@@ -181,6 +181,6 @@ def _note_chunk(found: Survey, body: bytes) -> bool:
         chunk, whole = open_chunk(body)
     except ChunkError:
         return False
-    for number, starts, _, _ in scan_messages(chunk, lambda op, part: _note(found, op, bytes(part))):
-        found.counts[number] = found.counts.get(number, 0) + starts.size
+    for number, places, _, _ in scan_messages(chunk, lambda op, part: _note(found, op, bytes(part))):
+        found.counts[number] = found.counts.get(number, 0) + len(places)
     return whole

@@ -1,6 +1,7 @@
-"""The messages of an MCAP file, one chunk at a time, with little more memory than two chunks: one is decoded while the next is read."""
+"""The messages of an MCAP file, one chunk at a time, with little more memory than a few chunks: one is decoded while the next are read."""
 
 import struct
+from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import BinaryIO
@@ -9,10 +10,13 @@ import numpy as np
 
 from skin_ident.recordings.mcap_chunk import ChunkError, Found, indexed_messages, open_chunk, scan_messages
 from skin_ident.recordings.mcap_file import DATA_END, HEAD, INDEX, Survey, records
+from skin_ident.recordings.places import Places
 from skin_ident.recordings.timing import counted
 
 
-Add = Callable[[object, np.ndarray, np.ndarray, np.ndarray], None]  # buffer, starts, sizes, log times (ns)
+Add = Callable[[Places, np.ndarray, np.ndarray], None]  # where, sizes, log times (ns)
+
+AHEAD = 3  # chunks
 
 
 def read_messages(found: Survey, takers: dict[int, Add]) -> tuple[str, ...]:
@@ -23,14 +27,14 @@ def read_messages(found: Survey, takers: dict[int, Add]) -> tuple[str, ...]:
             if data is None:
                 damaged += 1
                 continue
-            for channel, starts, sizes, logs in _messages(found, body, data, takers):
-                takers[channel](data, starts, sizes, logs)
-                handed[channel] += starts.size
+            for channel, places, sizes, logs in _messages(found, body, data, takers):
+                takers[channel](places, sizes, logs)
+                handed[channel] += len(places)
         if found.loose:
-            for channel, *rest in _loose(file, found):
+            for channel, places, sizes, logs in _loose(file, found):
                 if channel in takers:
-                    takers[channel](*rest)
-                    handed[channel] += rest[1].size
+                    takers[channel](places, sizes, logs)
+                    handed[channel] += len(places)
     return _warnings(found, damaged, handed)
 
 
@@ -48,13 +52,13 @@ def _warnings(found: Survey, damaged: int, handed: dict[int, int]) -> tuple[str,
     return tuple(notes)
 
 
-def _opened(file: BinaryIO, chunks: list[tuple[int, int]]) -> Iterator[tuple[bytearray, object]]:
-    """Chunk after chunk: its bytes with what follows, and its records or None where it is damaged."""
+def _opened(file: BinaryIO, chunks: list[tuple[int, int]]) -> Iterator[tuple[memoryview, object]]:
+    """Chunk after chunk: its bytes with what follows, and its records or None where it is damaged. A few are fetched ahead."""
 
-    def fetch(i: int) -> tuple[bytearray, object]:
+    def fetch(i: int) -> tuple[memoryview, object]:
         offset, length = chunks[i]
+        body = memoryview(buffers[i % len(buffers)])[:length]
         file.seek(offset)
-        body = memoryview(buffers[i % 2])[:length] if length <= size else bytearray(length)
         got = file.readinto(body)
         try:
             return body[:got], open_chunk(body[9:got])[0]
@@ -62,13 +66,14 @@ def _opened(file: BinaryIO, chunks: list[tuple[int, int]]) -> Iterator[tuple[byt
             return body[:got], None
 
     size = max((length for _, length in chunks), default=0)
-    buffers = [bytearray(size), bytearray(size)]
+    buffers = [bytearray(size) for _ in range(AHEAD + 1)]  # used again and again: fresh memory costs more than reading
     with ThreadPoolExecutor(1) as reader:
-        ahead = reader.submit(fetch, 0) if chunks else None
+        ahead = deque(reader.submit(fetch, i) for i in range(min(AHEAD, len(chunks))))
         for i in range(len(chunks)):
-            now = ahead.result()
-            ahead = reader.submit(fetch, i + 1) if i + 1 < len(chunks) else None
+            now = ahead.popleft().result()
             yield now
+            if i + AHEAD < len(chunks):
+                ahead.append(reader.submit(fetch, i + AHEAD))
 
 
 def _messages(survey: Survey, body, data, takers) -> Iterator[Found]:
@@ -95,8 +100,8 @@ def _indexes(body) -> dict[int, np.ndarray]:
     return out
 
 
-def _loose(file: BinaryIO, found: Survey, piece: int = 1 << 20) -> Iterator[tuple]:
-    """Messages outside chunks, a piece of the file at a time: channel, buffer, starts, sizes, log times."""
+def _loose(file: BinaryIO, found: Survey, piece: int = 1 << 20) -> Iterator[Found]:
+    """Messages outside chunks, a piece of the file at a time."""
     at, ended = 8, False
     while at < found.size and not ended:
         file.seek(at)
@@ -105,8 +110,7 @@ def _loose(file: BinaryIO, found: Survey, piece: int = 1 << 20) -> Iterator[tupl
         if whole == 0 and len(data) < piece:
             return
         piece = piece if whole else 2 * piece
-        for channel, starts, sizes, logs in scan_messages(data[:whole]):
-            yield channel, data, starts, sizes, logs
+        yield from scan_messages(data[:whole])
         at += whole
 
 

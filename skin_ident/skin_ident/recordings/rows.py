@@ -7,6 +7,7 @@ fetch all of it R times.
 import numpy as np
 
 PIECE = 1 << 15
+FOLD = 32
 
 
 def all_finite(rows: np.ndarray) -> bool:
@@ -22,8 +23,12 @@ def finite(rows: np.ndarray) -> np.ndarray:
 
 def extremes(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest value of every row, (R,) each; NaN where a row holds one."""
-    parts = [(part.min(axis=1), part.max(axis=1)) for part in _pieces(rows)]
-    return np.min([low for low, _ in parts], axis=0), np.max([high for _, high in parts], axis=0)
+    if not rows.T.flags.c_contiguous or rows.shape[1] < FOLD:
+        return rows.min(axis=1), rows.max(axis=1)
+    count, whole = len(rows), rows.shape[1] // FOLD * FOLD
+    folded, rest = rows.T[:whole].reshape(-1, FOLD * count), rows.T[whole:]  # wide rows keep the processor's vector units busy
+    low = np.vstack([folded.min(axis=0).reshape(FOLD, count), rest]).min(axis=0)
+    return low, np.vstack([folded.max(axis=0).reshape(FOLD, count), rest]).max(axis=0)
 
 
 def interpolated(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ import numpy as np
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.mcap_file import Channel
 from skin_ident.recordings.mcap_read import Add
+from skin_ident.recordings.places import Places
 
 BATCH = 4096
 
@@ -62,4 +63,4 @@ def hand_over(batch: list[tuple[int, bytes]], add: Add, unpack: Callable[[bytes]
     """Join a batch of (log time, message) and hand it over."""
     messages = [data if unpack is None else unpack(data) for _, data in batch]
     sizes = np.fromiter(map(len, messages), np.int64, len(messages))
-    add(b"".join(messages), np.cumsum(sizes) - sizes, sizes, np.fromiter((stamp for stamp, _ in batch), np.int64, len(batch)))
+    add(Places(b"".join(messages), np.cumsum(sizes) - sizes), sizes, np.fromiter((stamp for stamp, _ in batch), np.int64, len(batch)))

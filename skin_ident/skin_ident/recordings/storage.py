@@ -5,15 +5,16 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
+import numpy as np
 import yaml
 
 from skin_ident.recordings.decode import Topic
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.mcap_file import Channel, Survey, survey
 from skin_ident.recordings.mcap_read import Add, read_messages
-from skin_ident.recordings.sqlite_file import read_sqlite, survey_sqlite
+from skin_ident.recordings.places import Places
+from skin_ident.recordings.sqlite_file import hand_over, read_sqlite, survey_sqlite
 
 METADATA = "metadata.yaml"
 SUFFIXES = (".mcap", ".db3")
@@ -129,11 +130,9 @@ def _unpacker() -> Callable[[bytes], bytes]:
 
 def _unpacking(add: Add) -> Add:
     """`add` for messages that are compressed one by one."""
-    from skin_ident.recordings.sqlite_file import hand_over
-
     unpack = _unpacker()
 
-    def taken(buffer: Any, starts, sizes, logs) -> None:
-        hand_over([(log, bytes(buffer[a : a + n])) for a, n, log in zip(starts, sizes, logs, strict=True)], add, unpack)
+    def taken(places: Places, sizes: np.ndarray, logs: np.ndarray) -> None:
+        hand_over([(log, places.raw(i, size)) for i, (size, log) in enumerate(zip(sizes, logs, strict=True))], add, unpack)
 
     return taken

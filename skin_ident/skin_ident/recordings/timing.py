@@ -24,10 +24,11 @@ class Track:
     t: np.ndarray
     blocks: tuple[np.ndarray, ...]
     warnings: tuple[str, ...] = ()
+    whole: bool = False  # known to hold nothing but numbers
 
     def kept(self, index: np.ndarray | slice, *warnings: str) -> "Track":
         """A selection of the samples, with more warnings."""
-        return Track(self.t[index], tuple(rows[:, index] for rows in self.blocks), (*self.warnings, *warnings))
+        return Track(self.t[index], tuple(rows[:, index] for rows in self.blocks), (*self.warnings, *warnings), self.whole)
 
     def warned(self, *warnings: str) -> "Track":
         """The same with more warnings."""
@@ -98,9 +99,8 @@ def longest_stretch(track: Track, name: str) -> Track:
     steps = np.diff(track.t)
     cuts = steps > (BRIDGED + 1.5) * float(np.median(steps))
     missing = np.zeros(track.t.size, bool)
-    for rows in track.blocks:
-        if not all_finite(rows):
-            missing |= ~finite(rows)
+    for rows in () if track.whole else track.blocks:
+        missing |= ~finite(rows)
     bad = _long_runs(missing)
     if not bad.any() and not cuts.any():
         return track
@@ -116,7 +116,7 @@ def longest_stretch(track: Track, name: str) -> Track:
 
 def _bridged(track: Track, name: str) -> Track:
     """Short runs of missing numbers interpolated, those at the ends cut off."""
-    if all(all_finite(rows) for rows in track.blocks):
+    if track.whole or all(all_finite(rows) for rows in track.blocks):
         return track
     whole = np.logical_and.reduce([finite(rows) for rows in track.blocks])
     if not whole.any():
