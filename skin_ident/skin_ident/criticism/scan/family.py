@@ -99,7 +99,7 @@ def level(p: Values, z: np.ndarray, scale: Scale) -> np.ndarray:
 
 
 def spread(p: Values, cells: Cells, scale: Scale) -> np.ndarray:
-    """S(r, z), 1 at the centre (but for the polynomial). A given shape is bent by as much as the Gaussian would be."""
+    """S(r, z), 1 at the centre. A given shape is bent by as much as the Gaussian would be."""
     s, u = _spread(p, cells, scale)
     return s if scale.shape is None else scale.shape(u) * s * np.exp(np.minimum(u * u, 50.0))
 
@@ -126,7 +126,8 @@ def _radial(p: Values, u: np.ndarray) -> np.ndarray:
     if p["bend2"] or p["bend3"] or p["bend4"]:
         l2, l3 = 0.5 * v * v - 2.0 * v + 1.0, ((-v / 6.0 + 1.5) * v - 3.0) * v + 1.0
         l4 = (((v / 24.0 - 2.0 / 3.0) * v + 3.0) * v - 4.0) * v + 1.0
-        s = s * (1.0 + p["bend2"] * l2 + p["bend3"] * l3 + p["bend4"] * l4)
+        bent = 1.0 + p["bend2"] * l2 + p["bend3"] * l3 + p["bend4"] * l4
+        s = s * bent / max(1.0 + p["bend2"] + p["bend3"] + p["bend4"], 0.2)
     return s
 
 

@@ -18,7 +18,7 @@ from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 
 COARSER = 1.5  # times the declared step
-ANSWERS = 1e-4  # chance, below which readings are said to follow depth and distance
+ANSWERS = 3e-4  # chance, below which readings are said to follow depth and distance
 FEWEST = 12  # cells that a search needs
 SANE = {"distance": (5e-5, 0.2), "depth": (1e-6, 0.1), "force": (1e-3, 1e5)}  # m, m, N: widths, depths and largest forces of robot skin
 
@@ -94,9 +94,10 @@ def answers(cells: Cells) -> bool:
     """Whether readings grow with depth and fall with distance, whatever the curve: Spearman's rank correlation with a rough guess."""
     if len(cells) < 4 or np.ptp(cells.y) == 0.0:
         return False
-    guess = cells.z * np.exp(-((cells.r / (0.4 * np.abs(cells.r).max())) ** 2))
-    found = spearmanr(np.abs(cells.y), guess)
-    return bool(found.statistic > 0.0 and found.pvalue < ANSWERS)
+    reach = np.abs(cells.r).max()
+    guesses = (cells.z * np.exp(-((cells.r / (width * reach)) ** 2)) for width in (0.3, 0.6, 1.2))
+    found = [spearmanr(np.abs(cells.y), guess) for guess in guesses]
+    return any(one.statistic > 0.0 and one.pvalue < ANSWERS for one in found)
 
 
 def _coarse(cells: Cells, step: float | None, declared: Declared) -> Iterator[Fault]:

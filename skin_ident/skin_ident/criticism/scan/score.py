@@ -6,7 +6,7 @@ Satterthwaite's rule the whole then has about
 
     nu = (v_cells + v_columns + v_rows)^2 / (v_cells^2 / nu_cells + v_columns^2 / nu_columns + v_rows^2 / nu_rows)
 
-so the ratio is an F; it is turned into the chi-square of the same rarity.
+so the fall of the cost is worth nu log(1 + fall / nu), the likelihood ratio where the variance is estimated along.
 
 Source: F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110-114.
 """
@@ -14,8 +14,6 @@ Source: F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110-114.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
-from scipy.stats import f as f_distribution
 
 from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Fit, jacobian
@@ -23,7 +21,6 @@ from skin_ident.criticism.scan.whitening import Noise, Whitener
 
 CHARGE = 6.5  # squared units of the noise: about one false name in 150 scans, before held-out cells have their say
 COARSE = 8.0  # charged more where the converter's steps are most of the noise: they repeat with the force, as a cause does
-MANY = 60.0  # degrees of freedom from which an F is taken for a chi-square
 USED = 5  # columns' or rows' degrees of freedom that the directions of the family use up, at most
 
 
@@ -41,7 +38,7 @@ class Judge:
         """Worth of a fall of the cost that `count` parameters (among them `names`) gave in the fit `after`."""
         if fall <= 0.0 or count == 0:
             return -self.charge
-        return rarity(fall, count, self.degrees(after, names)) - count * float(np.log(len(self.cells))) - self.charge
+        return worth(fall, self.degrees(after, names)) - count * float(np.log(len(self.cells))) - self.charge
 
     @property
     def charge(self) -> float:
@@ -70,9 +67,7 @@ def _grouped(x: np.ndarray, group: np.ndarray) -> float:
     return float(np.sum(np.bincount(group, x) ** 2))
 
 
-def rarity(fall: float, count: int, degrees: float) -> float:
-    """The chi-square with `count` degrees of freedom that is as rare as the fall is as `count` times an F."""
-    if degrees > MANY:
-        return fall
-    log_p = float(f_distribution.logsf(fall / count, count, degrees))
-    return float(chi2.isf(np.exp(max(log_p, -600.0)), count))
+def worth(fall: float, degrees: float) -> float:
+    """-2 log likelihood ratio of a fall of the cost, in a noise known from so many degrees of freedom."""
+    degrees = max(degrees, 1.0)
+    return degrees * float(np.log1p(max(fall, 1e-9) / degrees))

@@ -3,11 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from skin_ident.criticism.scan.candidates import Candidate
 from skin_ident.criticism.scan.fitting import Fit, Member, fit
 from skin_ident.criticism.scan.gate import Gain, gain_of
 from skin_ident.criticism.scan.noise import Estimated, estimate
-from skin_ident.criticism.scan.score import Judge
+from skin_ident.criticism.scan.score import Judge, worth
 from skin_ident.criticism.scan.trials import (
     CLOSE,
     Setting,
@@ -23,8 +25,10 @@ from skin_ident.criticism.scan.trials import (
 
 MOST_FINDINGS = 5
 SHORTLIST = 4  # causes put to the gate before none is named
-REACH = 0.05  # a rival within this share of the score, or within CLOSE, cannot be told from the cause
-FINE = 15.0  # score that a shape needs where placing errors could be it instead
+PARAMETER = 5.0  # what a form must fit better per parameter that it has more
+REACH = 0.05  # a rival that lacks no more than this share of what the cause explains cannot be told from it
+CLEAR = 20.0  # what a rival lacks is beyond chance where it is more than this, and more than the cause itself lacks
+FINE = 30.0  # score that a shape needs where placing errors could be it instead
 
 Progress = Callable[[str], None]
 
@@ -108,29 +112,34 @@ def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Sett
 
 def _exchanged(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, list[Named]]:
     """Put another cause, or another form, in the place of a named one wherever the whole then fits better by more than CLOSE."""
-    whitener = noise.noise.whitener()
     for n in named:
-        others = taken([o.candidate for o in named if o is not n], s)
         base = without_candidate(n.candidate, present.member, s.test.start)
-        best = None
-        for c in s.able:
-            if c == n.candidate or c.cause in others:
-                continue
-            found = min((fit(m, s.cells, whitener) for m in with_candidate(c, base)), key=lambda f: f.cost)
-            charge = (found.member.unknowns.size - present.member.unknowns.size) * 5.0
-            worth = present.cost - found.cost - charge
-            if c.cause == "off_centre" and not s.both_sides:
-                continue
-            if worth > (1.0 if c.cause == n.candidate.cause else CLOSE) and (best is None or worth > best[0]):
-                best = (worth, found, c)
-        if best is None:
+        others = taken([o.candidate for o in named if o is not n], s)
+        found = _better(present, base, n.candidate, others, noise, s)
+        if found is None:
             continue
-        before = fit(base, s.cells, whitener)
-        gain = gain_of(before.member, best[1].member, best[2], noise.noise, s.cells, s.test)
+        c, after, more = found
+        before = fit(base, s.cells, noise.noise.whitener())
+        gain = gain_of(before.member, after.member, c, noise.noise, s.cells, s.test)
         if gain.passed:
-            present = best[1]
-            named = [replace(o, candidate=best[2], gain=gain, explained=o.explained + best[0]) if o is n else o for o in named]
+            present = after
+            named = [replace(o, candidate=c, gain=gain, explained=o.explained + more) if o is n else o for o in named]
     return present, named
+
+
+def _better(
+    present: Fit, base: Member, old: Candidate, others: set[str], noise: Estimated, s: Setting
+) -> tuple[Candidate, Fit, float] | None:
+    """The cause that added to `base` fits best and clearly better than the present model: itself, its fit, and by how much."""
+    whitener, best = noise.noise.whitener(), None
+    for c in s.able:
+        if c == old or c.cause in others or (c.cause == "off_centre" and not s.both_sides):
+            continue
+        found = min((fit(m, s.cells, whitener) for m in with_candidate(c, base)), key=lambda f: f.cost)
+        more = present.cost - found.cost - PARAMETER * (found.member.unknowns.size - present.member.unknowns.size)
+        if more > (1.0 if c.cause == old.cause else CLOSE) and (best is None or more > best[2]):
+            best = (c, found, more)
+    return best
 
 
 def _fine_shape(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, Named] | None:
@@ -159,11 +168,11 @@ def _eliminated(present: Fit, named: list[Named], noise: Estimated, s: Setting) 
     """Take out every cause without which the rest fits and predicts just as well."""
     dropped = False
     for n in list(reversed(named[:-1])):
-        before, worth, gain = _worth(present, n, noise, s)
-        if worth <= 0.0 or not gain.passed:
+        before, score, gain = _worth(present, n, noise, s)
+        if score <= 0.0 or not gain.passed:
             present, named, dropped = before, [o for o in named if o is not n], True
         else:
-            named = [replace(o, gain=gain, explained=worth) if o is n else o for o in named]
+            named = [replace(o, gain=gain, explained=score) if o is n else o for o in named]
     return present, named, dropped
 
 
@@ -171,24 +180,31 @@ def _worth(present: Fit, n: Named, noise: Estimated, s: Setting) -> tuple[Fit, f
     j = judge_in(noise, s)
     before = fit(without_candidate(n.candidate, present.member, s.test.start), s.cells, j.whitener)
     count = max(present.member.unknowns.size - before.member.unknowns.size, 1)
-    worth = j.score(before.cost - present.cost, present, n.candidate.names, count)
-    return before, worth, gain_of(before.member, present.member, n.candidate, noise.noise, s.cells, s.test)
+    score = j.score(before.cost - present.cost, present, n.candidate.names, count)
+    return before, score, gain_of(before.member, present.member, n.candidate, noise.noise, s.cells, s.test)
 
 
 def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Setting) -> tuple[tuple[Candidate, float], ...]:
-    """The causes that in the place of a named one explain nearly as much, with what they lack."""
+    """The causes that in the place of a named one explain nearly as much, with what they lack (squared units of the noise)."""
     j = judge_in(noise, s)
     others = {o.candidate.cause for o in named}
-    same = {"spread_shape", "off_centre"} if not s.both_sides else set()
+    twins = {"spread_shape", "off_centre"} if not s.both_sides else set()
     base = fit(without_candidate(n.candidate, present.member, s.test.start), s.cells, j.whitener)
-    count = max(present.member.unknowns.size - base.member.unknowns.size, 1)
-    own = j.score(base.cost - present.cost, present, n.candidate.names, count)
+    own = _explained(base, present, s)
+    degrees = j.degrees(present, n.candidate.names)
+    misfit = max(present.cost - 1.5 * len(s.cells), CLEAR)  # a rival may miss what the cause itself misses, whatever both gain
+    reach = min(REACH * own, misfit)
     best: dict[str, tuple[Candidate, float]] = {}
-    for c in s.able:
-        if c.cause in others:
-            continue
-        score = trial(base, c, j, s).score
-        short, twin = own - score, {c.cause, n.candidate.cause} == same
-        if (short < max(CLOSE, REACH * own) or twin) and score > 0.0 and (c.cause not in best or short < best[c.cause][1]):
+    for c in (c for c in s.able if c.cause not in others):
+        t = trial(base, c, j, s)
+        short = own - _explained(base, t.fit, s)
+        twin = {c.cause, n.candidate.cause} == twins and (t.score > 0.0 or c.cause == "spread_shape")
+        near = t.score > 0.0 and (short < reach or worth(short, degrees) < CLOSE)
+        if (near or twin) and short < best.get(c.cause, (c, np.inf))[1]:
             best[c.cause] = (c, float(short))
     return tuple(sorted(best.values(), key=lambda b: b[1]))
+
+
+def _explained(before: Fit, after: Fit, s: Setting) -> float:
+    """Fall of the cost, less what the parameters cost."""
+    return before.cost - after.cost - float(np.log(len(s.cells))) * (after.member.unknowns.size - before.member.unknowns.size)

@@ -48,7 +48,7 @@ def _rising(name: str) -> list[Disagreement]:
             f"{rows[d]} mm, {columns[j]} and {columns[j + 1]} mm",
             f"{t.cell(rows[d], columns[j])} {t.cell(rows[d], columns[j + 1])}",
             "falling",
-            f"the force rises by {rise[d, j]:.1f} steps of the converter farther from the taxel: exchanged, they would fit their neighbours",
+            f"the force rises by {rise[d, j]:.1f} steps farther from the taxel: exchanged, they would fit their neighbours",
             False,
         )
         for d, j in zip(*np.nonzero(rise > RISE), strict=True)

@@ -42,12 +42,12 @@ class Trial:
 def surveyed(present: Fit, named: list[Candidate], s: Setting) -> tuple[Estimated, tuple[Trial, ...], Fit]:
     """The noise, the trials of every cause that is not in the model, best first, and the present fit in that noise.
 
-    A cause that is not smooth (saturation, a dead zone) is in no direction of the family: the noise is estimated around the best few
-    trials as well, and the likeliest estimate counts.
+    A cause that is not smooth (saturation, a dead zone, an edge of the spread) is in no direction of the family: the noise is estimated
+    around the best few trials of such causes as well, and the likeliest estimate counts.
     """
     noise = estimate(present.member, s.cells, s.rich, s.floor)
     trials, present = _trials(present, named, noise, s)
-    tried = sorted(trials, key=lambda t: -t.fall)[:NOISE_TRIES]
+    tried = sorted((t for t in trials if t.candidate.bends != "level"), key=lambda t: -t.fall)[:NOISE_TRIES]
     others = [estimate(t.fit.member, s.cells, s.rich, s.floor) for t in tried if t.fall > CLOSE]
     best = min(others, key=lambda n: n.deviance, default=noise)
     if best.deviance < noise.deviance - CLOSE / 2.0:

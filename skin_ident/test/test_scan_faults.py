@@ -1,0 +1,116 @@
+"""What shows in the tables themselves: steps, copies, slips of the pen."""
+
+import numpy as np
+import pytest
+import scan_making as making
+
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.scan import diagnose_scans
+from skin_ident.criticism.scan.diagnose import direction
+from skin_ident.criticism.scan.faults import look
+from skin_ident.criticism.scan.levels import find_levels
+from skin_ident.recordings.declared import Declared
+from skin_ident.spread_scan import SpreadScan
+from skin_ident.thesis_spread import thesis_scan
+
+
+def spoilt(kind, seed):
+    scan = making.make(None, seed=seed)[0][0]
+    f, rng = scan.force.copy(), np.random.default_rng(seed)
+    d, j = int(rng.integers(2, f.shape[0] - 1)), int(rng.integers(0, 5))
+    if kind == "copied row":
+        f[d] = f[d - 1]
+    if kind == "half a row copied":
+        f[d, :6] = f[d - 2, :6]
+    if kind == "copied column":
+        f[:, j + 1] = f[:, j]
+    if kind == "row in kgf":
+        f[d] /= 9.80665
+    if kind == "row in mN":
+        f[d] *= 1e3
+    if kind == "column tenfold":
+        f[:, j] *= 10
+    if kind == "exchanged columns":
+        f[:, [j, j + 2]] = f[:, [j + 2, j]]
+    if kind == "exchanged rows":
+        f[[d, d - 2]] = f[[d - 2, d]]
+    if kind == "point slipped":
+        f[d, 0] *= 10
+    return SpreadScan(scan.depth, scan.distance, np.round(f, 4), name="scan.csv"), scan.depth[d], scan.distance[j]
+
+
+KINDS = ["copied row", "half a row copied", "copied column", "row in kgf", "row in mN", "column tenfold"]
+KINDS += ["exchanged columns", "exchanged rows", "point slipped"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_slip_is_a_data_error_that_names_its_place(kind, seed):
+    scan, depth, distance = spoilt(kind, seed)
+    faults = look([scan], [""], Declared()).faults
+    assert {f.cause for f in faults} == {"data_error"}
+    place = distance if "column" in kind else depth
+    assert any(np.isclose(p["value"], place) for f in faults for p in f.parameters.values())
+
+
+@pytest.mark.parametrize("noise", making.NOISES)
+def test_clean_tables_have_no_faults(noise):
+    for seed in range(3):
+        scans = making.make(None, seed=seed, noise=noise, two_sided=seed == 1, both=seed == 2)[0]
+        assert not look(scans, ["x", "y"][: len(scans)], Declared()).faults
+
+
+def test_a_slip_does_not_spoil_the_rest():
+    scan, *_ = spoilt("copied row", 4)
+    findings = diagnose_scans([scan]).findings
+    assert [f["cause"] for f in findings["findings"]] == ["data_error"] and findings["verdict"] == "explained"
+
+
+def test_the_copied_thesis_table_is_recognised_alone():
+    faults = look([thesis_scan("4-11")], [""], Declared()).faults
+    assert [f.cause for f in faults] == ["data_error"] and "4 of 5 rows" in faults[0].why and "0.2, 0.3, 0.4, 0.5 mm" in faults[0].why
+    assert not look([thesis_scan("4-10")], [""], Declared()).faults  # the table itself is no copy of itself
+
+
+def test_a_scan_that_is_mostly_copied_is_not_fitted():
+    findings = diagnose_scans([thesis_scan("4-11")]).findings
+    assert [f["cause"] for f in findings["findings"]] == ["data_error"]
+    because = {e["cause"]: e["because"] for e in findings["untestable"]}
+    assert "too little" in because["spread_shape"] and "no time" in because["lag"]
+    assert any("12 of 60 readings" in w for w in findings["warnings"])
+
+
+def test_levels_of_a_converter():
+    rng = np.random.default_rng(0)
+    y = rng.uniform(0, 10, 150)
+    assert find_levels(y) is None and find_levels(np.round(y, 3)) is None
+    assert find_levels(np.round(y / 0.25) * 0.25).step == pytest.approx(0.25)
+    assert find_levels(thesis_scan("4-10").force.ravel()).step == pytest.approx(0.1, abs=0.005)
+
+
+def test_steps_are_held_against_what_is_declared():
+    scans = making.make(None, seed=1, noise="coarse")[0]
+    coarse = look(scans, [""], Declared(taxel_step_n=(0.1,))).faults
+    assert [f.cause for f in coarse] == ["quantization"] and coarse[0].parameters["step"]["value"] == pytest.approx(0.4)
+    looked = look(scans, [""], Declared())
+    assert not looked.faults and "0.4 N apart" in looked.known["quantization"]
+
+
+def test_a_taxel_that_does_not_answer():
+    scan = thesis_scan("4-10")
+    noise = np.round(np.random.default_rng(2).normal(0.1, 0.05, scan.force.shape), 2)
+    for silent in (noise, np.full(scan.force.shape, 0.3)):
+        findings = diagnose_scans([SpreadScan(scan.depth, scan.distance, silent, name="silent.csv")]).findings
+        assert [f["cause"] for f in findings["findings"]] == ["dead_taxel"]
+
+
+def test_pressing_must_not_make_readings_negative():
+    scan = thesis_scan("4-10")
+    with pytest.raises(DiagnosisError, match="negative"):
+        diagnose_scans([SpreadScan(scan.depth, scan.distance, -scan.force)])
+
+
+@pytest.mark.parametrize(("name", "says"), [("scan_x.csv", "x"), ("2-y.tsv", "y"), ("xy.csv", ""), ("x_and_y.csv", ""), ("a.csv", "")])
+def test_a_file_name_may_say_the_direction(name, says):
+    scan = thesis_scan("4-10")
+    assert direction(SpreadScan(scan.depth, scan.distance, scan.force, name=name)) == says
