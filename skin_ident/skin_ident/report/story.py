@@ -76,7 +76,9 @@ def _headline(v: View) -> Headline:
     if v.verdict == NOTHING:
         return Headline("good", "Nothing wrong found", "The simulation matches these measurements down to their noise.")
     if v.verdict == EXPLAINED and not v.judged:
-        return Headline("found", f"Explained: {names}", "The fault is in the record itself; the simulation matches the rest of it.")
+        compared = any(None not in e.train for e in v.errors)
+        rest = "the simulation matches the rest of it" if compared else "what is left of it is too little to judge a simulation"
+        return Headline("found", f"Explained: {names}", f"The fault is in the record itself; {rest}.")
     if v.verdict == EXPLAINED:
         return Headline("found", f"Explained: {names}", "With this in the model, what is left of the mismatch looks like noise.")
     if v.verdict == PARTLY:

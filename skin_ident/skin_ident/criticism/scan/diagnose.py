@@ -45,7 +45,7 @@ def diagnose_scans(
     declared = scans[0].declared
     looked = look(scans, [direction(s) for s in scans], declared)
     if not looked.enough:
-        return unreadable(scans, held, looked, model)
+        return unreadable(scans, held, looked)
     setting = _setting(looked, _held(held, declared), model)
     found = search(setting.test.start, setting, progress)
     progress("asking what is left")

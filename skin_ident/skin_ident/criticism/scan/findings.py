@@ -191,7 +191,7 @@ def _merged(group: list[Fault]) -> Fault:
 
 def seen(f: Fault, baseline: dict[str, Any]) -> dict[str, Any]:
     """One entry of `findings` that the table itself stands for: no term of the model, so no gain to claim."""
-    error = baseline["rmse"][CHANNEL]["held_out"]
+    error = baseline["rmse"].get(CHANNEL, {}).get("held_out")
     return {
         "cause": f.cause,
         "where": f.where,
