@@ -53,18 +53,21 @@ def ours_load(path: Path) -> None:
 
 
 def rerun(path: Path) -> None:
-    """rerun's MCAP reader, its columns flattened to numpy."""
+    """rerun's MCAP reader, the wanted columns turned into numpy arrays."""
+    import numpy as np
+    import pyarrow as pa
     from rerun.chunk import McapReader
 
-    rows = []
+    wanted = {"/force": lambda m: m.field("wrench").field("force").field("z"), "/taxels": lambda m: m.field("force").flatten()}
+    out: dict[str, list] = {"/force": [], "/taxels": [], "/encoder/position": []}
     for chunk in McapReader(str(path)).stream():
-        batch = chunk.to_record_batch()
-        for name, column in zip(batch.schema.names, batch.columns, strict=True):
-            if name.endswith(("position", "force", "force.z", "wrench")):
-                while hasattr(column, "flatten") and str(column.type).startswith(("list", "fixed_size_list")):
-                    column = column.flatten()
-                rows.append(column)
-    assert rows
+        if chunk.entity_path not in out or chunk.num_rows < 2:
+            continue
+        batch = pa.record_batch(chunk.to_record_batch())
+        column = next((c for n, c in zip(batch.schema.names, batch.columns, strict=True) if n.endswith((":message", ":scalars"))), None)
+        values = wanted.get(chunk.entity_path, lambda m: m)(column.flatten())
+        out[chunk.entity_path].append(values.to_numpy(zero_copy_only=False))
+    assert all(np.concatenate(rows).size for rows in out.values())
 
 
 def rosbags(path: Path) -> None:

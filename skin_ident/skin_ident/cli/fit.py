@@ -2,16 +2,19 @@
 
 import argparse
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from skin_ident.cli import common
 from skin_ident.batch import run_batch, write_table
+from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
-from skin_ident.estimators.fit import MEASURED, SINUSOID, Options, fit_recordings, sessions_of
+from skin_ident.estimators.fit import MEASURED, SINUSOID, Options, fit_recordings, mass_of, sessions_of
 from skin_ident.estimators.text import as_dict, as_table
 from skin_ident.recordings.load import find, load
+from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.timing import counted
 from skin_models.model_file import save_model
 
@@ -33,10 +36,22 @@ def _main(arguments: Sequence[str] | None) -> int:
         common.say(f"{name} is a static spread scan: left out of the fit")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
     estimate = fit_recordings(recordings, options)
+    if chosen.bootstrap:
+        estimate = _with_bootstrap(estimate, recordings, options, chosen.bootstrap)
     print(as_table(estimate))
     if chosen.out:
         write(estimate, common.output_folder(chosen.out))
     return 0
+
+
+def _with_bootstrap(estimate: Estimate, recordings: list[Recording], options: Options, runs: int) -> Estimate:
+    """The same with intervals drawn from stretches of the residual, in the notes."""
+    if estimate.model is None:
+        raise FitError("--bootstrap is for fits with a depth")
+    common.say(f"drawing {runs} bootstrap samples …")
+    drawn = bootstrap(recordings, mass_of(options, recordings), offsets=options.offsets, runs=runs)
+    intervals = {p.name: list(drawn.interval(p.name)) for p in estimate.parameters if estimate.std[p.name] > 0.0}
+    return replace(estimate, notes={**estimate.notes, "bootstrap": {"runs": runs, "stretch_s": drawn.stretch, "ci95": intervals}})
 
 
 def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str]) -> int:
@@ -79,6 +94,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
+    parser.add_argument("--bootstrap", type=int, default=0, metavar="RUNS", help="also draw intervals from stretches of the residual")
     parser.add_argument("--each", action="store_true", help="fit every session by itself, in parallel, into one table; resumable")
     parser.add_argument("--jobs", type=int, help="processes for --each; left out: one per core")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask cluster to use for --each, as tcp://host:8786")

@@ -7,7 +7,7 @@ with depth x, speed v and acceleration a; terms are zero in the air, and where t
 or held at a known value (Table 4-5). Taxels beside the plunger share the strongest one's b1 and k1 (rank one, weighted by their noise).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,9 +54,10 @@ def fit_dispersion(
     in the notes. Raises `FitError` where the recordings lack what the fit needs.
     """
     sessions, warnings = prepare(recordings, motions)
-    shape = _shape(sessions, mass, offsets)
-    regression = _settled(sessions, shape)
-    theta, to_theta = _parameters(regression, shape)
+    shape = shape_of(sessions, mass, offsets)
+    regression, _ = settled(sessions, shape)
+    beta, to = np.concatenate(regression.coefficients), theta_of(regression, shape)
+    theta, to_theta = to(beta), jacobian(to, beta)
     if shape.free and theta[0] < 0.0:
         return _at_bound(recordings, motions, offsets, method)
     covariance = to_theta @ regression.covariance @ to_theta.T
@@ -77,7 +78,8 @@ def _at_bound(recordings, motions, offsets: bool, method: str) -> Estimate:
     return replace(estimate, verdicts={**estimate.verdicts, "m": mass_at_bound()})
 
 
-def _shape(sessions: list[Session], mass: float | str, offsets: bool) -> Shape:
+def shape_of(sessions: list[Session], mass: float | str, offsets: bool) -> Shape:
+    """What these sessions allow. Raises `FitError` where the mass, or anything at all, cannot be fitted."""
     force, taxels = sessions[0].force is not None, len(sessions[0].taxels)
     if not force and not taxels:
         raise FitError(f"{sessions[0].name} holds no force in newtons: neither a load cell nor a calibrated taxel")
@@ -89,17 +91,18 @@ def _shape(sessions: list[Session], mass: float | str, offsets: bool) -> Shape:
     return Shape(force, taxels, free, 0.0 if free else float(mass), offsets)
 
 
-def _settled(sessions: list[Session], shape: Shape) -> Regression:
+def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[list[Block]]]:
     """Regress, find where the skin parts from the plunger, and repeat until that no longer changes."""
     recovery = None
     for _ in range(ROUNDS):
-        regression = regress(_blocks(sessions, shape, recovery))
+        blocks = _blocks(sessions, shape, recovery)
+        regression = regress(blocks)
         b, k = regression.coefficients[0][-2:]  # of the load cell, or of the first taxel
         new = float(b / k) if k > 0.0 else 0.0
         if recovery is not None and abs(new - recovery) <= 1e-6 * abs(new):
             break
         recovery = new
-    return regression
+    return regression, blocks
 
 
 def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> list[list[Block]]:
@@ -120,9 +123,8 @@ def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> li
     return channels
 
 
-def _parameters(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.ndarray]:
-    """m, b1, k1, b2, k2, shares, and their Jacobian with respect to all coefficients."""
-    beta = np.concatenate(regression.coefficients)
+def theta_of(regression: Regression, shape: Shape) -> Callable[[np.ndarray], np.ndarray]:
+    """What makes m, b1, k1, b2, k2, shares of all coefficients, one channel after the other."""
     ends = np.cumsum([c.size for c in regression.coefficients])
     weights = weights_of(np.array(regression.noise[len(regression.noise) - shape.taxels :]))
     metric = metric_of(regression.inverses[-1][-2:, -2:])
@@ -132,7 +134,7 @@ def _parameters(regression: Regression, shape: Shape) -> tuple[np.ndarray, np.nd
         m = beta[ends[0] - 3] if shape.free else shape.mass
         return np.concatenate([[m], split(pairs[0] if shape.force else None, pairs[int(shape.force) :], weights, metric)])
 
-    return theta(beta), jacobian(theta, beta)
+    return theta
 
 
 def _zeros(sessions: list[Session], shape: Shape, regression: Regression) -> dict[str, dict[str, float]]:

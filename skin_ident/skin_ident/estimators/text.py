@@ -19,7 +19,15 @@ def as_table(estimate: Estimate) -> str:
     notes = [f"note: {w}" for w in estimate.warnings]
     title = f"  {'':<9} {'value':>12} {'± 95 %':>11}  {'unit':<7} verdict"
     folded = [_folded(line) for line in why + notes]
-    return "\n".join([head, title, *rows, "what the fit leaves:", *left, "why:", *folded])
+    return "\n".join([head, title, *rows, *_bootstrapped(estimate), "what the fit leaves:", *left, "why:", *folded])
+
+
+def _bootstrapped(estimate: Estimate) -> list[str]:
+    drawn = estimate.notes.get("bootstrap")
+    if not drawn:
+        return []
+    rows = [f"  {name:<9} {low:.6g} … {high:.6g}" for name, (low, high) in drawn["ci95"].items()]
+    return [f"95 % from {drawn['runs']} bootstrap samples, stretches of {drawn['stretch_s']:.3g} s:", *rows]
 
 
 def _row(estimate: Estimate, p: Parameter) -> str:

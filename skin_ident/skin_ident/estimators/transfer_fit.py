@@ -176,6 +176,18 @@ def riv(pairs: Sequence[Pair], zeros: int = 1, poles: int = 2, *, offset: bool =
     return best[0]
 
 
+def svf(pairs: Sequence[Pair], corner: float, zeros: int = 1, poles: int = 2, *, offset: bool = False) -> TransferFunction:
+    """Least squares on state-variable-filtered derivatives, with all poles of the filter at `corner` (rad/s): quick, and biased by noise.
+
+    Raises `FitError` where the result is no number.
+    """
+    filtering = TransferFunction((0.0,) * (zeros + 1), tuple(np.poly([-corner] * poles)[1:]))
+    theta = _instrumental(pairs, filtering, offset, False)
+    if theta is None:
+        raise FitError("the filtered input and output do not determine a transfer function")
+    return filtering.with_theta(theta)
+
+
 def _corners(pairs: Sequence[Pair]) -> list[float]:
     """Where to begin (rad/s): where the input's power lies, then above and below."""
     p = max(pairs, key=lambda p: p.u.size)

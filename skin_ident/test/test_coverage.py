@@ -1,0 +1,72 @@
+"""Intervals hold what they promise. The campaigns count; the tests of every day look whether they still may."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from making import SILICONE, noise, recording
+
+from skin_ident.estimators.bootstrap import bootstrap
+from skin_ident.estimators.dispersion import fit_dispersion
+from skin_ident.estimators.transfer_data import Pair
+from skin_ident.estimators.transfer_fit import output_error
+from skin_ident.estimators.transfer_function import TransferFunction
+
+TRUTH = dict(zip(("b1", "k1", "b2", "k2", "share_1"), (*SILICONE[4][1:], 0.4), strict=True))
+TABLE = TransferFunction((6.69, 37.1), (8.57, 48.4))
+
+
+def quantized(r, seed):
+    """The converter's steps of chapter 3 on top of the noise."""
+    phase = np.random.default_rng([seed, 1]).uniform(0, 1, 2)
+    steps = ((r.force, 0.0678, phase[0]), (r.taxels, 0.0573, phase[1]))
+    force, taxels = ((np.rint(y / q + p) - p) * q for y, q, p in steps)
+    return replace(r, force=force, taxels=taxels)
+
+
+def held(runs, rho, steps=False, sigma=0.05):
+    """How often the 95 % interval of each parameter holds the truth."""
+    hits = Counter()
+    for seed in range(runs):
+        r = recording(seed, shares=(1.0, 0.4), rho=rho, sigma=sigma)
+        fit = fit_dispersion([quantized(r, seed) if steps else r], SILICONE[4][0])
+        hits.update(n for n, v in TRUTH.items() if fit.interval(n)[0] <= v <= fit.interval(n)[1])
+    return {n: hits[n] / runs for n in TRUTH}
+
+
+def test_bootstrap_agrees_with_the_standard_errors():
+    r = [recording(3, shares=(1.0, 0.4), n=8000)]
+    drawn, fit = bootstrap(r, SILICONE[4][0], runs=400), fit_dispersion(r, SILICONE[4][0])
+    for name in TRUTH:
+        low, high = drawn.interval(name)
+        assert 0.6 < (high - low) / (3.92 * fit.std[name]) < 1.5, name
+
+
+def test_intervals_are_not_far_off():
+    assert min(held(40, 0.8).values()) >= 0.8
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(
+    ("rho", "steps", "sigma"), [(0.0, False, 0.05), (0.5, False, 0.05), (0.9, False, 0.05), (0.97, False, 0.05), (0.0, True, 0.03)]
+)
+def test_dispersion_intervals_cover(rho, steps, sigma, capsys):
+    shares = held(400, rho, steps, sigma)
+    with capsys.disabled():
+        print(f"\nrho {rho}, {'steps' if steps else 'no steps'}: {shares}")
+    assert all(0.92 <= s <= 0.98 for s in shares.values())  # 95 % ± 2.7 standard errors of 400 runs
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("rho", [0.0, 0.9, 0.99])
+def test_transfer_function_intervals_cover(rho, capsys):
+    t, hits = np.arange(4000) * 0.01, np.zeros(4)
+    u = 5 + 3 * np.sin(1.9 * t) + 2 * np.sin(6.9 * t + 1) + 1.5 * np.sin(17 * t + 2)
+    y = TABLE.simulate(u, 0.01)
+    for seed in range(400):
+        fit = output_error([Pair("a", u, y + noise(np.random.default_rng(seed), t.size, 0.01 * y.std(), rho), 0.01)])
+        hits += np.abs(fit.function.theta - TABLE.theta) <= 1.96 * fit.std
+    with capsys.disabled():
+        print(f"\nrho {rho}: {hits / 400}")
+    assert np.all((hits / 400 >= 0.92) & (hits / 400 <= 0.98))
