@@ -16,7 +16,7 @@ SPIKE_RANGE = 0.03  # of the channel's range
 WIDEST = 3  # samples of one spike
 FROZEN = 8  # samples at one value before it is asked whether the channel should have moved
 MOVED = 0.05  # of a channel's range: what it should have moved by
-WAY = 8  # samples to either side from which the slope around a spike is taken
+WAY = 4  # samples to either side that must keep to the line from which a spike stands off
 JUMP = 2.0  # times the largest usual step: how a frozen encoder catches up
 SOFT, HARD = 30.0, 1e6  # N/m, stiffness of a skin under a plunger: outside, a unit is suspected
 FAR_TOO_MUCH = 30.0  # times the applied force: no taxel feels that
@@ -99,16 +99,19 @@ def spikes(y: np.ndarray) -> np.ndarray:
 
 
 def _mark(y: np.ndarray, i: int, limit: float, out: np.ndarray) -> None:
-    """Mark the shortest run that contains i, and whose removal leaves a straight line within `limit`."""
+    """Mark the shortest run that contains i and stands off the line through its neighbours, which themselves keep to it.
+
+    The second half tells a spike from a corner, such as the loss of contact makes.
+    """
     for width in range(1, WIDEST + 1):
         for start in range(i - width + 1, i + 1):
             before, after = start - 1, start + width
             if before < 1 or after > y.size - 2:
                 continue
-            line = np.interp(np.arange(start, after), [before, after], [y[before], y[after]])
-            back, on = max(0, before - WAY), min(y.size - 1, after + WAY)
-            slope = max(abs(y[before] - y[back]) / (before - back), abs(y[on] - y[after]) / (on - after))
-            if np.all(np.abs(y[start:after] - line) > limit) and abs(y[after] - y[before]) < limit / 2 + (width + 1) * slope:
+            near = np.arange(max(0, before - WAY), min(y.size, after + WAY + 1))
+            off = np.abs(y[near] - y[before] - (y[after] - y[before]) * (near - before) / (after - before))
+            inside = (near >= start) & (near < after)
+            if off[inside].min() > max(limit, 2.0 * off[~inside].max()):
                 out[start:after] = True
                 return
 

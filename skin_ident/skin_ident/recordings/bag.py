@@ -24,6 +24,7 @@ ALIASES = {"encoder": "encoder", "depth": "encoder", "x": "encoder", "position":
 KINDS = {"encoder": ("depth", "m"), "force": ("force", "N"), "taxels": ("taxel", "N")}
 NAMED_ONLY = ("Float64", "Float32", "Float64MultiArray", "Float32MultiArray")  # too common to be taken for a force unless so called
 PROBES = 100  # instants at which clocks are compared
+EDGES = 0.02  # of the samples: what may lie before the first or after the last of another topic without a word
 STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
 
@@ -76,11 +77,11 @@ def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) ->
 
     Raises `RecordingError` where it can fill none, or the choice is not clear.
     """
-    chosen = {}
+    chosen, notes = {}, []
     for role in ROLES:
         if role in wishes:
             chosen[role] = _wished(name, topics, role, wishes[role])
-        elif (topic := _obvious(topics, role)) is not None:
+        elif (topic := _obvious(topics, role, notes)) is not None:
             chosen[role] = (topic, "")
     empty = [topic.name for topic, _ in chosen.values() if not topic.count]
     chosen = {role: pair for role, pair in chosen.items() if pair[0].count}
@@ -88,7 +89,7 @@ def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) ->
         held = ", ".join(sorted(topics)) or "no topic"
         nothing = f"{', '.join(empty)} hold no message" if empty else f"has no force, encoder or taxels topic; it holds {held}"
         raise RecordingError(f"{name} {nothing}; name them with --topics force=/ft encoder=/x taxels=/skin")
-    return chosen, [f"topic {title} holds no message" for title in empty]
+    return chosen, notes + [f"topic {title} holds no message" for title in empty]
 
 
 def _wished(name: str, topics: Mapping[str, Topic], role: str, wish: str) -> tuple[Topic, str]:
@@ -101,15 +102,19 @@ def _wished(name: str, topics: Mapping[str, Topic], role: str, wish: str) -> tup
     return found, joint
 
 
-def _obvious(topics: Mapping[str, Topic], role: str) -> Topic | None:
+def _obvious(topics: Mapping[str, Topic], role: str, notes: list[str]) -> Topic | None:
+    """The topic that is called so, in the outermost namespace; else the only one of a type that says it."""
     kinds, words = ROLES[role]
     fitting = [t for t in topics.values() if t.kind in kinds and not t.name.endswith("_truth")]
     for word in words:
         named = [t for t in fitting if t.name.rpartition("/")[2] == word]
-        if len(named) > 1:
+        outer = [t for t in named if t.name.count("/") == min(t.name.count("/") for t in named)]
+        if len(outer) > 1:
             raise RecordingError(f"more than one topic could be {role}: {', '.join(t.name for t in named)}; choose with --topics")
+        if len(named) > 1:
+            notes.append(f"{role} is read from {outer[0].name}, not from {', '.join(t.name for t in named if t is not outer[0])}")
         if named:
-            return named[0]
+            return outer[0]
     own = [t for t in fitting if t.kind.rpartition("/")[2] not in NAMED_ONLY]
     return own[0] if len(own) == 1 else None
 
@@ -154,7 +159,7 @@ def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.nda
     if overlap.sum() < 2:
         raise RecordingError("the topics were not recorded at the same time, or their stamps come from different clocks")
     base = base[overlap]
-    if (~overlap).sum() > BRIDGED:
+    if (~overlap).mean() > EDGES:
         warnings.append(f"{counted((~overlap).sum(), 'sample')} before or after one of the topics left out")
     rows = {role: _aligned(role, track, base, warnings) for role, track in tracks.items()}
     return (base - base[0]) * 1e-9, rows

@@ -14,6 +14,7 @@ from skin_ident.recordings.rows import all_finite, finite, interpolated
 
 SNAP = 0.01  # of the period: jitter below this is taken as even
 BRIDGED = 10  # samples: the longest loss that is interpolated
+OFTEN = 0.01  # of all samples: steps back that are no single event
 LATE_RUN = 3  # so many samples in a row behind the newest one are no longer "late" but a clock that stepped back
 
 
@@ -41,7 +42,7 @@ def ordered(track: Track, name: str) -> Track:
     if not good.all():
         track = track.kept(good, f"{counted((~good).sum(), 'sample')} without a time stamp dropped")
     if track.t.size < 2:
-        raise RecordingError(f"{name} holds {counted(track.t.size, 'sample')}: there is nothing to fit")
+        return track
     if np.all(track.t[1:] > track.t[:-1]):
         return track
     return _without_repeats(_sorted(track, name))
@@ -54,8 +55,11 @@ def _sorted(track: Track, name: str) -> Track:
         return track
     first = int(np.argmax(behind))
     if longest_run(behind) > LATE_RUN:
-        back = newest[first] - track.t[first]
-        raise RecordingError(f"{name}: the clock steps back by {back:.6g} at sample {first}; cut it there, or repair its stamps")
+        if np.sum(np.diff(track.t) < 0) > max(3, OFTEN * track.t.size):
+            share = f"{100 * behind.mean():.0f} % of its stamps lie behind earlier ones"
+            raise RecordingError(f"{name}: {share}: two publishers on one topic, or a clock that jumps to and fro")
+        back = (newest[first] - track.t[first]) * (1e-9 if np.issubdtype(track.t.dtype, np.integer) else 1.0)
+        raise RecordingError(f"{name}: the clock steps back by {back:.3g} s at sample {first}; cut it there, or repair its stamps")
     return track.kept(np.argsort(track.t, kind="stable"), f"{counted(behind.sum(), 'sample')} out of order sorted by time")
 
 
@@ -68,12 +72,8 @@ def _without_repeats(track: Track) -> Track:
 
 def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
     """The track on an even grid, in s. Numbers that are missing are bridged where their run is short. Raises `RecordingError`."""
-    track = longest_stretch(ordered(track, name), name)
-    track = _bridged(track, name)
-    if track.t.size < 2:
-        raise RecordingError(
-            f"{name} holds {counted(track.t.size, 'usable sample')}: there is nothing to fit ({'; '.join(track.warnings)})"
-        )
+    track = _enough(ordered(track, name), name)
+    track = _enough(_bridged(longest_stretch(track, name), name), name)
     period = float(np.median(np.diff(track.t)))
     steps = np.rint((track.t - track.t[0]) / period)
     dt = (track.t[-1] - track.t[0]) / steps[-1]
@@ -81,6 +81,13 @@ def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
     if steps[-1] == track.t.size - 1 and np.max(np.abs(track.t - track.t[0] - steps * dt)) <= SNAP * dt:
         return replace(track, t=track.t[0] + dt * np.arange(track.t.size))
     return _resampled(track, dt)
+
+
+def _enough(track: Track, name: str) -> Track:
+    if track.t.size >= 2:
+        return track
+    left = counted(track.t.size, "usable sample")
+    raise RecordingError(f"{name} holds {left}: there is nothing to fit ({'; '.join(track.warnings)})")
 
 
 def _resampled(track: Track, dt: float) -> Track:
