@@ -11,7 +11,7 @@ from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener, fit_whitener, stack
 
 RICHEST = 24  # directions that the richest model may use
-PASSES = 2
+PASSES = 1
 
 
 def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
