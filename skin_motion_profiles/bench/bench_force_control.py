@@ -41,20 +41,21 @@ def controls(skin: str) -> dict[str, dict]:
 
 
 def measures(t: np.ndarray, force: np.ndarray) -> tuple[float, float, float, float]:
-    """Overshoot (N), time from contact until settled (s; NaN: never), error and standard deviation of the last 3 s (N)."""
-    outside = np.flatnonzero(np.abs(force - FORCE) > BAND)
-    settled = t[outside[-1] + 1] if outside[-1] + 1 < t.size else float("nan")
+    """Overshoot (N), time from contact until settled (s; NaN: not a second before the end), error and standard deviation of the last 3 s (N)."""
+    outside = t[np.abs(force - FORCE) > BAND]
+    settled = outside[-1] if outside[-1] < t[-1] - 1.0 else float("nan")
     late = force[t > t[-1] - 3.0]
     return max(float(force.max()) - FORCE, 0.0), settled, float(late.mean()) - FORCE, float(late.std())
 
 
 def press(session: Session, goal: dict) -> tuple[np.ndarray, np.ndarray]:
     """Times (s) from contact and forces (N)."""
-    session.execute("{type: straight_line, to_mm: -0.05, speed_mm_s: 2}")
+    result, _, _ = session.execute("{type: straight_line, to_mm: -0.05, speed_mm_s: 2}")
+    if result.error_code != 0:
+        raise SystemExit(result.error_string)
     result, _, force = session.execute(yaml.safe_dump(goal))
     if result.error_code != 0:
-        print(f"{goal['type']}: {result.error_string}")
-        return np.empty(0), np.empty(0)
+        raise SystemExit(f"{goal['type']}: {result.error_string}")
     t = force[:, 0] - force[np.argmax(force[:, 1] >= 0.3), 0]
     within = (t >= -0.5) & (t <= SECONDS)
     return t[within], force[within, 1]
@@ -96,10 +97,7 @@ def main() -> None:
         for skin in MODELS:
             with Session(driver={"model": model_file(skin, Path(folder))}) as session:
                 for name, goal in controls(skin).items():
-                    t, force = press(session, goal)
-                    if t.size < 2:
-                        continue
-                    runs[skin, name] = t, force
+                    t, force = runs[skin, name] = press(session, goal)
                     over, settled, error, chatter = measures(t, force)
                     print(f"{skin:5s} {name:38s} {over:7.2f} N {settled:7.2f} s {error:6.2f} N {chatter:6.2f} N", flush=True)
     if options.picture:

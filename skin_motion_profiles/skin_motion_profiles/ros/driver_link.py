@@ -23,8 +23,8 @@ from skin_motion_profiles.trajectory import Trajectory
 JOINT = "indentation"
 _REST_ERROR = 2e-5  # m, by how much a resting stage may miss its target
 _TIMING = 0.2  # s of samples that tell how quick the node's clock is
-# Every piece counts, and a driver that stalls for a second must find them all.
-_COMMANDS = QoSProfile(depth=20, reliability=ReliabilityPolicy.RELIABLE)
+# Every piece counts: a driver that stalls for a second must find them all, also those of force control at 100 Hz.
+_COMMANDS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ class Run:
         steering = Steering(self.link, stage.entries[0], stage.names[0])
         self.started = self.started or steering.begin
         self.watch.is_quick_enough(stage.entries[0], steering.delay)
-        while not steering.ended():
+        while not (steering.over() and self.watch.arrived(steering.stream)):
             self.stream = steering.stream
             self.watch.check(self.stream)
             self.watch.finds_contact(steering)
@@ -163,7 +163,8 @@ class Run:
         """Wait for the end of the last motion, but not for a clock that stands or a driver that gave up."""
         length = last.motion.trajectory.duration
         patience = time.monotonic() + length / self.link.rate + 2.0
-        while last.time() < length and time.monotonic() < patience and self.watch.alive():
+        # The encoder's word counts, not the clock's: the next goal begins where it says.
+        while (self.link.depth.stamp - last.base) * 1e-9 < length and time.monotonic() < patience and self.watch.alive():
             self.feed_back("stop", 0.0)
             self.wait()
 

@@ -57,9 +57,9 @@ class Steering:
         self.lost = not pieces
         return pieces
 
-    def ended(self) -> bool:
-        """Whether its time is over and the plunger at rest."""
-        return self.time() >= self.controlled.duration and self.stream.time() >= self.stream.motion.trajectory.duration - _TAIL
+    def over(self) -> bool:
+        """Whether its time is over: what remains is the end of the last motion."""
+        return self.time() >= self.controlled.duration
 
     def _told(self, base: int, pieces: tuple[Piece, ...]) -> Stream:
         moving = Trajectory(pieces)
