@@ -13,6 +13,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import asdict
+from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -117,11 +118,11 @@ def _workers(jobs: int | None, scheduler: str | None) -> Iterator[Executor]:
             yield pool
         return
     try:
-        from distributed import Client
+        client_of = import_module("distributed").Client  # by name: optional, and no dependency of the package
     except ImportError as error:
         raise FitError("a Dask scheduler was named, but Dask is not installed: pip install distributed") from error
     try:
-        client = Client(scheduler, timeout="10s")
+        client = client_of(scheduler, timeout="10s")
     except (OSError, ValueError) as error:
         raise FitError(f"no Dask scheduler answers at {scheduler}") from error
     with client:
@@ -134,11 +135,10 @@ def write_table(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     partial = path.with_name(path.name + ".partial")
     if path.suffix == ".parquet":
         try:
-            import pyarrow
-            import pyarrow.parquet
+            arrow, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
         except ImportError as error:
             raise FitError("Parquet needs pyarrow: pip install pyarrow, or write .csv") from error
-        pyarrow.parquet.write_table(pyarrow.table({c: [row.get(c) for row in rows] for c in columns}), partial)
+        parquet.write_table(arrow.table({c: [row.get(c) for row in rows] for c in columns}), partial)
     else:
         with partial.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, columns, extrasaction="ignore")
