@@ -1,0 +1,57 @@
+"""The installed profile server with the installed driver and its simulated rig."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("skin_testbed_msgs")
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
+from session import Session, seconds
+from skin_testbed_msgs.action import ExecuteProfile
+
+from skin_motion_profiles.plan import Travel, stages
+from skin_motion_profiles.profile_file import entry_from_text
+
+Result = ExecuteProfile.Result
+FAST = {"driver": {"time_scale": 5.0, "seed": 1}, "server": {"use_sim_time": True}}
+
+
+def test_the_demo_battery_is_executed_as_planned():
+    with Session(**FAST) as session:
+        first, _, _ = session.execute("{type: straight_line, to_mm: -1, speed_mm_s: 10}")
+        assert first.error_code == Result.SUCCESS, first.error_string
+        result, encoder, force = session.execute("{battery: demo, depth_mm: 0.8, seed: 3}")
+    assert result.error_code == Result.SUCCESS, result.error_string
+    plan = stages(entry_from_text("{battery: demo, depth_mm: 0.8, seed: 3}"))[0].motion(-0.001, Travel(0.002, 0.05)).trajectory
+    t = encoder[:, 0] - seconds(result.started)
+    within = (t > 0.0) & (t < plan.duration)
+    assert np.abs(encoder[:, 1] - plan.sample(t).x)[within].max() < 2e-5
+    assert within.sum() > 0.9 * 100.0 * plan.duration
+    assert force[:, 1].max() == pytest.approx(result.peak_force, abs=0.5) and result.peak_force > 5.0
+
+
+def test_a_lateral_scan_moves_the_motorised_stage():
+    with Session(**FAST) as session:
+        result, encoder, force = session.execute("{type: lateral_scan, offsets_mm: [0, 5], depth_mm: 0.6, settle_s: 0.5}")
+    assert result.error_code == Result.SUCCESS, result.error_string
+    assert encoder[:, 1].max() == pytest.approx(0.0006, abs=1e-5) and force[:, 1].max() > 5.0
+
+
+def test_zero_finds_the_surface_and_depths_count_from_there():
+    with Session(driver={**FAST["driver"], "surface_offset": 0.0003}, server=FAST["server"]) as session:
+        result, _, _ = session.execute("{battery: prepare}")
+        assert result.error_code == Result.SUCCESS, result.error_string
+        result, _, force = session.execute("{type: step, depth_mm: 0.5, speed_mm_s: 1, hold_s: 1}")
+    assert result.error_code == Result.SUCCESS, result.error_string
+    assert np.median(force[force[:, 1] > 4.0][:, 1]) == pytest.approx(0.5 * 12.4, rel=0.1)
+
+
+def test_what_stops_the_driver_ends_the_goal_with_its_words():
+    with Session(driver={"max_force": 4.0}) as session:
+        result, _, _ = session.execute("{type: step, depth_mm: 1}")
+    assert result.error_code == Result.DRIVER_FAULT
+    assert "more than the limit of 4.0 N" in result.error_string
