@@ -41,6 +41,18 @@ class Quality:
     warnings: tuple[str, ...]
     impossible: str = ""  # what no skin can do: a unit must be wrong
 
+    def as_dict(self) -> dict[str, object]:
+        """What was found, with units in the names."""
+        return {
+            "rate_hz": self.rate,
+            "depth_range_mm": 1e3 * self.depth_range,
+            "speed_rms_mm_per_s": 1e3 * self.speed,
+            "in_contact": self.contact,
+            "spikes": {name: n for name, n in self.spikes.items() if n},
+            "frozen": {name: n for name, n in self.frozen.items() if n},
+            "apparent_delay_ms": {name: 1e3 * delay for name, delay in self.delays.items()},
+        }
+
 
 def inspected(r: Recording) -> tuple[Recording, np.ndarray, Quality]:
     """The recording with its spikes bridged, which samples (N,) may be believed, and what was found."""

@@ -168,7 +168,7 @@ def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.
         dof=regression.dof,
         sessions=tuple(s.name for s in sessions),
         warnings=(*warnings, *notes),
-        notes=_zeros(sessions, shape, regression),
+        notes={"telemetry": {s.name: s.quality.as_dict() for s in sessions}, **_zeros(sessions, shape, regression)},
     )
 
 

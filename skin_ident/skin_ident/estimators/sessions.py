@@ -7,7 +7,7 @@ import numpy as np
 
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.prefilter import Prefilter, prefilter_for
-from skin_ident.quality import inspected
+from skin_ident.quality import Quality, inspected
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.timing import counted
 from skin_models.dispersion import Dispersion
@@ -32,6 +32,7 @@ class Session:
     felt: np.ndarray
     prefilter: Prefilter
     parts: tuple[slice, ...]
+    quality: Quality
 
     def columns(self, recovery: float | None = None) -> np.ndarray:
         """Columns (n, 4) that belong to the rows: speed, depth, acceleration, -gravity, each zero where plunger and skin do not touch.
@@ -62,13 +63,13 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
     recordings = [r.warned(*q.warnings) for r, _, q in looked]
     prefilters = _prefilters(recordings)
     warnings = tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings)
-    sessions = [_session(r, prefilters[_rate(r)], good) for r, (_, good, _) in zip(recordings, looked, strict=True)]
+    sessions = [_session(r, prefilters[_rate(r)], good, q) for r, (_, good, q) in zip(recordings, looked, strict=True)]
     if motions is not None:
         sessions = [replace(s, motion=m) for s, m in zip(sessions, motions, strict=True)]
     return sessions, warnings
 
 
-def _session(r: Recording, prefilter: Prefilter, good: np.ndarray) -> Session:
+def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Quality) -> Session:
     taxels = np.array([y for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"])
     s = motion(r.t, prefilter.smooth(r.depth))
     if not np.any(s.x > 0.0):
@@ -78,7 +79,9 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray) -> Session:
     if not parts:
         raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted ({'; '.join(r.warnings)})")
     force = None if r.force is None else rows(r.force)
-    return Session(r.name, s, force, rows(taxels) if taxels.size else np.empty((0, 0)), _felt(r, taxels, prefilter), prefilter, parts)
+    return Session(
+        r.name, s, force, rows(taxels) if taxels.size else np.empty((0, 0)), _felt(r, taxels, prefilter), prefilter, parts, quality
+    )
 
 
 def _felt(r: Recording, taxels: np.ndarray, prefilter: Prefilter) -> np.ndarray:

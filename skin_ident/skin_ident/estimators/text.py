@@ -8,6 +8,7 @@ from skin_ident.estimators.estimate import Estimate
 from skin_models.parameter import Parameter
 
 WIDTH = 110
+SHOWN = 8  # sessions of which the telemetry is printed
 
 
 def as_table(estimate: Estimate) -> str:
@@ -19,7 +20,18 @@ def as_table(estimate: Estimate) -> str:
     notes = [f"note: {w}" for w in estimate.warnings]
     title = f"  {'':<9} {'value':>12} {'± 95 %':>11}  {'unit':<7} verdict"
     folded = [_folded(line) for line in why + notes]
-    return "\n".join([head, title, *rows, *_bootstrapped(estimate), "what the fit leaves:", *left, "why:", *folded])
+    return "\n".join([head, *_telemetry(estimate), title, *rows, *_bootstrapped(estimate), "what the fit leaves:", *left, "why:", *folded])
+
+
+def _telemetry(estimate: Estimate) -> list[str]:
+    """One line per session, of the first few: what it excites."""
+    sessions = estimate.notes.get("telemetry", {})
+    lines = [
+        f"  {name}: {t['rate_hz']:.5g} Hz, depth over {t['depth_range_mm']:.3g} mm, {t['speed_rms_mm_per_s']:.3g} mm/s rms, "
+        f"in contact {100 * t['in_contact']:.0f} % of the time"
+        for name, t in list(sessions.items())[:SHOWN]
+    ]
+    return lines + [f"  … and {len(sessions) - SHOWN} more"] * (len(sessions) > SHOWN)
 
 
 def _bootstrapped(estimate: Estimate) -> list[str]:
