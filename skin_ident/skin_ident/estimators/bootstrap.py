@@ -1,7 +1,8 @@
 """Intervals without a noise model: stretches of the residual, all channels together, are drawn anew and carried through the fit.
 
 The fit is linear in what was measured, so a drawn residual e* moves the coefficients by G' e*; no refit is needed, and shares, differences
-and ratios are formed afterwards. The stretches must be longer than the residual's memory: two periods of the slowest motion by default.
+and ratios are formed afterwards. The stretches must be longer than the residual's memory; by default they are a thirtieth of what was
+recorded. What all drawings have in common is taken off: it is no scatter.
 Source: H. R. Künsch, Ann. Statist. 17 (1989) 1217.
 """
 
@@ -18,6 +19,7 @@ from skin_ident.recordings.recording import Recording
 
 NAMES = ("m", "b1", "k1", "b2", "k2")
 FEWEST = 4  # stretches in all sessions together
+STRETCHES = 30  # by default
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,17 +51,18 @@ def bootstrap(
     shape = shape_of(sessions, mass, offsets)
     regression, blocks = settled(sessions, shape)
     period = sessions[0].motion.dt * sessions[0].prefilter.every
-    stretch = stretch or 2.0 / max(sessions[0].prefilter.edge / 3.0, 1e-9)
-    length = max(2, round(stretch / period))
+    recorded = period * sum(b.y.size for b in blocks[0])
+    length = max(2, round((stretch or recorded / STRETCHES) / period))
     residuals = [[b.y - b.columns @ c for b in channel] for channel, c in zip(blocks, regression.coefficients, strict=True)]
     if sum(e.size // length for e in residuals[0]) < FEWEST:
-        raise FitError(f"stretches of {stretch:.3g} s are too long for these sessions: at least {FEWEST} must fit in")
+        raise FitError(f"stretches of {length * period:.3g} s are too long for these sessions: at least {FEWEST} must fit in")
     gains = [[b.gain(p) for b in channel] for channel, p in zip(blocks, regression.inverses, strict=True)]
     rng, to = np.random.default_rng(seed), theta_of(regression, shape)
     beta = np.concatenate(regression.coefficients)
     grow = _growth(blocks, regression.coefficients)
-    values = np.array([to(beta + grow * _drawn(residuals, gains, length, rng)) for _ in range(runs)])
-    return Bootstrap((*NAMES, *(f"share_{i}" for i in range(shape.taxels))), values, stretch)
+    moves = np.array([_drawn(residuals, gains, length, rng) for _ in range(runs)])
+    values = np.array([to(beta + grow * move) for move in moves - moves.mean(axis=0)])
+    return Bootstrap((*NAMES, *(f"share_{i}" for i in range(shape.taxels))), values, length * period)
 
 
 def _growth(blocks: list[list[Block]], coefficients: list[np.ndarray]) -> float:
