@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from making import recording, write_bag, write_mcap, write_table
+from making import KINDS, START_NS, recording, serialised, typestore, write_bag, write_mcap, write_table
+from rosbags.rosbag2 import StoragePlugin, Writer
 
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import load
@@ -201,3 +202,40 @@ def test_bulk_reading_equals_rosbags(tmp_path):
     force = [-m.wrench.force.z for topic, m in slow if topic == "/force"]
     r = load(path)[0]
     assert np.array_equal(r.force, force) and same(r, R, 1e-15)
+
+
+def test_plain_types_by_name_and_by_log_time(tmp_path):
+    """Float64 and Float64MultiArray say nothing of what they are: named topics, and the times at which they were recorded."""
+    store = typestore()
+    t = store.types
+    layout = t["std_msgs/msg/MultiArrayLayout"]([], 0)
+    kinds = {"/p": "std_msgs/msg/Float64", "/q": "std_msgs/msg/Float64", "/s": "std_msgs/msg/Float64MultiArray"}
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        lines = {topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in kinds.items()}
+        for i in range(len(R)):
+            stamp = START_NS + i * 10_000_000
+            for topic, value in (("/p", R.depth[i]), ("/q", R.force[i])):
+                writer.write(lines[topic], stamp, store.serialize_cdr(t[kinds[topic]](float(value)), kinds[topic]))
+            many = t[kinds["/s"]](layout, R.taxels[:, i].copy())
+            writer.write(lines["/s"], stamp, store.serialize_cdr(many, kinds["/s"]))
+    with pytest.raises(RecordingError, match="--topics"):
+        load(tmp_path / "bag", {})
+    r = load(tmp_path / "bag", {"depth": "/p", "force": "/q", "taxels": "/s"})[0]
+    assert same(r, R, 1e-15) and "carries no time stamps" in " ".join(r.warnings)
+
+
+def test_channels_of_different_rates_meet_on_the_encoders_stamps(tmp_path):
+    every = 2
+
+    def thinned():
+        for i, (topic, log, data) in enumerate(serialised(R)):
+            if topic != "/taxels" or (i // 3) % every == 0:
+                yield topic, log, data
+
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        lines = {topic: writer.add_connection(topic, kind, typestore=typestore()) for topic, kind in KINDS.items()}
+        for topic, log, data in thinned():
+            writer.write(lines[topic], log, data)
+    r = load(tmp_path / "bag")[0]
+    assert np.allclose(r.taxels[:, ::2], R.taxels[:, : len(r) : 2]) and "taxels: interpolated" in " ".join(r.warnings)
+    assert np.array_equal(r.force, R.force[: len(r)])
