@@ -239,3 +239,16 @@ def test_channels_of_different_rates_meet_on_the_encoders_stamps(tmp_path):
     r = load(tmp_path / "bag")[0]
     assert np.allclose(r.taxels[:, ::2], R.taxels[:, : len(r) : 2]) and "taxels: interpolated" in " ".join(r.warnings)
     assert np.array_equal(r.force, R.force[: len(r)])
+
+
+def test_log_times_on_request(tmp_path):
+    """Stamps that stand still, as of a driver that never sets its clock, and good log times."""
+    bag = write_mcap(tmp_path / "a.mcap", R, log_delay_ns=0, change=lambda store, i, message: frozen_stamp(message))
+    with pytest.raises(RecordingError, match="log-time"):
+        load(bag)
+    assert same(load(bag, log_time=True)[0], R, 1e-15)
+
+
+def frozen_stamp(message):
+    message.header.stamp.sec, message.header.stamp.nanosec = 5, 0
+    return message

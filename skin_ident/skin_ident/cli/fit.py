@@ -31,7 +31,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.each:
         return _batch(chosen, options, topics)
     common.say(f"reading {counted(len(chosen.recordings), 'path')} …")
-    recordings, scans = sessions_of(load(chosen.recordings, topics))
+    recordings, scans = sessions_of(load(chosen.recordings, topics, chosen.log_time))
     for name in scans:
         common.say(f"{name} is a static spread scan: left out of the fit")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
@@ -89,6 +89,7 @@ def write(estimate: Estimate, folder: Path) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="fit", description=__doc__)
     common.add_recordings(parser)
+    parser.add_argument("--log-time", action="store_true", help="take the times of recording, not the stamps in the messages")
     parser.add_argument("--mass", default="fixed", help="free, fixed (from rig.yaml or the thickness; the default), or a value in kg")
     parser.add_argument("--thickness_mm", type=float, help="thickness of the skin, for the fixed mass")
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")

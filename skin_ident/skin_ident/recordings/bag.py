@@ -148,6 +148,8 @@ def _apart(a: Decoded, b: Decoded) -> np.ndarray:
 def _track(role: str, d: Decoded, log_time: bool, warnings: list[str]) -> Track:
     if not d.stamped and not log_time:
         warnings.append(f"{d.topic} carries no time stamps: the times at which it was recorded were used")
+    if d.stamped and d.stamp_ns.size > 1 and np.ptp(d.stamp_ns) == 0:
+        raise RecordingError(f"{d.topic}: every message bears the same stamp; take the times of recording instead (--log-time)")
     return ordered(Track(d.stamp_ns, (d.rows,)), d.topic)
 
 
