@@ -2,22 +2,24 @@
 
 Whitening with the residual of a poor model would count the model's own error as noise, and a test built on it would be blind; whitening
 as if the noise were white would reject the truth half of the time. So the residual is first reduced by the directions that explain most
-of it, chosen one after the other (orthogonal matching pursuit), whatever their cause, and the noise is fitted to the rest.
+of it, chosen one after the other (orthogonal matching pursuit), whatever their cause, and the noise is fitted to the rest. The first pass
+takes the noise as white: colour fitted to the residual itself would contain the very effect that is looked for, and an offset or a slow
+drift would drown in it. The second pass chooses again under the colour that the first has left.
 """
 
 import numpy as np
 
 from skin_ident.criticism.session import Session
-from skin_ident.criticism.whitening import Whitener, fit_whitener, stack
+from skin_ident.criticism.whitening import Whitener, fit_whitener, stack, white
 
 RICHEST = 24  # directions that the richest model may use
-PASSES = 1
+PASSES = 2
 
 
 def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
     """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
     weights = [s.weight for s in sessions]
-    noise = fit_whitener(residuals, weights)
+    noise = white(residuals)
     for _ in range(PASSES):
         every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
         A, r = stack(every, sessions, noise), stack(residuals, sessions, noise)

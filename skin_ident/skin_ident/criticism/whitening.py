@@ -56,6 +56,14 @@ def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], order: 
     return Whitener(vectors.T, filters, np.linalg.cholesky(covariance + floor))
 
 
+def white(residuals: list[np.ndarray]) -> Whitener:
+    """White noise, independent in each channel, of the size that neighbouring samples of the residuals differ by."""
+    steps = np.concatenate([np.diff(e, axis=1) for e in residuals], axis=1)
+    size = np.maximum(np.sqrt(np.mean(steps**2, axis=1) / 2.0), 1e-12)
+    n = size.size
+    return Whitener(np.eye(n), np.eye(1, ORDER + 1).repeat(n, axis=0), np.diag(size))
+
+
 def _prediction_error_filter(rows: list[np.ndarray], weights: list[np.ndarray], order: int) -> np.ndarray:
     past = np.concatenate([np.lib.stride_tricks.sliding_window_view(r, order + 1) for r in rows])
     good = np.concatenate([np.lib.stride_tricks.sliding_window_view(w, order + 1).all(axis=1) for w in weights])

@@ -2,7 +2,7 @@
 
     tip depth = x + offset        positive: the skin is met before the encoder reads zero
 
-The thesis's stage is true to 5 um and comes to rest 1 to 5 um from where it should (sections 3.1 and 5.1): less is no offset to speak of.
+The thesis's stage is true to 5 um and comes to rest 1 to 5 um from where it should (sections 3.1 and 5.1): half of that is no offset to speak of.
 
 Source: geometry.
 """
@@ -23,7 +23,7 @@ class PositionOffset(Memoryless):
     source: ClassVar[str] = "geometry"
     linear: ClassVar[bool] = True
 
-    offset: float = quantity("m", 0.0, lower=-0.02, upper=0.02, typical=0.15e-3, negligible=5e-6, doc="tip depth minus encoder depth")
+    offset: float = quantity("m", 0.0, lower=-0.02, upper=0.02, typical=0.15e-3, negligible=2.5e-6, doc="tip depth minus encoder depth")
 
     def apply(self, y, s):
         return y + self.offset
