@@ -24,6 +24,7 @@ def test_recovers_the_thesis_parameters(thickness):
 def test_exact_data_give_exact_parameters():
     fit = fit_dispersion([recording(sigma=0.0, shares=(1.0, 0.5))], SILICONE[4][0])
     assert [fit.values[n] for n in NAMES] == pytest.approx(SILICONE[4][1:], rel=1e-4) and fit.model.shares[1] == pytest.approx(0.5)
+    assert {fit.verdicts[n].word for n in NAMES} == {IDENTIFIABLE} and fit.verdicts["share_0"].word == FIXED
 
 
 def test_shares_of_several_taxels():

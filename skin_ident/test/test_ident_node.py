@@ -58,13 +58,16 @@ class Bench:
                 publisher.publish(message)
             time.sleep(0.001)
 
-    def wait(self, future, timeout=20.0):
-        wait_until(future.done, timeout, "an answer")
-        return future.result()
+    def ask(self, start, timeout=20.0):
+        """Call in the thread that handles the answer: from another one, rclpy may see the answer before it knows of the question."""
+        futures = []
+        self.executor.create_task(lambda: futures.append(start()))
+        wait_until(lambda: futures and futures[0].done(), timeout, "an answer")
+        return futures[0].result()
 
     def send(self, **goal):
         wait_until(lambda: self.identify.wait_for_server(0.1), 20.0, "the action identify")
-        return self.wait(self.identify.send_goal_async(Identify.Goal(**goal), lambda m: self.feedback.append(m.feedback)))
+        return self.ask(lambda: self.identify.send_goal_async(Identify.Goal(**goal), lambda m: self.feedback.append(m.feedback)))
 
     def close(self):
         self.executor.shutdown()
@@ -97,14 +100,14 @@ def test_live_estimates_approach_the_truth_and_can_be_saved(world):
         return dict(zip(message.names, message.verdicts, strict=True))["k1"] == "identifiable" and message.effective_samples > 50
 
     wait_until(lambda: next((m for m in bench.heard[-1:] if near(m) and sure(m)), None), 20.0, "a sure estimate near the truth")
-    assert bench.wait(bench.save.call_async(Trigger.Request())).success
+    assert bench.ask(lambda: bench.save.call_async(Trigger.Request())).success
     assert load_model(folder / "live.yaml").dispersion.k1 == pytest.approx(9619, rel=0.03)
 
 
 def test_identify_fits_recordings(world):
     bench, folder, _ = world
     bags = [str(write_bag(folder / f"s{i}", recording(i, n=500))) for i in range(2)]
-    answer = bench.wait(bench.send(recordings=bags, output_directory=str(folder / "out")).get_result_async()).result
+    answer = bench.ask(bench.send(recordings=bags, output_directory=str(folder / "out")).get_result_async).result
     values = dict(zip(answer.parameter_names, answer.values, strict=True))
     assert answer.error_code == 0 and values["k1"] == pytest.approx(9619, rel=0.02)
     assert load_model(folder / "out" / "model.yaml").dispersion.k1 == pytest.approx(values["k1"])
@@ -115,7 +118,7 @@ def test_identify_fits_recordings(world):
 @pytest.mark.parametrize("paths", [[], ["/does/not/exist"]])
 def test_identify_refuses_what_it_cannot_use(world, paths):
     bench, folder, _ = world
-    answer = bench.wait(bench.send(recordings=paths, output_directory=str(folder / "none")).get_result_async()).result
+    answer = bench.ask(bench.send(recordings=paths, output_directory=str(folder / "none")).get_result_async).result
     assert answer.error_code == Identify.Result.UNUSABLE_INPUT and answer.error_string and not (folder / "none").exists()
 
 
@@ -124,8 +127,8 @@ def test_identify_can_be_cancelled(world):
     bag = str(write_bag(folder / "long", recording(n=2000)))
     handle = bench.send(recordings=[bag] * 40, output_directory=str(folder / "cancelled"))
     wait_until(lambda: bench.feedback, 10.0, "feedback")
-    bench.wait(handle.cancel_goal_async())
-    answer = bench.wait(handle.get_result_async(), 30.0).result
+    bench.ask(handle.cancel_goal_async)
+    answer = bench.ask(handle.get_result_async, 30.0).result
     assert answer.error_code == Identify.Result.CANCELLED and not (folder / "cancelled").exists()
 
 
@@ -133,7 +136,7 @@ def test_identify_criticises(world):
     bench, folder, _ = world
     bags = [str(write_bag(folder / f"c{i}", recording(i, n=1500, offset=0.2e-3))) for i in range(2)]
     goal = bench.send(recordings=bags[:1], hold_out=bags[1:], criticise=True, output_directory=str(folder / "criticised"))
-    answer = bench.wait(goal.get_result_async(), 60.0).result
+    answer = bench.ask(goal.get_result_async, 60.0).result
     assert answer.error_code == 0 and answer.verdict == "nothing_wrong" and not answer.causes, answer
     assert (folder / "criticised" / "findings.json").samefile(answer.findings) and "k1" in answer.parameter_names
 

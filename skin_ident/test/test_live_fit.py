@@ -51,3 +51,17 @@ def test_nothing_is_claimed_in_the_air():
 def test_sums_of_a_stream_are_those_of_one_block():
     a, b = fed(R, 3000), fed(R, 10)
     assert np.allclose(a.live.values, b.live.values, rtol=5e-3)
+
+
+@pytest.mark.parametrize("late", ["force", "taxels"])
+def test_a_topic_that_is_discovered_late_is_taken_in(late):
+    """The others are learnt without it first, as when a subscription takes its time."""
+    fit = LiveFit(30.0, 5.0, SILICONE[4][0])
+    for i in range(len(R)):
+        stamp = round(R.t[i] * 1e9) + 10**12
+        for role, values in (("encoder", R.depth[i : i + 1]), ("force", R.force[i : i + 1]), ("taxels", R.taxels[:, i])):
+            if role != late or i > 200:
+                fit.offer(role, stamp, values)
+        if i % 10 == 9:
+            fit.update()
+    assert fit.live.values == pytest.approx(TRUTH, rel=0.02)

@@ -42,9 +42,11 @@ class LiveFit:
     _last: np.ndarray | None = None
     _seen: int = 0
     _dropped: int = 0
+    _left_out: int = 0  # messages of a topic that was silent when the others were learnt
 
     def offer(self, role: str, stamp_ns: int, values: np.ndarray) -> None:
         """One message of encoder (1,) m, force (1,) N or taxels (T,) N."""
+        self._left_out += self.memory is not None and role not in self._roles
         waiting = self._heard[role]
         waiting[stamp_ns] = np.asarray(values, float)
         if len(waiting) > KEEP:
@@ -67,14 +69,22 @@ class LiveFit:
         speaking = [role for role, heard in self._heard.items() if heard]
         if "encoder" not in speaking or len(speaking) < 2 or min(len(self._heard[r]) for r in speaking) < 2:
             return []
+        if self._left_out >= LEARN:  # a topic that was discovered late: begin again with it
+            self.memory = self.state = self.live = self._last = None
+            self._left_out = 0
         if self.memory is not None:
-            speaking = ["encoder", *["force"] * self.memory.force, *["taxels"] * (self.memory.taxels > 0)]
+            speaking = self._roles
         common = sorted(set.intersection(*(set(self._heard[role]) for role in speaking)))
         if self.memory is None and len(common) < LEARN:
             return []
         rows = [(stamp, np.concatenate([self._heard[role][stamp] for role in speaking])) for stamp in common]
         self._forget(common[-1] if common else 0)
         return self._learnt(rows, speaking) if rows else []
+
+    @property
+    def _roles(self) -> list[str]:
+        """The topics that were learnt."""
+        return ["encoder", *["force"] * self.memory.force, *["taxels"] * (self.memory.taxels > 0)]
 
     def _forget(self, newest: int) -> None:
         for role, heard in self._heard.items():

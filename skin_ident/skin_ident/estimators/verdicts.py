@@ -54,7 +54,7 @@ def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verd
     if p.name in ("b2", "k2") and not (shape.force and shape.taxels):
         why = "the load cell is missing" if shape.taxels else "there is no taxel: b1 and k1 stand for the whole skin"
         return Verdict(NOT_IDENTIFIABLE, f"{why}, so what is dispersed cannot be told from what is sensed; set to 0")
-    if std == 0.0:
+    if std == 0.0 and p.name.startswith("share_") and p.value == 1.0:
         return Verdict(FIXED, "1 by definition: shares are relative to the strongest taxel")
     relative = std / abs(p.value) if p.value else np.inf
     newtons = max(carried.values(), default=0.0)

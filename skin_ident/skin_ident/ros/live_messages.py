@@ -26,14 +26,14 @@ def estimates(fit: LiveFit, stamp: Time) -> ParameterEstimates:
     message.names = ["m", *NAMES, *(f"share_{i}" for i in range(count - 4))]
     message.values, message.standard_errors = [fit.mass, *values], [0.0, *errors]
     message.units = ["kg", *UNITS, *["1"] * (count - 4)]
-    message.verdicts = [FIXED, *(_word(v, s) for v, s in zip(values, errors, strict=True))]
+    message.verdicts = [FIXED, *(_word(n, v, s) for n, v, s in zip(message.names[1:], values, errors, strict=True))]
     message.effective_samples = 0.0 if fit.live is None else float(fit.live.rows)
     return message
 
 
-def _word(value: float, std: float) -> str:
-    if std == 0.0:
-        return FIXED
+def _word(name: str, value: float, std: float) -> str:
+    if std == 0.0 and name.startswith("share_") and value == 1.0:
+        return FIXED  # shares are relative to the strongest taxel
     relative = std / abs(value) if value else math.inf
     return IDENTIFIABLE if relative <= SURE else WEAK if relative <= VAGUE else NOT_IDENTIFIABLE
 
