@@ -2,7 +2,8 @@
 
 Every depth is left out in turn, and every distance in turn (or whole scans, where some are held out for good). A depth left out is
 predicted entirely where the cause bends the level or the reading; where it bends the spread, the size of that depth alone is fitted
-again, from every other column, and the columns between are predicted. A distance left out is predicted entirely. The squared errors of
+again, from every other column, and the columns between are predicted (or, where these are too few to tell, the depth is predicted
+entirely as well). A distance left out is predicted entirely. The squared errors of
 depths (of distances) are resampled as blocks: B. Efron, R. Tibshirani, An Introduction to the Bootstrap, 1993, ch. 8.
 """
 
@@ -16,7 +17,7 @@ from skin_ident.criticism.scan.fitting import Member, fit
 from skin_ident.criticism.scan.whitening import Noise
 
 RESAMPLES = 1000
-DOUBT = 5.0  # percentile of the resampled gain that must be above zero
+DOUBT = 10.0  # percentile of the resampled gain that must be above zero
 FEWEST = 4  # groups that must be left out in turn before their resampling means anything
 ITERATIONS, TOLERANCE = 4, 1e-3
 SIZED_AGAIN, WHOLE = "spread", "whole"
@@ -55,7 +56,14 @@ class Gain:
 
 def gain_of(before: Member, after: Member, c: Candidate, noise: Noise, cells: Cells, test: Test) -> Gain:
     """What `after` gains over `before` on cells that were not used to fit either."""
-    how = SIZED_AGAIN if c.bends == "spread" else WHOLE
+    if c.bends != "spread":
+        return _gain_by(before, after, WHOLE, noise, cells, test)
+    gain = _gain_by(before, after, SIZED_AGAIN, noise, cells, test)
+    whole = gain if gain.passed else _gain_by(before, after, WHOLE, noise, cells, test)
+    return whole if whole.passed else gain
+
+
+def _gain_by(before: Member, after: Member, how: str, noise: Noise, cells: Cells, test: Test) -> Gain:
     if test.held is not None:
         errors = [held_scans(m, test.held, how) for m in (before, after)]
         return _gain(errors, np.ones(len(test.held)), test.held.row, np.nan, "the scans held out")

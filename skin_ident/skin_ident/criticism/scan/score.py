@@ -19,7 +19,7 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Fit, jacobian
 from skin_ident.criticism.scan.whitening import Noise, Whitener
 
-CHARGE = 6.5  # squared units of the noise: about one false name in 150 scans, before held-out cells have their say
+CHARGE = 5.0  # squared units of the noise: about one false name in a hundred scans, before held-out cells have their say
 COARSE = 8.0  # charged more where the converter's steps are most of the noise: they repeat with the force, as a cause does
 USED = 5  # columns' or rows' degrees of freedom that the directions of the family use up, at most
 

@@ -16,6 +16,7 @@ NEAR = 0.08  # relative, how close a ratio must come to such a factor
 CLEAR = 6.0  # standard deviations by which a line must miss a factor of 1
 FAR = 15.0  # standard deviations from which a single reading is called an outlier
 ALONE = 2.5  # times the strangest of all other readings
+TAILED = 4.0  # standard deviations; where more than a few readings are beyond, the noise has heavy tails and nothing stands out
 EXCHANGE = 50.0  # fall of the squared strangeness that an exchange must bring
 MOST = 0.7  # of everything strange that an exchange must explain
 
@@ -121,6 +122,8 @@ def _strays(cells: Cells, table: Rough, scans: list[SpreadScan], clean: np.ndarr
     """Single readings far off, with nothing strange beside them."""
     t = table.strangeness(cells)
     e = np.where(clean, np.abs(t), 0.0)
+    if np.sum((e > TAILED) & (e < FAR)) > len(cells) / 200:
+        return
     for i in np.argsort(-e)[:3]:
         if e[i] < FAR:
             return
