@@ -5,6 +5,9 @@ from math import exp
 
 import numpy as np
 
+MOST_KEPT = 12  # bare pressings, a few MB each
+_KEPT: dict = {}
+
 
 @dataclass
 class Laws:
@@ -39,7 +42,24 @@ def press(x, v, a, dt, skin, laws=None) -> Pressed:
     In contact the surface goes with the plunger: F = m a + (k1 + k2) u + (b1 + b2) u' + added. Contact ends when F would pull more
     than the surface holds, then the surface comes back by itself, force free, until the plunger meets it again.
     """
-    laws = laws or Laws()
+    if laws is None or laws == Laws():
+        return _press_bare(x, v, a, dt, skin)
+    return _press(x, v, a, dt, skin, laws)
+
+
+def _press_bare(x, v, a, dt, skin):
+    """The same without laws, kept: cases of one seed share their path, and the loop over samples is what costs."""
+    key = (hash(x.tobytes()), dt, skin.k1, skin.b1, skin.k2, skin.b2, skin.mass)
+    if key not in _KEPT:
+        while len(_KEPT) >= MOST_KEPT:
+            del _KEPT[next(iter(_KEPT))]
+        _KEPT[key] = _press(x, v, a, dt, skin, Laws())
+        for row in vars(_KEPT[key]).values():
+            row.setflags(write=False)
+    return _KEPT[key]
+
+
+def _press(x, v, a, dt, skin, laws):
     run = _press_mounted if laws.mount_stiffness else _press_rigid
     u, w, force, added, touching = (np.asarray(c, float) for c in run(x.tolist(), v.tolist(), dt, skin, laws))
     force = np.where(touching > 0, force + skin.mass * a, 0.0)
