@@ -53,7 +53,8 @@ def _copy(recordings: list, here: tuple[int, int], first: tuple[int, int], lengt
     if whole:
         why = f"{r.name} is a copy of {source.name}: {length} of its {len(r)} samples are the same digit for digit"
     else:
-        why = f"{length} samples of {r.name} from {start * r.dt:.2f} s on repeat {source.name} from {origin * source.dt:.2f} s on, digit for digit"
+        here, there = f"{start * r.dt:.2f} s", f"{origin * source.dt:.2f} s"
+        why = f"{length} samples of {r.name} from {here} on repeat {source.name} from {there} on, digit for digit"
     parameters = {"from": quantity(start * r.dt, "s"), "length": quantity(length * r.dt, "s")}
     channels = tuple(r.channels)
     mask = np.zeros(len(r), bool)
@@ -83,7 +84,8 @@ def _columns(recordings: list) -> list[Symptom]:
         same = [c for c, row in zip(names[1:], rows[1:], strict=True) if np.mean(row == rows[0]) > EQUAL]
         if same:
             share = float(np.mean(rows[1] == rows[0]))
-            why = f"{', '.join(same[:8])} hold{'s' if len(same) == 1 else ''} the same numbers as {names[0]} in {100 * share:.3g} % of {rows[0].size} samples"
+            hold = f"{', '.join(same[:8])} {'holds' if len(same) == 1 else 'hold'}"
+            why = f"{hold} the same numbers as {names[0]} in {100 * share:.3g} % of {rows[0].size} samples"
             where = place_of(same[0], len(recordings[0].taxels))
             found.append(Symptom("data_error", where, (names[0], *same), {}, {"why": why, "kind": "copied column", "copies": len(same)}))
     return found

@@ -1,7 +1,7 @@
 """Dead taxels: stuck at one value, open from the start, or dying part-way, where the load says that they should have moved.
 
-A taxel that lies far from the plunger feels nothing and is not dead: unless it is the only one, its declared place must promise it more than
-its noise, by the narrowest spread and an error of the place that the thesis leaves room for.
+A taxel that lies far from the plunger feels nothing and is not dead: unless it is the only one, its declared place must promise it more
+than its noise, by the narrowest spread and an error of the place that the thesis leaves room for.
 """
 
 import numpy as np

@@ -36,7 +36,8 @@ def find_encoder_faults(recordings: list) -> list[Symptom]:
         return []
     total = sum(m.size for m in masks)
     largest = max(float(np.max(np.abs(d)[m[1:]], initial=0.0)) for d, m in zip(departed, masks, strict=True))
-    why = f"{count} of {total} samples of the depth jump by up to {1e6 * largest:.3g} µm, or stand still, while the forces say that the plunger did not"
+    jumps = f"{count} of {total} samples of the depth jump by up to {1e6 * largest:.3g} µm, or stand still"
+    why = f"{jumps}, while the forces say that the plunger did not"
     bad = {(r.name, "depth"): m for r, m in zip(recordings, masks, strict=True) if m.any()}
     rate = sum(runs(m)[0].size for m in masks) / (total * recordings[0].dt)
     parameters = {"rate": quantity(rate, "1/s"), "size": quantity(largest, "m")}

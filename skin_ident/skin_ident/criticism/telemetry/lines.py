@@ -37,7 +37,8 @@ def find_interference(
             amplitude = _amplitude([e[c] for e in residuals], frequency[i], dt)
             if _amplitude([m[c] for m in predicted], frequency[i], dt) > BY_DEPTH * amplitude:
                 continue
-            why = f"a line at {frequency[i]:.3g} Hz stands {ratio.max():.0f} times over the background of {channel} in {len(residuals)} sessions"
+            line = f"a line at {frequency[i]:.3g} Hz stands {ratio.max():.0f} times over the background of {channel}"
+            why = f"{line} in {len(residuals)} session{'s' * (len(residuals) > 1)}"
             parameters = {"frequency": quantity(frequency[i], "Hz"), "amplitude": quantity(amplitude, "N")}
             found.append(Symptom("interference", place_of(channel, n_taxels), (channel,), parameters, {"why": why}))
     return found

@@ -84,7 +84,8 @@ def _symptom(
     largest = max(float(np.max(np.abs(row[m]), initial=0.0)) for row, m in zip(e, masks, strict=True))
     stood, ran = sum(runs(s)[0].size for s in still), sum(runs(a)[0].size for a in away)
     what = [f"{ran} excursions that jump away and back" if ran else "", f"{stood} frozen runs that miss a movement" if stood else ""]
-    why = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}, up to {largest:.3g} N from what the load explains"
+    belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
+    why = f"{belong}, up to {largest:.3g} N from what the load explains"
     bad = {(name, channel): m for name, m in zip(names, masks, strict=True) if m.any()}
     wrong = np.concatenate([row[m] for row, m in zip(e, masks, strict=True)])
     parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(np.sqrt(np.mean(wrong**2)), "N")}

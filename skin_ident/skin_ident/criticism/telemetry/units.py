@@ -39,7 +39,8 @@ def _swapped(recordings: list) -> list[Symptom]:
     for i, a in enumerate(lost):
         for b in lost[i + 1 :]:
             if sits_on(rows[a], steps[b]) and sits_on(rows[b], steps[a]):
-                why = f"the levels of {a} are {steps[b]:.4g} N apart, as those of {b} should be, and the other way round: the columns are swapped"
+                levels = f"the levels of {a} are {steps[b]:.4g} N apart, as those of {b} should be, and the other way round"
+                why = f"{levels}: the columns are swapped"
                 return [Symptom("data_error", _place(a, recordings), (a, b), {}, {"why": why, "kind": "swapped columns"})]
     return []
 
@@ -91,7 +92,8 @@ def _upside_down(recordings: list, channel: str) -> list[Symptom]:
     wrong = [(c, r) for c, r in rows if c < AGAINST]
     if not wrong:
         return []
-    why = f"{channel} falls while the load rises (correlation {wrong[0][0]:.2f} in {wrong[0][1].name}): its sign is wrong in {len(wrong)} of {len(recordings)} sessions"
+    falls = f"{channel} falls while the load rises (correlation {wrong[0][0]:.2f} in {wrong[0][1].name})"
+    why = f"{falls}: its sign is wrong in {len(wrong)} of {len(recordings)} sessions"
     return [Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(-1.0, "1")}, {"why": why, "kind": "sign"})]
 
 
