@@ -18,6 +18,10 @@ from skin_testbed_driver.trajectory import Trajectory, brake, quickest
 _AT_REST = 1e-6  # m/s, an end speed below this is a rest
 _SPLICE_DEPTH = 2e-5  # m, by how much a command may jump where it is spliced in
 _SPLICE_STEPS = 0.02  # s, and its speed by this many seconds of the greatest acceleration
+# In a very short segment the rounding of a depth, or a stage that rests a few micrometres beside its target, looks like a jerk.
+_SPLICE_TIME = 0.01  # s from the last set point of the old path to the first of the new one
+_SHORTEST = 2e-4  # s between set points of one command
+_REPEATED_SPEED = 1e-3  # m/s, by which two set points that near to each other may differ and be one
 
 
 class Activity(Enum):
@@ -73,7 +77,7 @@ class Motion:
 
     def _spliced(self, command: Trajectory, now: float) -> Trajectory:
         end = min(self._path.end, self._runs_out)
-        if command.t[0] > max(end, now):
+        if command.t[0] > max(end, now) + _SPLICE_TIME:
             here = self._knot(max(end, now))
             return (self._path.since(now).until(end).then(here) if end > now else here).then(command)
         if command.end < now:
@@ -82,7 +86,19 @@ class Motion:
         self._check_jump(first, command)
         if command.t[0] < now:
             return command.since(now)
-        return self._path.since(now).until(first).then(command) if first > now else command
+        return self._led_to(first, now).then(command) if first > now else command
+
+    def _led_to(self, t: float, now: float) -> Trajectory:
+        """The present path, from `now` to shortly before `t`."""
+        last = t - _SPLICE_TIME
+        kept = self._path.since(now).until(last)
+        if kept.t and kept.t[0] > -math.inf:
+            return kept
+        begin = self._path.t[0]
+        if last >= begin:
+            return self._knot(min(last, now))
+        x, v = self._path.x[0], self._path.v[0]
+        return Trajectory((last,), (x + v * (last - begin),), (v,))
 
     def _check_jump(self, t: float, command: Trajectory) -> None:
         (x0, v0), (x1, v1) = self._path.at(t), command.at(t)
@@ -140,7 +156,24 @@ def _usable(command: Trajectory) -> Trajectory:
     if (np.diff(t) <= 0.0).any():
         raise CommandError("the command's points are not in order of time_from_start")
     if command.v:
-        return command
+        return _thinned(command)
     v = np.gradient(x, t) if t.size > 2 else np.zeros(t.size)
     v[-1] = 0.0
-    return replace(command, v=tuple(v.tolist()))
+    return _thinned(replace(command, v=tuple(v.tolist())))
+
+
+def _thinned(command: Trajectory) -> Trajectory:
+    """`command` without the points that say nothing new because the next one is a moment later and nearly the same."""
+    if (np.diff(command.t) >= _SHORTEST).all():
+        return command
+    kept = [len(command.t) - 1]
+    for i in range(kept[0] - 1, -1, -1):
+        if not _is_repeated(command, i, kept[-1]):
+            kept.append(i)
+    kept.reverse()
+    return Trajectory(*(tuple(column[i] for i in kept) for column in (command.t, command.x, command.v)))
+
+
+def _is_repeated(command: Trajectory, i: int, j: int) -> bool:
+    t, x, v = command.t[j] - command.t[i], command.x[j] - command.x[i], command.v[j] - command.v[i]
+    return t < _SHORTEST and abs(x - command.v[i] * t) < _SPLICE_DEPTH and abs(v) < _REPEATED_SPEED

@@ -141,6 +141,14 @@ class Testbed:
             raise CommandError(f"the plunger is {1e3 * self._last.depth:.3f} mm in the skin: retract it before taring")
         self._begin(Taring(max(round(duration / self.period), 1)), self._tare_found, done)
 
+    def cancel(self) -> None:
+        """End zeroing or taring: brake, and be ready again. Raises `CommandError` where neither is under way."""
+        with self._lock:
+            if self._job is None:
+                raise CommandError("neither zeroing nor taring is under way")
+            self._motion.rest(self._next)
+            self._end_job(Outcome("cancelled"))
+
     def place(self, x: float, y: float) -> None:
         """Bring another point of the skin (m) under the plunger. Raises `CommandError` while they touch, `RigError` without motor."""
         with self._lock:

@@ -69,7 +69,7 @@ def test_a_late_command_counts_from_now_on():
     ("command", "words"),
     [
         (Trajectory((0.1,), (3e-3,), (0.0,)), "faster"),
-        (Trajectory((0.01,), (1e-4,), (0.0,)), "m/s\\^2"),
+        (Trajectory((0.012,), (1e-4,), (0.0,)), "m/s\\^2"),
         (Trajectory((0.0, 0.2), (1e-3, 1e-3), (0.0, 0.0)), "jumps"),
         (Trajectory((10.0,), (1.0,), (0.0,)), "deeper"),
         (Trajectory((10.0,), (-1.0,), (0.0,)), "in the air"),
@@ -123,3 +123,38 @@ def test_only_an_over_force_overrides_an_earlier_stop():
     assert motion.stopped.reason == "first"
     motion.stop(Stop("third", retract=True), 0.0)
     assert motion.stopped.reason == "third"
+
+
+@pytest.mark.parametrize("gap", [1e-9, 1e-6, 1e-4, 3e-3, 9e-3, 1.1e-2])
+@pytest.mark.parametrize("lead", [1e-3, 0.05])
+def test_a_splice_beside_a_set_point_is_no_jerk(gap, lead):
+    """A new piece begins a moment after a set point of the old path, and is rounded to nanometres as messages are."""
+    motion = at_zero()
+    motion.follow(sine(0.0, 0.9), 0.0)
+    begin = 0.4 + gap
+    piece = sine(begin, begin + 0.5)
+    piece = Trajectory(piece.t, tuple(round(x, 9) for x in piece.x), tuple(round(v, 9) for v in piece.v))
+    motion.advance(begin - lead)
+    motion.follow(piece, begin - lead)
+    for t in np.arange(begin - lead, begin + 0.5, 0.001):
+        assert motion.at(t)[0] == pytest.approx(5e-4 * (1.0 - math.cos(OMEGA * t)), abs=3e-8)
+
+
+@pytest.mark.parametrize("lead", [0.0, 1e-6, 1e-3, 5e-3, 9e-3])
+def test_a_command_may_begin_where_a_resting_stage_is_measured(lead):
+    motion = at_zero()
+    motion.follow(Trajectory((1.0,), (1e-3,), (0.0,)), 0.0)
+    measured = 1e-3 - 5e-6  # a rest error
+    motion.follow(Trajectory((2.0 + lead, 3.0), (measured, 0.0), (0.0, 0.0)), 2.0)
+    assert motion.at(2.0 + lead)[0] == measured and motion.at(3.0)[0] == 0.0
+
+
+def test_set_points_that_repeat_each_other_are_one():
+    motion = at_zero()
+    motion.follow(Trajectory((1.0, 1.000001, 2.0, 2.000001), (1e-4, 1.001e-4, 3e-4, 3.001e-4), (0.0,) * 4), 0.0)
+    assert motion.at(1.000001)[0] == 1.001e-4 and motion.at(3.0)[0] == 3.001e-4
+
+
+def test_set_points_that_are_near_in_time_and_apart_in_depth_stay_refused():
+    with pytest.raises(CommandError, match="the limit of"):
+        at_zero().follow(Trajectory((1.0, 1.0001), (1e-4, 2e-4), (0.0, 0.0)), 0.0)

@@ -97,6 +97,22 @@ def test_zero_is_refused_while_moving_and_ended_by_a_stop():
     assert outcomes[0].value is None and "enough" in outcomes[0].message
 
 
+def test_a_cancelled_zero_leaves_the_driver_ready():
+    bench, outcomes = Bench(), []
+    bench.run(0.1)
+    with pytest.raises(CommandError, match="neither"):
+        bench.testbed.cancel()
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(0.5)
+    bench.testbed.cancel()
+    bench.run(0.5)
+    assert outcomes[0].value is None and outcomes[0].message == "cancelled"
+    assert bench.testbed.status().activity is Activity.READY
+    assert abs(bench.samples[-1].depth - bench.samples[-30].depth) <= 3e-6
+    bench.go(-1e-3, 1.0)
+    assert bench.run(1.5).depth == pytest.approx(-1e-3, abs=6e-6)
+
+
 def test_tare_subtracts_the_mean_and_reset_gives_it_back():
     bench, outcomes = Bench(), []
     bench.run(0.1)

@@ -37,6 +37,7 @@ class Requests:
             create_answering_service(node, Zero, "~/zero", self._on_zero),
             create_answering_service(node, Tare, "~/tare", self._on_tare),
             node.create_service(Trigger, "~/reset_tare", self._on_reset_tare),
+            node.create_service(Trigger, "~/cancel", self._on_cancel),
             node.create_service(Trigger, "~/stop", self._on_stop),
             node.create_service(Trigger, "~/reset", self._on_reset),
         ]
@@ -100,10 +101,17 @@ class Requests:
         response.success, response.message = True, "stopped: call reset to go on"
         return response
 
+    def _on_cancel(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        return _tried(self._testbed.cancel, "cancelled", response)
+
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        try:
-            self._testbed.reset()
-            response.success, response.message = True, "ready"
-        except SkinError as error:
-            response.success, response.message = False, str(error)
-        return response
+        return _tried(self._testbed.reset, "ready", response)
+
+
+def _tried(action: Callable[[], None], done: str, response: Trigger.Response) -> Trigger.Response:
+    try:
+        action()
+        response.success, response.message = True, done
+    except SkinError as error:
+        response.success, response.message = False, str(error)
+    return response
