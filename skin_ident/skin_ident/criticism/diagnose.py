@@ -15,6 +15,7 @@ from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.telemetry.noise_level import find_noise
+from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
@@ -44,7 +45,7 @@ def diagnose(
     c = criticise(train, held, model, progress, skin_mass(every[0]))
     progress("asking what is left")
     symptoms = (*looked.symptoms, *_noise(c, every, looked.sessions))
-    rest = systematic_rest(c.last, train, held)
+    rest = systematic_rest(c.last, train, held, _encoder_step(every))
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = _verdict(bool(c.named or symptoms), rest.is_systematic(explained))
     experiments = separating_experiments(c, train, progress)
@@ -66,6 +67,12 @@ def skin_mass(recording) -> float:
     """Mass of the skin under the plunger, kg: what rig.yaml says, or silicone of the declared thickness (4 mm: thesis 4.3.1, 0.432 g)."""
     declared = recording.declared
     return declared.moving_mass_kg or MASS_PER_THICKNESS * 1e-3 * (declared.skin_thickness_mm or 4.0)
+
+
+def _encoder_step(recordings: list) -> float:
+    """Steps of the depth, m: as seen, or as declared where they are not seen."""
+    declared = 1e-6 * (recordings[0].declared.encoder_step_um or 0.0)
+    return max((step_of(r.depth) or declared for r in recordings if r.depth is not None), default=0.0)
 
 
 def _noise(c: Criticism, recordings: list, sessions: list[Session]) -> list[Symptom]:

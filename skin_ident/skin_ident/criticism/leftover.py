@@ -28,22 +28,26 @@ SHADOW = 0.01  # of what the named causes explained: a remainder below is their 
 @dataclass(frozen=True)
 class Rest:
     """What a general predictor gains on held-out data: fall of the whitened mean square, its lower 99 % bound, and plain RMSE (N) in the
-    channel that gains most, whose converter steps by `step` (N; 0 where it does not step)."""
+    channel that gains most; `resolution` (N) is what the steps of converter and encoder leave open there."""
 
     fall: float
     lower: float
     before: float
     after: float
-    step: float
+    resolution: float
 
     def is_systematic(self, explained: float) -> bool:
         """Whether the rest deserves the word `unexplained`, next to causes that made a mean square fall by `explained` (N^2)."""
         sure = self.lower > 0.0 and self.fall > SYSTEMATIC and self.after < (1.0 - SYSTEMATIC_RMSE) * self.before
-        return sure and self.before**2 - self.after**2 > max(SHADOW * explained, (RESOLVED * self.step) ** 2)
+        return sure and self.before**2 - self.after**2 > max(SHADOW * explained, self.resolution**2)
 
 
-def systematic_rest(last: Survey, train: list[Session], held: list[Session]) -> Rest:
-    """Fit the general predictor to the training residual and try it on `held` (the last training session where there is none)."""
+def systematic_rest(last: Survey, train: list[Session], held: list[Session], encoder_step: float = 0.0) -> Rest:
+    """Fit the general predictor to the training residual and try it on `held` (the last training session where there is none).
+
+    An encoder that steps by `encoder_step` (m) leaves a force of k q / sqrt(12) open, and at the depths that every session returns to the
+    same one each time.
+    """
     held = held or train[-1:]
     fitted = [s for s in train if s not in held] or train
     rows = {s.name: _directions(last, s) for s in [*fitted, *held]}
@@ -56,7 +60,9 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session]) -> 
     fall, lower = bootstrap_fall(*([last.noise.apply(e, s.weight) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
-    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), step_of(held[0].raw[c]) or 0.0)
+    skin = last.model.dispersion
+    open_to = np.hypot(RESOLVED * (step_of(held[0].raw[c]) or 0.0), (skin.k1 + skin.k2) * encoder_step / np.sqrt(12.0))
+    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to))
 
 
 def _directions(last: Survey, s: Session) -> tuple[np.ndarray, np.ndarray]:

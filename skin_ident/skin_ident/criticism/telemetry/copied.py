@@ -1,8 +1,12 @@
 """Copies: blocks that repeat digit for digit, sessions that are one and the same, columns that hold the same numbers.
 
 Noise does not repeat. A window of many changing samples that occurs twice in the measured channels was copied, whatever the clock or the
-encoder says beside it; so was a channel that equals another one all the time.
+encoder says beside it; so was a channel that equals another one all the time. Where a converter is coarse beside the noise, the same motion
+gives the same numbers for a while by itself: how often short windows recur in these very recordings tells how long chance can last.
 """
+
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,6 +14,8 @@ from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 WINDOW = 32  # samples
 LIVELY = 12  # different rows that a window must hold, so that a quiet hold is not taken for a copy
+SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
+CHANCE = 0.01  # recurrences of the length found that chance may bring at most
 VALUES = 12  # different values that a column must hold
 EQUAL = 0.98  # of its samples
 
@@ -20,23 +26,64 @@ def find_copies(recordings: list) -> list[Symptom]:
 
 
 def _blocks(recordings: list) -> list[Symptom]:
-    seen: dict[bytes, tuple[int, int]] = {}
+    """The longest stretch that has been there before, unless chance may have brought it."""
     rows = [np.ascontiguousarray(np.array(list(r.channels.values())).T) for r in recordings]
-    for k, r in enumerate(recordings):
+    repeats = list(_repeats(rows))
+    again = max(repeats, key=lambda r: r.length, default=None)
+    return [_copy(recordings, again)] if again and _by_chance(rows, repeats, again.length) < CHANCE else []
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """`length` samples from `start` of recording `at` on that were there before: from `origin` of recording `source` on."""
+
+    at: int
+    start: int
+    source: int
+    origin: int
+    length: int
+
+
+def _repeats(rows: list[np.ndarray]) -> Iterator[Repeat]:
+    seen: dict[bytes, tuple[int, int]] = {}
+    for k, row in enumerate(rows):
         new: dict[bytes, tuple[int, int]] = {}
-        for start in range(len(r) - WINDOW):
-            key = rows[k][start : start + WINDOW].tobytes()
-            first = seen.get(key) or new.get(key)
-            if first and (first[0] != k or start - first[1] >= WINDOW) and _lively(rows[k][start : start + WINDOW]):
-                length = _common(rows[first[0]][first[1] :], rows[k][start:])
-                return [_copy(recordings, (k, start), first, length)]
-            new.setdefault(key, (k, start))
+        told = 0
+        for start in range(len(row) - WINDOW):
+            key = row[start : start + WINDOW].tobytes()
+            first = seen.get(key) or new.setdefault(key, (k, start))
+            apart = first[0] != k or start - first[1] >= WINDOW
+            if apart and start >= told and _lively(row[start : start + WINDOW]):
+                length = _common(rows[first[0]][first[1] :], row[start:])
+                told = start + length
+                yield Repeat(k, start, *first, length)
         seen |= new
-    return []
 
 
 def _lively(rows: np.ndarray) -> bool:
-    return np.unique(rows, axis=0).shape[0] >= LIVELY
+    return np.unique(rows, axis=0).shape[0] >= LIVELY * len(rows) // WINDOW
+
+
+def _by_chance(rows: list[np.ndarray], repeats: list[Repeat], length: int) -> float:
+    """How many windows of `length` would recur by themselves: what recurs of short windows elsewhere, carried on geometrically."""
+    kept = [np.ones(len(row), bool) for row in rows]
+    for r in repeats:
+        kept[r.at][r.start : r.start + r.length] = False
+    many, few = (_recurring([row[k] for row, k in zip(rows, kept, strict=True)], n) for n in SHORT)
+    if few < 1:
+        return 0.0
+    return few * (few / max(many, few)) ** ((length - SHORT[1]) / (SHORT[1] - SHORT[0]))
+
+
+def _recurring(rows: list[np.ndarray], size: int) -> int:
+    """Lively windows of `size` samples that have been there before."""
+    seen, count = set(), 0
+    for r in rows:
+        for start in range(len(r) - size):
+            key = r[start : start + size].tobytes()
+            count += key in seen and _lively(r[start : start + size])
+            seen.add(key)
+    return count
 
 
 def _common(a: np.ndarray, b: np.ndarray) -> int:
@@ -46,29 +93,22 @@ def _common(a: np.ndarray, b: np.ndarray) -> int:
     return int(np.argmax(differs)) if differs.any() else n
 
 
-def _copy(recordings: list, here: tuple[int, int], first: tuple[int, int], length: int) -> Symptom:
-    (k, start), (j, origin) = here, first
-    r, source = recordings[k], recordings[j]
+def _copy(recordings: list, again: Repeat) -> Symptom:
+    r, source = recordings[again.at], recordings[again.source]
+    start, length = again.start, again.length
     whole = length >= 0.9 * len(r)
     if whole:
         why = f"{r.name} is a copy of {source.name}: {length} of its {len(r)} samples are the same digit for digit"
     else:
-        here, there = f"{start * r.dt:.2f} s", f"{origin * source.dt:.2f} s"
-        why = f"{length} samples of {r.name} from {here} on repeat {source.name} from {there} on, digit for digit"
+        since = f"{length} samples of {r.name} from {start * r.dt:.2f} s on"
+        why = f"{since} repeat {source.name} from {again.origin * source.dt:.2f} s on, digit for digit"
     parameters = {"from": quantity(start * r.dt, "s"), "length": quantity(length * r.dt, "s")}
     channels = tuple(r.channels)
     mask = np.zeros(len(r), bool)
     mask[start : start + length] = not whole
     bad = {} if whole else {(r.name, c): mask for c in channels}
-    kind = "copied session" if whole else "repeated block"
-    return Symptom(
-        "data_error",
-        "load_cell" if "force" in channels else "taxel",
-        channels,
-        parameters,
-        {"why": why, "kind": kind, "session": r.name},
-        bad,
-    )
+    evidence = {"why": why, "kind": "copied session" if whole else "repeated block", "session": r.name}
+    return Symptom("data_error", "load_cell" if "force" in channels else "taxel", channels, parameters, evidence, bad)
 
 
 def _columns(recordings: list) -> list[Symptom]:
