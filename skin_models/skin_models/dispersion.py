@@ -12,6 +12,7 @@ that is left faster than it recovers parts from the plunger instead of pulling a
 and is met again where the plunger comes down to it (`contact`, `meet`).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,10 +23,10 @@ from skin_models.signals import GRAVITY, Motion, Sample
 
 @dataclass(frozen=True)
 class Surface:
-    """Where the skin's surface is under the plunger (m), and whether the plunger touches it."""
+    """Where the skin's surface is under the plunger (m), and whether the plunger touches it; arrays for several plungers."""
 
-    depth: float
-    touched: bool
+    depth: float | np.ndarray
+    touched: bool | np.ndarray
 
 
 @dataclass(frozen=True)
@@ -64,10 +65,10 @@ class Dispersion:
 
     def meet(self, surface: Surface | None, s: Sample, dt: float) -> Surface:
         """The surface one sample later. None: at rest at this first sample."""
-        before = surface or Surface(max(s.x, 0.0), True)
-        left = before.depth * np.exp(-dt / self.recovery) if self.recovery else 0.0
-        touched = bool(self._presses(s)) and (before.touched or s.x > left)
-        return Surface(s.x if touched else left, touched)
+        before = surface or Surface(np.maximum(s.x, 0.0), True)
+        left = before.depth * math.exp(-dt / self.recovery) if self.recovery else 0.0
+        touched = self._presses(s) & (before.touched | (s.x > left))
+        return Surface(np.where(touched, s.x, left)[()], touched)
 
     def contact(self, s: Motion) -> np.ndarray:
         """Whether the plunger touches the skin, (N,) of bool: `meet` over a whole recording. Depends on the time constant alone."""

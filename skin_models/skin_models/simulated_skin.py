@@ -13,13 +13,12 @@ Memory lives in the column, which follows its contact as that moves and waits fo
 last in the air are kept.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from skin_models.column import Column, at_depth, at_rest, skin_of, under_force
+from skin_models.column import NOTHING, Columns, press, skin_of
 from skin_models.effect import Place
 from skin_models.errors import ModelError
 from skin_models.layout import A201_AREA, Layout
@@ -69,10 +68,10 @@ class Reading:
 
 @dataclass(frozen=True, eq=False)
 class SkinState:
-    """What the skin remembers: the spreader's state, columns of contacts by key, states of the sensors' effects, time (s)."""
+    """What the skin remembers: the spreader's state, the columns of contacts, states of the sensors' effects, time (s)."""
 
     spread: Any
-    columns: Mapping[str, Column]
+    columns: Columns
     sensors: tuple[Any, ...]
     t: float = 0.0
 
@@ -103,7 +102,7 @@ class SimulatedSkin:
     def initial(self, seed: int | None = None) -> SkinState:
         """At rest. `seed` drives the sensors' random effects; None leaves those out."""
         states = dict(zip(map(id, self.model.effects), self.model.initial(seed).effects, strict=True))
-        return SkinState(self._spreader.initial(), {}, tuple(states[id(e)] for e in self._sensors))
+        return SkinState(self._spreader.initial(), NOTHING, tuple(states[id(e)] for e in self._sensors))
 
     def step(self, state: SkinState, presses: Presses) -> tuple[SkinState, Reading]:
         """One sample: `state, reading = step(state, presses)`."""
@@ -117,21 +116,19 @@ class SimulatedSkin:
         reading = Reading(taxels, truth, float(applied.sum()), float(applied.sum() - truth.sum()), outside)
         return SkinState(spread, columns, sensors, t), reading
 
-    def _press(self, state: SkinState, presses: Presses, by_filter: np.ndarray, t: float) -> tuple[dict, np.ndarray, np.ndarray]:
-        """Columns after the sample, applied force and sensed force (C,) of every contact."""
-        columns = self._in_the_air(state, presses, t)
-        applied, sensed = np.where(by_filter, presses.force, 0.0), np.zeros(len(presses.key))
-        for i in np.flatnonzero(~by_filter):
-            column = state.columns.get(presses.key[i]) or at_rest(self._skin, self.dt)
-            drive, value = (under_force, presses.force[i]) if np.isfinite(presses.force[i]) else (at_depth, presses.depth[i])
-            columns[presses.key[i]], response = drive(self._skin, column, float(value), t, self.dt)
-            applied[i], sensed[i] = response.force_truth, response.taxels_truth[0]
+    def _press(self, state: SkinState, presses: Presses, by_filter: np.ndarray, t: float) -> tuple[Columns, np.ndarray, np.ndarray]:
+        """Columns after the sample, those in the air first; applied force and sensed force (C,) of every contact."""
+        pressed, touching = np.flatnonzero(~by_filter), set(presses.key)
+        keys = tuple(key for key in state.columns.keys if key not in touching)[-MEMORY:]
+        applied, sensed, air = np.where(by_filter, presses.force, 0.0), np.zeros(len(presses.key)), len(keys)
+        keys += tuple(presses.key[i] for i in pressed)
+        if not keys:
+            return NOTHING, applied, sensed
+        force, depth = np.zeros(len(keys)), np.zeros(len(keys))
+        force[air:], depth[air:] = presses.force[pressed], presses.depth[pressed]
+        columns, force, felt = press(self._skin, state.columns.of(self._skin, keys, self.dt), force, depth, t, self.dt)
+        applied[pressed], sensed[pressed] = force[air:], felt[air:]
         return columns, applied, sensed
-
-    def _in_the_air(self, state: SkinState, presses: Presses, t: float) -> dict[str, Column]:
-        """The columns that no contact is on, after the sample."""
-        absent = [key for key in state.columns if key not in presses.key][-MEMORY:]
-        return {key: at_depth(self._skin, state.columns[key], 0.0, t, self.dt)[0] for key in absent}
 
     def _sense(self, states: tuple[Any, ...], truth: np.ndarray, presses: Presses, t: float) -> tuple[tuple[Any, ...], np.ndarray]:
         """The sensors' effects."""

@@ -13,8 +13,9 @@ from skin_models.effect import Place
 from skin_models.errors import ModelError
 from skin_models.model import Model
 from skin_models.model_file import load_model, model_from_dict, model_to_dict, save_model
+from skin_models.operators.tree import mapped
 from skin_models.parameter import AMPLITUDE, SHAPE, parameters_of, scan_of
-from skin_models.signals import Motion, motion
+from skin_models.signals import Motion, Sample, motion
 
 CAUSES = """nonlinear_stiffness stress_relaxation rate_dependence hysteresis cyclic_softening adhesion dead_zone friction position_offset
     mount_compliance backlash off_centre inertia gain_error force_offset drift saturation quantization lag time_shift crosstalk
@@ -224,6 +225,20 @@ def test_in_the_skin_it_is_silent_in_the_air(cls, where):
     e, y, s = typical(cls, where)
     air = s.x <= 0.0
     assert air.any() and not np.any(run(e, y, s)[:, air])
+
+
+@where_it_holds(lambda c, w: c.places.get(w) in (Place.SKIN, Place.SURFACE))
+def test_in_the_skin_it_steps_many_contacts_at_once(cls, where):
+    e, y, s = typical(cls, where, dt=2e-2)
+    shifts, together, one_by_one = (0, 30, 110), e.initial(), [e.initial() for _ in range(3)]
+    for i in range(300):
+        samples, signals = [s[i + d] for d in shifts], [y[:, i + d] for d in shifts]
+        whole = Sample(*(np.array(column) for column in zip(*((o.t, o.x, o.v, o.a) for o in samples), strict=True)))
+        together, out = e.step(together, np.array(signals).T, whole, s.dt)
+        for k in range(3):
+            one_by_one[k], alone = e.step(one_by_one[k], signals[k], samples[k], s.dt)
+            assert np.allclose(out[:, k], alone, rtol=1e-12, atol=1e-12)
+        assert mapped(lambda a: np.shape(a)[-1], together) == mapped(lambda a: 3, together)
 
 
 @every_effect

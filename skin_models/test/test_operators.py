@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from skin_models.operators.draws import BLOCK, Stream, gaussian, uniform, whole
+from skin_models.operators.growing_root import growing_root
 from skin_models.operators.play import play, play_step, stop
 from skin_models.operators.relay import relay, relay_step
 from skin_models.operators.scan import running_affine, running_clamp
@@ -92,3 +93,31 @@ def test_numbers_drawn_one_by_one_are_those_drawn_together(draw, rows):
             assert np.array_equal(before.next(rows, draw)[1], number)  # a draw can be taken back
         assert np.array_equal(number, together[..., i])
     assert not np.array_equal(whole(98, (*rows, n), draw), together)
+
+
+@given(
+    root=arrays(float, 6, elements=st.floats(1e-6, 2.0)),
+    bend=arrays(float, 6, elements=st.floats(0.0, 50.0)),
+    flat=arrays(float, 6, elements=st.floats(0.0, 0.9)),
+    start=arrays(float, 6, elements=st.floats(1e-3, 5.0)),
+    slope=arrays(float, 6, elements=st.floats(1e-3, 1e6)),
+)
+def test_zeros_of_growing_functions_are_found_wherever_the_search_starts(root, bend, flat, start, slope):
+    def pull(x):
+        return np.maximum(x - flat * root, 0.0) * (1.0 + bend * x**2)
+
+    size, last = pull(root), []
+    x, _ = growing_root(lambda x: (last.append(x), pull(x) - size)[1], np.zeros(6), start, slope, size, 1e3)
+    assert np.abs(pull(x) - size) == pytest.approx(np.zeros(6), abs=1e-9 * size.max()) and np.array_equal(last[-1], x)
+
+
+def test_a_jump_across_zero_ends_just_below_it():
+    x, _ = growing_root(lambda x: np.where(x > 0.3, 1.0, -1.0), np.zeros(2), np.array([0.1, 2.0]), np.ones(2), np.ones(2), 10.0)
+    assert x == pytest.approx([0.3, 0.3], abs=1e-12) and np.all(x <= 0.3)
+
+
+def test_a_function_that_stays_negative_ends_beyond_the_highest():
+    x, _ = growing_root(lambda x: x - 9.0, np.zeros(1), np.full(1, 1e-3), np.full(1, 1e3), np.full(1, 9.0), 1.0)
+    assert 1.0 < x[0] <= 9.0
+    x, _ = growing_root(lambda x: np.full(1, -9.0), np.zeros(1), np.full(1, 1e-3), np.full(1, 1e3), np.full(1, 9.0), 1.0)
+    assert x[0] > 1.0

@@ -3,8 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skin_models.column import at_depth, at_rest, skin_of, under_force
+from skin_models.catalogue import effects
+from skin_models.column import at_rest, press, skin_of
 from skin_models.dispersion import Dispersion
+from skin_models.effect import Place
 from skin_models.effects.force_offset import ForceOffset
 from skin_models.effects.gain_error import GainError
 from skin_models.effects.stress_relaxation import StressRelaxation
@@ -59,20 +61,46 @@ def test_without_effects_the_transfer_function_agrees_with_the_column_it_stands_
     model, t = Model(Dispersion(b1=900.0, k1=9000.0, b2=600.0, k2=3000.0)), np.arange(400) * 1e-3
     force = 4 * np.sin(8 * t) ** 2
     filtered = [r.taxels[0] for r in run(SimulatedSkin(model, row(1, 1.0), 1e-3), [presses(force=[f]) for f in force])]
-    column, searched = at_rest(skin_of(model), 1e-3), []
+    columns, searched = at_rest(skin_of(model), ("a",), 1e-3), []
     for time, f in zip(t, force, strict=True):
-        column, response = under_force(skin_of(model), column, f, time, 1e-3)
-        searched.append(response.taxels_truth[0])
+        columns, _, sensed = press(skin_of(model), columns, np.array([f]), np.array([np.nan]), time, 1e-3)
+        searched.append(sensed[0])
     assert filtered == pytest.approx(searched, abs=0.02)
 
 
-@given(force=st.floats(1e-3, 50.0), share=st.floats(0.0, 0.9))
-@settings(max_examples=60, deadline=None)
-def test_the_depth_that_gives_a_force_is_found(force, share):
-    skin, stiffness = skin_of(RELAXING), 9619.0 + 2766.0
-    column, _ = at_depth(skin, at_rest(skin, DT), share * force / stiffness / 2, 0.0, DT)
-    _, response = under_force(skin, column, force, DT, DT)
-    assert response.force_truth == pytest.approx(force, rel=1e-6)
+SKIN_EFFECTS = [c for c in effects() if any(c.places[w] in (Place.SKIN, Place.SURFACE) for w in c.places if w == "skin")]
+
+
+@pytest.mark.parametrize("cls", SKIN_EFFECTS, ids=lambda c: c.__name__)
+@given(forces=st.lists(st.one_of(st.just(0.0), st.floats(1e-3, 50.0)), min_size=3, max_size=3), share=st.floats(0.0, 0.9))
+@settings(max_examples=12, deadline=None)
+def test_the_depths_that_give_forces_are_found(cls, forces, share):
+    """Many contacts at once, from any depth: each gets its force, and just what it gets alone; none where the force would jump past it."""
+    skin, force, nothing = skin_of(SILICONE.extended(cls.typical("skin"))), np.array(forces), np.full(3, np.nan)
+    start = share * np.maximum(force, 1.0) / 12385.0 / 2
+    columns, _, _ = press(skin, at_rest(skin, ("a", "b", "c"), DT), nothing, start, 0.0, DT)
+    after, applied, sensed = press(skin, columns, force, nothing, DT, DT)
+    alone = [press(skin, columns.of(skin, (key,), DT), force[[i]], nothing[[i]], DT, DT) for i, key in enumerate("abc")]
+    assert applied == pytest.approx([a[1][0] for a in alone], abs=1e-4) and sensed == pytest.approx([a[2][0] for a in alone], abs=1e-4)
+    assert after.x == pytest.approx([a[0].x[0] for a in alone], abs=1e-12)
+    missed = np.abs(applied - force) > 1e-4  # N: a power of the speed is infinitely steep at rest
+    assert np.all(applied[missed] <= force[missed])
+    if missed.any():
+        beyond = np.where(missed, after.x + 1e-9, after.x)
+        assert np.all(press(skin, columns, nothing, beyond, DT, DT)[1][missed] > force[missed])
+
+
+def test_contacts_come_and_go_without_a_trace_in_the_others():
+    skin = SimulatedSkin(RELAXING, row(1, 1.0), DT)
+    both = [presses(force=[2.0, 5.0], key=["a", "b"])] * 20 + [presses(force=[5.0], key=["b"])] * 20
+    both += [presses(force=[1.0, 5.0, 2.0], key=["c", "b", "a"])] * 20
+    alone = run(skin, [presses(force=[2.0], key=["a"])] * 20 + [presses()] * 20 + [presses(force=[2.0], key=["a"])] * 20)
+    rest = run(skin, [presses(force=[5.0], key=["b"])] * 60)
+    fresh = run(skin, [presses(force=[1.0], key=["c"])] * 20)
+    whole = run(skin, both)
+    assert whole[10].truth == pytest.approx(alone[10].truth + rest[10].truth)
+    assert whole[30].truth == pytest.approx(rest[30].truth)
+    assert whole[50].truth == pytest.approx(alone[50].truth + rest[50].truth + fresh[10].truth)
 
 
 @pytest.mark.parametrize("model", [SILICONE, RELAXING], ids=["filter", "column"])

@@ -40,7 +40,7 @@ class CyclicSoftening(Dynamic):
 
     def step(self, state, y, s: Sample, dt: float):
         x = depth_in_contact(s.x)
-        state = max(state, x)
+        state = np.maximum(state, x)
         return state, y * self._left(x, state)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:

@@ -13,6 +13,6 @@ def relay(x: np.ndarray, low: float, high: float) -> np.ndarray:
     return np.where(last < 0, 0.0, x[last] >= high)
 
 
-def relay_step(last: float, x: float, low: float, high: float) -> float:
-    """One sample: the new state, given the last one (0.0 at first)."""
-    return 1.0 if x >= high else 0.0 if x <= low else last
+def relay_step(last, x, low: float, high: float):
+    """One sample: the new state, given the last one (0.0 at first); of one relay or of an array of them."""
+    return np.where(x >= high, 1.0, np.where(x <= low, 0.0, last))[()]
