@@ -21,7 +21,7 @@ CAUSES = """nonlinear_stiffness stress_relaxation rate_dependence hysteresis cyc
     mount_compliance backlash off_centre inertia gain_error force_offset drift saturation quantization lag time_shift crosstalk
     interference outliers dead_taxel noise nonlinearity spread_width spread_shape spread_depth anisotropy"""
 RANDOM = {"Noise", "Outliers", "RandomWalk", "TimeJitter"}  # no limit as the step shrinks: see test_random_effects.py
-UNPROPOSED = {"Nonlinearity", "TimeJitter", "Saturation"}
+UNPROPOSED = {"Nonlinearity", "TimeJitter", "Saturation", "SpringpotRelaxation", "PreisachHysteresis"}
 IN_JUMPS = {  # parameters that move the output in jumps: no derivative to speak of
     ("SensorQuantization", "step_force"), ("GatedTaxel", "threshold"), ("GainStep", "after"), ("Outliers", "rate"),
 }  # fmt: skip

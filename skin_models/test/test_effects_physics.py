@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import trapezoid
+from scipy.special import gamma
 
 from skin_models.catalogue import effects
 from skin_models.effect import Place
@@ -18,10 +19,13 @@ from skin_models.effects.gain_error import GainStep
 from skin_models.effects.hysteresis import BoucWenHysteresis, SkinHysteresis
 from skin_models.effects.lag import Lag
 from skin_models.effects.mount_compliance import MountCompliance
+from skin_models.effects.preisach import PreisachHysteresis
 from skin_models.effects.quantization import SensorQuantization
+from skin_models.effects.springpot_relaxation import SpringpotRelaxation
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.effects.time_shift import TimeShift
 from skin_models.operators.elapsed import Elapsed
+from skin_models.operators.play import play
 from skin_models.signals import motion
 
 MM = 1e-3
@@ -58,7 +62,41 @@ def test_the_area_of_a_hysteresis_loop_is_that_of_the_stop():
     assert trapezoid(force[cycle], x[cycle]) == pytest.approx(2 * k * r * (a - 2 * r), rel=2e-3)
 
 
-@pytest.mark.parametrize("cls", [SkinHysteresis, BoucWenHysteresis, CyclicSoftening, Adhesion, Backlash])
+def test_a_springpot_relaxes_as_a_power_of_time():
+    k, alpha, t = 800.0, 0.3, np.arange(60_000) * 1e-2
+    force = skin_force(SpringpotRelaxation(where="skin", k_sensed=k, alpha=alpha), np.where(t > 0.0, MM, 1e-9), 1e-2)
+    held = slice(500, None)  # the step takes one sample: 5 s later that is forgotten
+    assert force[held] == pytest.approx(k * MM * (t[held] - 5e-3) ** -alpha / gamma(1.0 - alpha), rel=0.01)
+
+
+def test_preisach_loops_grow_with_depth_and_one_place_holds_one_loop():
+    """The congruency that defines a Preisach operator (Mayergoyz): loops between the same two depths are alike whatever came before."""
+    e = PreisachHysteresis(where="skin", k_sensed=3000.0, width=0.3 * MM)
+    loops = []
+    for before in ([0.0, 1.0], [0.0, 2.5, 0.2, 1.0]):
+        x = triangle([d * MM for d in (*before, 1.4, 1.0, 1.4, 1.0)])
+        f = skin_force(e, x)
+        loops.append(f[-801:] - f[-801])
+    assert loops[0] == pytest.approx(loops[1], abs=1e-12)
+    areas = []
+    for middle in (0.7, 1.4):
+        x = triangle([(middle + d) * MM for d in (-0.3, 0.3, -0.3, 0.3, -0.3)])
+        areas.append(trapezoid(skin_force(e, x)[800:], x[800:]))
+    assert areas[1] / areas[0] == pytest.approx(2.0, rel=1e-2) and areas[0] > 0.0
+
+
+def test_plays_with_dead_zones_come_as_close_to_preisach_as_one_likes():
+    """What is squared here as a sum of n dead zones (Kuhnen): the gap falls as 1 / n."""
+    x, r = triangle([0.0, 1.7 * MM, 0.2 * MM, 1.2 * MM]), 0.2 * MM
+    wanted, gaps = play(x, r) ** 2, []
+    for n in (10, 40):
+        bends = np.arange(n) / n * 2.0 * MM
+        kinks = np.maximum(play(x, r)[:, None] - bends, 0.0)  # one-sided dead zones of the play
+        gaps.append(np.max(np.abs(kinks @ np.full(n, 4.0 * MM / n) - wanted)))
+    assert gaps[1] < 0.3 * gaps[0]
+
+
+@pytest.mark.parametrize("cls", [SkinHysteresis, BoucWenHysteresis, PreisachHysteresis, CyclicSoftening, Adhesion, Backlash])
 def test_rate_independent_effects_do_not_see_the_speed(cls):
     e = cls.typical(next(iter(cls.places)))
     x = triangle([0.0, 1.4 * MM, 0.3 * MM, 1.2 * MM, -0.5 * MM])
