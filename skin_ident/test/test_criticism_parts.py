@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
-from scipy.signal import lfilter
+from scipy.signal import lfilter, lsim
 
 from skin_ident.criticism.band import Band
 from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.ranking import signed_pursuit
-from skin_ident.criticism.residual import residual
+from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import motion_under, parted, prepare
 from skin_ident.criticism.unknowns import unknowns, values, with_values
 from skin_ident.criticism.whitening import fit_whitener
@@ -101,6 +101,17 @@ def test_a_force_driven_skin_is_pressed_to_the_depth_that_gives_the_force():
     depth = motion_under(session, SILICONE.dispersion).x
     inner = slice(300, -300)
     assert np.allclose(depth[inner], DEPTH[inner], atol=2e-6)
+
+
+def test_a_taxel_under_prescribed_force_follows_thesis_eq_32_also_when_the_force_is_gone():
+    skin = replace(SILICONE.dispersion, m=0.0)
+    force = 4.0 * np.convolve((T > 5.0) & (T < 12.0), np.hanning(101) / 50.0, mode="same")
+    session = prepare(Recording("pressed and let go", T, None, force, np.zeros((1, T.size))))
+    taxel = simulated(Model(skin), session)[0]
+    k, b = skin.k1 + skin.k2, skin.b1 + skin.b2
+    _, expected, _ = lsim(([skin.b1, skin.k1], [b, k]), session.drive, T)
+    assert np.allclose(taxel[30:-30], expected[30:-30], atol=0.01)
+    assert force[1251] == 0.0 and taxel[1251] > 0.03  # the skin is still coming back
 
 
 def test_skin_left_behind_by_a_fast_plunger_is_left_out():

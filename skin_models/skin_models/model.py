@@ -104,11 +104,12 @@ class Model:
         """
         tip = moved(s, self._through(Place.DEPTH, s.x, s, act))
         skin = self._through(Place.SKIN, self.dispersion.branches(tip), tip, act)
-        return self._from_skin(Run(s, tip, touched(tip)), skin, act)
+        return self._from_skin(Run(s, tip, True if getattr(tip, "pressed", False) else touched(tip)), skin, act)
 
     def _from_skin(self, run: "Run", skin: Any, act: Callable) -> "Run":
         pressing = skin * run.contact
-        pressing = pressing * (pressing.sum(axis=0) > 0.0)  # effects of the skin may make it press less, never pull
+        if run.contact is not True:
+            pressing = pressing * (pressing.sum(axis=0) > 0.0)  # effects of the skin may make it press less, never pull
         return self._from_surface(replace(run, skin=skin), self._through(Place.SURFACE, pressing, run.tip, act), act)
 
     def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":

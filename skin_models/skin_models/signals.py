@@ -21,13 +21,17 @@ class Sample:
 
 @dataclass(frozen=True)
 class Motion:
-    """A whole recording of the above: arrays of shape (N,), evenly sampled every `dt` seconds."""
+    """A whole recording of the above: arrays of shape (N,), evenly sampled every `dt` seconds.
+
+    `pressed`: the force on the skin was prescribed, and the depth follows from it; there is then no contact to be made or lost.
+    """
 
     t: np.ndarray
     x: np.ndarray
     v: np.ndarray
     a: np.ndarray
     dt: float
+    pressed: bool = False
     memory: dict = field(init=False, repr=False, compare=False, default_factory=dict)  # what was worked out from these samples before
 
     def __len__(self) -> int:

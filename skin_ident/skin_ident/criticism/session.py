@@ -57,26 +57,29 @@ def motion_under(session: Session, skin: Dispersion) -> Motion:
 
         tau x' + x = F / k,    tau = (b1 + b2) / (k1 + k2), k = k1 + k2      (thesis eq 27 without the mass, so that eq 32 follows)
 
-    exact for a force that is linear between samples, from rest at the first one.
+    exact for a force that is linear between samples, from rest at the first one. Where nothing presses any more, the skin recovers so, too,
+    and its taxels with it.
     """
     if session.drive is None:
         return session.motion
     k, tau, dt = skin.k1 + skin.k2, skin.recovery, session.motion.dt
     target = session.drive / k
     if tau <= 0.0:
-        return motion(session.motion.t, target)
+        return replace(motion(session.motion.t, target), pressed=True)
     e = np.exp(-dt / tau)
     slope = 1.0 - (1.0 - e) * tau / dt
     x = target[0] + lfilter([slope, 1.0 - e - slope], [1.0, -e], target - target[0])
-    return motion(session.motion.t, x, (target - x) / tau)
+    return replace(motion(session.motion.t, x, (target - x) / tau), pressed=True)
 
 
 def without_parting(session: Session, skin: Dispersion) -> Session:
     """The session less the moments when the plunger may have left the skin behind it, or met it so fast that the force jumps.
 
     Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin, and a jump between two samples cannot be
-    known to better than a sample: neither says anything about the rest of the model.
+    known to better than a sample: neither says anything about the rest of the model. A test driven by force has no such moments.
     """
+    if session.drive is not None:
+        return session
     left_out = parted(session.motion, skin) | impacts(session.motion, skin)
     kept = session.band.thin(left_out.astype(float)) < 0.02
     return replace(session, weight=session.weight * kept)
@@ -98,7 +101,7 @@ def impacts(s: Motion, skin: Dispersion) -> np.ndarray:
 
 def meeting(s: Motion, skin: Dispersion, around: int = 8) -> np.ndarray:
     """Mask (N,) of samples within `around` of shallow or parted contact, where a force may really jump."""
-    slow = replace(skin, b1=2.0 * skin.b1, b2=2.0 * skin.b2)
+    slow = replace(skin, b1=2.0 * max(skin.b1, 0.0), b2=2.0 * max(skin.b2, 0.0))
     shallow = (s.x > -SHALLOW * s.x.max()) & (s.x < SHALLOW * s.x.max())
     return np.convolve(shallow | parted(s, slow), np.ones(2 * around + 1), mode="same") > 0.5
 
