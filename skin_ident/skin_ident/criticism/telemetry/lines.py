@@ -12,6 +12,7 @@ from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 CHANCE = 1e-4  # of one false line per channel
 DRIFT = 5  # bins by which a line may differ from session to session
 LOWEST_HZ = 1.0  # below, the motion itself leaves lines in a residual
+AROUND, LONELY = 30, 0.15  # a line that comes in bursts has sidebands; within so many bins the median must stay below this share of it
 BY_DEPTH = 0.4  # of a line that the simulation may carry
 
 
@@ -33,7 +34,8 @@ def find_interference(
         limit = 1.0 - np.log(CHANCE / n) / len(residuals) if len(residuals) > 1 else -np.log(CHANCE / n)
         i = int(np.argmax(ratio))
         i += int(np.argmax(width[i : i + DRIFT]))
-        if ratio.max() > 3.0 * limit and np.median(width[max(i - 12, 0) : i + 13]) < 0.05 * ratio.max():
+        around = np.median(width[max(i - AROUND, 0) : i + AROUND + 1])
+        if ratio.max() > 3.0 * limit and around < LONELY * ratio.max():
             amplitude = _amplitude([e[c] for e in residuals], frequency[i], dt)
             if _amplitude([m[c] for m in predicted], frequency[i], dt) > BY_DEPTH * amplitude:
                 continue
