@@ -33,8 +33,9 @@ def _main(arguments: Sequence[str] | None) -> int:
     say = progress_line()
     say("reading recordings")
     recordings, held = load(chosen.recordings, topics), load(chosen.hold_out, topics) if chosen.hold_out else []
+    twins = load(chosen.twin, topics) if chosen.twin else None
     folder = common.output_folder(chosen.out)
-    outcome = diagnose(recordings, held, model, say)
+    outcome = diagnose(recordings, held, model, say, twins)
     say("writing the report")
     write(outcome, folder)
     print(summary(outcome.findings))
@@ -65,9 +66,8 @@ def summary(findings: dict[str, Any]) -> str:
         gain = f["gain"]
         if gain["held_out_rmse_before"] is not None and gain["held_out_rmse_before"] != gain["held_out_rmse_after"]:
             interval = f"falls by {gain['ci95'][0]:.3g} to {gain['ci95'][1]:.3g} {gain['unit']}, 95 %"
-            lines.append(
-                f"    held-out error of {gain['channel']}: {gain['held_out_rmse_before']:.3g} -> {gain['held_out_rmse_after']:.3g} {gain['unit']} ({interval})"
-            )
+            change = f"{gain['held_out_rmse_before']:.3g} -> {gain['held_out_rmse_after']:.3g} {gain['unit']}"
+            lines.append(f"    held-out error of {gain['channel']}: {change} ({interval})")
         lines += [f"    cannot be told from: {a['cause']} in the {a['where']}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
     lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]
@@ -91,6 +91,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--model", metavar="YAML", help="the simulation to criticise; left out: the dispersion model fitted to the recordings"
     )
+    parser.add_argument(
+        "--twin", nargs="+", default=[], metavar="RECORDING",
+        help="instead of --model: what a simulator of your own recorded for the same motions, one for each session (held-out ones last)",
+    )  # fmt: skip
     parser.add_argument(
         "--hold-out", nargs="+", default=[], metavar="RECORDING", help="sessions never used to fit; left out: each session in turn"
     )

@@ -17,6 +17,7 @@ from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.twin import with_twins
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model import Model
@@ -26,19 +27,32 @@ BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out
 
 
 def diagnose(
-    recordings: list, hold_out: list | None = None, model: Model | None = None, progress: Callable[[str], None] = lambda stage: None
+    recordings: list,
+    hold_out: list | None = None,
+    model: Model | None = None,
+    progress: Callable[[str], None] = lambda stage: None,
+    twins: list | None = None,
 ) -> Outcome:
     """Criticise the dispersion model, or `model`, on `recordings`; `hold_out` are sessions never used to fit.
 
-    Raises `DiagnosisError` where the sessions do not belong together or lack what is needed.
+    `twins` are recordings of a simulation of the same motions, one for each session (training sessions first): then those are criticised
+    (see `twin`). Raises `DiagnosisError` where the sessions do not belong together or lack what is needed.
     """
     hold_out = hold_out or []
-    if are_scans([*recordings, *hold_out]):
+    if twins and model is not None:
+        raise DiagnosisError("criticise either a model or recorded twins, not both")
+    if are_scans([*recordings, *hold_out, *(twins or [])]):
+        if twins:
+            raise DiagnosisError("a recorded twin is for sessions in time, not for static scans")
         return diagnose_scans(recordings, hold_out, model, progress)
     every = _named_apart([*recordings, *hold_out])
     belong_together(every, model)
     progress("inspecting the recordings")
     looked = inspect(every)
+    if twins:
+        sessions, model, warnings = with_twins(looked.sessions, every, twins, skin_mass(every[0]))
+        looked = replace(looked, sessions=sessions)
+        every[0] = every[0].warned(*warnings) if warnings else every[0]
     train, held = looked.sessions[: len(recordings)], looked.sessions[len(recordings) :]
     if len(every) == 1:
         train, held = _blocks(train[0])

@@ -8,13 +8,17 @@ from skin_models.model import Model, Response
 
 def simulated(model: Model, session: Session) -> np.ndarray:
     """Simulated channels (C, N) at full rate, rows as in `session.channels`."""
-    return rows(model.simulate(motion_under(session, model.dispersion)), session)
+    return _beyond(session) + rows(model.simulate(motion_under(session, model.dispersion)), session)
 
 
 def rows(response: Response, session: Session) -> np.ndarray:
     """The channels of a response that the session measured, (C, N)."""
     force = [np.atleast_2d(response.force)] if "force" in session.channels else []
     return np.vstack([*force, response.taxels])
+
+
+def _beyond(session: Session) -> np.ndarray | float:
+    return 0.0 if session.beyond is None else session.beyond
 
 
 def residual(model: Model, session: Session) -> np.ndarray:

@@ -33,6 +33,7 @@ class Session:
     measured: np.ndarray
     weight: np.ndarray
     drive: np.ndarray | None = None
+    beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
 
     @property
     def n_taxels(self) -> int:

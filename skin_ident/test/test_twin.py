@@ -1,0 +1,100 @@
+"""A recorded twin of someone else's simulator is criticised as it stands; what it holds beyond our models is not held against it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from skin_ident.cli.diagnose import main
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.record import inspect
+from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.twin import with_twins
+from skin_ident.hiding.writing import write_recordings
+from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.effects.nonlinear_stiffness import PolynomialStiffness
+from skin_models.effects.stress_relaxation import StressRelaxation
+from skin_models.model import Model
+from skin_models.signals import motion
+
+SKIN = Dispersion(m=0.000432, b1=939.5, k1=9619.0, b2=629.2, k2=2766.0)
+THEIRS = Model(SKIN, (1.0, 0.4)).extended(PolynomialStiffness.typical("skin"))  # a simulator with a curved skin
+REAL = THEIRS.extended(StressRelaxation("skin", k_sensed=1500.0, k_dispersed=500.0, tau=1.5))
+T = np.arange(4000) / 100.0
+
+
+def path(seed):
+    rng = np.random.default_rng(seed)
+    knots = np.repeat(rng.uniform(0.1e-3, 0.8e-3, 40), 2)
+    return np.convolve(np.interp(T, np.linspace(0, T[-1], 80), knots), np.hanning(41) / 20.0, mode="same")
+
+
+def recorded(model, seed, noise=0.0, name="session"):
+    x, rng = path(seed), np.random.default_rng(100 + seed)
+    out = model.simulate(motion(T, x))
+    force, taxels = (y + noise * rng.standard_normal(y.shape) for y in (out.force, out.taxels))
+    return Recording(f"{name}_{seed}", T, x, force, taxels)
+
+
+MEASURED, TWINS = ([recorded(m, i, noise, name) for i in range(3)] for m, noise, name in ((REAL, 0.02, "session"), (THEIRS, 0.0, "twin")))
+
+
+def names(outcome):
+    return [(f["cause"], f["where"]) for f in outcome.findings["findings"]]
+
+
+def test_the_twin_itself_is_the_baseline():
+    sessions, surrogate, _ = with_twins(inspect(MEASURED[:1]).sessions, MEASURED[:1], TWINS[:1], 0.0)
+    said = simulated(surrogate, sessions[0])
+    assert np.allclose(said[0], TWINS[0].force, atol=1e-9) and np.allclose(said[1:], TWINS[0].taxels, atol=1e-9)
+
+
+def test_what_the_twin_lacks_is_named_and_what_it_holds_is_not():
+    outcome = diagnose(MEASURED[:2], MEASURED[2:], twins=TWINS)
+    assert names(outcome) == [("stress_relaxation", "skin")]
+    tau = outcome.findings["findings"][0]["parameters"]["tau"]["value"]
+    assert tau == pytest.approx(1.5, rel=0.15)
+    before, after = (outcome.findings[part]["rmse"]["force"]["held_out"] for part in ("baseline", "extended"))
+    assert before == pytest.approx(np.std(MEASURED[2].force - TWINS[2].force), rel=0.3) and after < 0.1 * before
+    assert np.allclose(outcome.traces[0].baseline[0], TWINS[0].force, atol=1e-9)
+
+
+def test_a_twin_that_is_right_is_left_in_peace():
+    right = [recorded(REAL, i, name="twin") for i in range(3)]
+    assert diagnose(MEASURED[:2], MEASURED[2:], twins=right).findings["verdict"] == "nothing_wrong"
+
+
+def test_wrong_numbers_of_a_twin_are_called_so():
+    soft = replace(REAL, dispersion=replace(SKIN, k1=0.8 * SKIN.k1))
+    outcome = diagnose(MEASURED[:2], MEASURED[2:], twins=[recorded(soft, i, name="twin") for i in range(3)])
+    assert names(outcome)[0] == ("parameters", "skin")
+
+
+def test_twins_that_do_not_belong():
+    with pytest.raises(DiagnosisError, match="2 recordings, but 1 twin"):
+        diagnose(MEASURED[:2], twins=TWINS[:1])
+    with pytest.raises(DiagnosisError, match="must carry the channels"):
+        diagnose(MEASURED[:1], twins=[replace(TWINS[0], force=None)])
+    with pytest.raises(DiagnosisError, match="not of the same motion"):
+        diagnose(MEASURED[:1], twins=TWINS[1:2])
+    with pytest.raises(DiagnosisError, match="lasts"):
+        diagnose(MEASURED[:1], twins=[TWINS[0].part(0, 2000)])
+    with pytest.raises(DiagnosisError, match="not both"):
+        diagnose(MEASURED[:1], model=THEIRS, twins=TWINS[:1])
+
+
+def test_another_rate_and_another_clock():
+    slow = replace(TWINS[0], t=1000.0 + T[::2], depth=None, force=TWINS[0].force[::2], taxels=TWINS[0].taxels[:, ::2])
+    sessions, surrogate, warnings = with_twins(inspect(MEASURED[:1]).sessions, MEASURED[:1], [slow], 0.0)
+    assert np.std(simulated(surrogate, sessions[0])[0] - TWINS[0].force) < 0.02 and "another clock" in warnings[0]
+
+
+def test_the_command(tmp_path, capsys):
+    write_recordings(MEASURED[:2], tmp_path / "measured")
+    write_recordings(TWINS[:2], tmp_path / "twin")
+    call = [str(tmp_path / "measured"), "--twin", str(tmp_path / "twin"), "--out", str(tmp_path / "out")]
+    assert main(call) == 0 and "stress_relaxation in the skin" in capsys.readouterr().out
+    assert main([*call[:3], "--out", str(tmp_path / "no"), "--model", str(tmp_path / "out/model.yaml")]) == 2
+    assert "not both" in capsys.readouterr().err and not (tmp_path / "no" / "findings.json").exists()
