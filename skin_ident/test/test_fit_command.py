@@ -43,7 +43,10 @@ def test_prints_a_table_and_writes_two_files(fit, tmp_path):
     assert load_model(tmp_path / "out" / "model.yaml").dispersion.k1 == pytest.approx(k1["value"])
 
 
-@pytest.mark.parametrize("more", [["--mass", "free"], ["--mass", "0.001"], ["--motion", "sinusoid"], ["--bootstrap", "50"], ["--offsets"]])
+@pytest.mark.parametrize(
+    "more",
+    [["--mass", "free"], ["--mass", "0.001"], ["--motion", "sinusoid"], ["--bootstrap", "50"], ["--profile"], ["--offsets", "--profile"]],
+)
 def test_options(fit, tmp_path, more):
     done = fit(write_table(tmp_path / "a.csv", R), *more)
     assert done.returncode == 0 and not list(tmp_path.glob("*.yaml"))

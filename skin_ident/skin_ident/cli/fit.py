@@ -6,12 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from skin_ident.cli import common
 from skin_ident.batch import run_batch, write_table
+from skin_ident.cli import common
 from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.fit import MEASURED, SINUSOID, Options, fit_recordings, mass_of, sessions_of
+from skin_ident.estimators.profile import profile
 from skin_ident.estimators.text import as_dict, as_table
 from skin_ident.recordings.load import find, load
 from skin_ident.recordings.recording import Recording
@@ -38,6 +39,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     estimate = fit_recordings(recordings, options)
     if chosen.bootstrap:
         estimate = _with_bootstrap(estimate, recordings, options, chosen.bootstrap)
+    if chosen.profile:
+        estimate = _with_profile(estimate, recordings, options)
     print(as_table(estimate))
     if chosen.out:
         write(estimate, common.output_folder(chosen.out))
@@ -52,6 +55,15 @@ def _with_bootstrap(estimate: Estimate, recordings: list[Recording], options: Op
     drawn = bootstrap(recordings, mass_of(options, recordings), offsets=options.offsets, runs=runs)
     intervals = {p.name: list(drawn.interval(p.name)) for p in estimate.parameters if estimate.std[p.name] > 0.0}
     return replace(estimate, notes={**estimate.notes, "bootstrap": {"runs": runs, "stretch_s": drawn.stretch, "ci95": intervals}})
+
+
+def _with_profile(estimate: Estimate, recordings: list[Recording], options: Options) -> Estimate:
+    """The same with intervals by profile likelihood in the notes."""
+    if estimate.model is None:
+        raise FitError("--profile is for fits with a depth")
+    common.say("profiling the likelihood …")
+    found = profile(recordings, mass_of(options, recordings), offsets=options.offsets)
+    return replace(estimate, notes={**estimate.notes, "profile": {"ci95": {name: list(ends) for name, ends in found.items()}}})
 
 
 def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str]) -> int:
@@ -96,6 +108,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
     parser.add_argument("--bootstrap", type=int, default=0, metavar="RUNS", help="also draw intervals from stretches of the residual")
+    parser.add_argument("--profile", action="store_true", help="also intervals by profile likelihood")
     parser.add_argument("--each", action="store_true", help="fit every session by itself, in parallel, into one table; resumable")
     parser.add_argument("--jobs", type=int, help="processes for --each; left out: one per core")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask cluster to use for --each, as tcp://host:8786")

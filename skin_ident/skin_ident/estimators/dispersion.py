@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skin_ident.estimators.converter import with_steps
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate, Residual
 from skin_ident.estimators.regression import Block, Regression, regress
@@ -55,12 +56,12 @@ def fit_dispersion(
     """
     sessions, warnings = prepare(recordings, motions)
     shape = shape_of(sessions, mass, offsets)
-    regression, _ = settled(sessions, shape)
+    regression, blocks = settled(sessions, shape)
     beta, to = np.concatenate(regression.coefficients), theta_of(regression, shape)
     theta, to_theta = to(beta), jacobian(to, beta)
     if shape.free and theta[0] < 0.0:
         return _at_bound(recordings, motions, offsets, method)
-    covariance = to_theta @ regression.covariance @ to_theta.T
+    covariance = to_theta @ with_steps(sessions, regression, blocks, said(sessions, shape, regression)) @ to_theta.T
     return _estimate(method, sessions, shape, regression, theta, covariance, warnings)
 
 
@@ -97,12 +98,29 @@ def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[lis
     for _ in range(ROUNDS):
         blocks = _blocks(sessions, shape, recovery)
         regression = regress(blocks)
-        b, k = regression.coefficients[0][-2:]  # of the load cell, or of the first taxel
-        new = float(b / k) if k > 0.0 else 0.0
+        new = _recovery(regression)
         if recovery is not None and abs(new - recovery) <= 1e-6 * abs(new):
             break
         recovery = new
     return regression, blocks
+
+
+def _recovery(regression: Regression) -> float:
+    """b / k (s) of the load cell, or of the first taxel."""
+    b, k = regression.coefficients[0][-2:]
+    return float(b / k) if k > 0.0 else 0.0
+
+
+def said(sessions: list[Session], shape: Shape, regression: Regression) -> list[list[np.ndarray]]:
+    """What the fit says that every channel reads in every session (N,), at full rate, N."""
+    out: list[list[np.ndarray]] = [[] for _ in regression.coefficients]
+    for i, s in enumerate(sessions):
+        v, x, a, g = s.terms(_recovery(regression))
+        for c, coefficients in enumerate(regression.coefficients):
+            b, k = coefficients[-2:]
+            mass = 0.0 if c or not shape.force else coefficients[-3] if shape.free else shape.mass
+            out[c].append(b * v + k * x + mass * (a + g) + (coefficients[i] if shape.offsets else 0.0))
+    return out
 
 
 def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> list[list[Block]]:

@@ -49,6 +49,20 @@ class Prefilter:
         kernel = low_pass(self.wide, self.dt, 4.0).reshape((1,) * (y.ndim - 1) + (-1,))
         return oaconvolve(y, kernel, mode="valid", axes=-1)[..., :: self.every]
 
+    def samples(self, rows: slice) -> slice:
+        """The samples that rows are made of."""
+        reach = 0 if self.wide * self.dt >= 0.4 else low_pass(self.wide, self.dt, 4.0).size - 1
+        return slice(rows.start * self.every, (rows.stop - 1) * self.every + 1 + reach)
+
+    def spread(self, gains: np.ndarray, size: int) -> np.ndarray:
+        """The transpose of `rows`: how much what depends on rows by gains (n, P) depends on each of `size` samples, (size, P)."""
+        if self.wide * self.dt >= 0.4:
+            return gains
+        kernel = low_pass(self.wide, self.dt, 4.0)
+        apart = np.zeros((size - kernel.size + 1, gains.shape[1]))
+        apart[:: self.every] = gains
+        return oaconvolve(apart, kernel[:, None], mode="full", axes=0)
+
     def smooth(self, x: np.ndarray) -> np.ndarray:
         """The depth (N,) low-passed above the band, its ends mirrored; so flat that nothing else needs the same."""
         edge = WIDER * self.edge

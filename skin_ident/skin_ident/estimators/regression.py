@@ -42,7 +42,7 @@ class Regression:
     """Coefficients of all channels, one after the other, with their joint covariance.
 
     Per channel: (H'H)^-1; measured and residual rows of every session, low-passed; the noise before the low-pass: its AR coefficients
-    and the std of its innovations.
+    and the std of its innovations; `repeated`: by how much errors that repeat with the motion widen its standard errors.
     """
 
     coefficients: list[np.ndarray]
@@ -52,6 +52,7 @@ class Regression:
     residuals: list[list[np.ndarray]]
     ar: list[np.ndarray]
     noise: list[float]
+    repeated: list[float]
     condition: float
     dof: float
 
@@ -69,6 +70,7 @@ def regress(channels: Sequence[Sequence[Block]]) -> Regression:
         residuals=[[b.narrow[0] - b.narrow[1] @ c for b in blocks] for blocks, (c, _, _) in zip(channels, fits, strict=True)],
         ar=[n.ar for n in noises],
         noise=[n.std for n in noises],
+        repeated=[n.felt / n.std if n.std > 0.0 else 1.0 for n in noises],
         condition=max(k for _, _, k in fits),
         dof=max(1.0, min(n.dof for n in noises)),
     )

@@ -21,8 +21,8 @@ FEWEST_ROWS = 20  # that must be left of a stretch between faults once the low-p
 class Session:
     """One recording. `force` (n,) or None and `taxels` (T, n) are rows of the prefilter; `motion` and `felt` are at full rate.
 
-    `parts` are the stretches of rows that may be believed; `felt` (N,) says where the load cell (or, without one, the strongest taxel)
-    shows at least `FELT` of its largest force.
+    `raw` are force and taxels at full rate, where they were measured. `parts` are the stretches of rows that may be believed; `felt` (N,)
+    says where the load cell (or, without one, the strongest taxel) shows at least `FELT` of its largest force.
     """
 
     name: str
@@ -33,9 +33,14 @@ class Session:
     prefilter: Prefilter
     parts: tuple[slice, ...]
     quality: Quality
+    raw: tuple[np.ndarray, ...] = ()
 
     def columns(self, recovery: float | None = None) -> np.ndarray:
-        """Columns (n, 4) that belong to the rows: speed, depth, acceleration, -gravity, each zero where plunger and skin do not touch.
+        """Columns (n, 4) that belong to the rows: those of `terms`, low-passed."""
+        return self.prefilter.rows(self.terms(recovery)).T
+
+    def terms(self, recovery: float | None = None) -> np.ndarray:
+        """Speed, depth, acceleration, -gravity (4, N) at full rate, each zero where plunger and skin do not touch.
 
         `recovery` is the time constant b / k of the whole skin (s): left faster than it recovers, the skin parts from the plunger. While
         it is not known, they are taken to touch where a force is felt.
@@ -44,8 +49,7 @@ class Session:
         contact = self.felt & (s.x > 0.0) if recovery is None else s.x > 0.0
         if recovery is not None and recovery > 0.0:
             contact = Dispersion(b1=recovery, k1=1.0, b2=0.0, k2=0.0).contact(s)
-        rows = np.array([s.v, s.x, s.a, np.full_like(s.x, -GRAVITY)]) * contact
-        return self.prefilter.rows(rows).T
+        return np.array([s.v, s.x, s.a, np.full_like(s.x, -GRAVITY)]) * contact
 
 
 def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = None) -> tuple[list[Session], tuple[str, ...]]:
@@ -79,9 +83,9 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Qual
     if not parts:
         raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted ({'; '.join(r.warnings)})")
     force = None if r.force is None else rows(r.force)
-    return Session(
-        r.name, s, force, rows(taxels) if taxels.size else np.empty((0, 0)), _felt(r, taxels, prefilter), prefilter, parts, quality
-    )
+    felt = _felt(r, taxels, prefilter)
+    raw = (*(() if r.force is None else (r.force,)), *taxels)
+    return Session(r.name, s, force, rows(taxels) if taxels.size else np.empty((0, 0)), felt, prefilter, parts, quality, raw)
 
 
 def _felt(r: Recording, taxels: np.ndarray, prefilter: Prefilter) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import math
 import textwrap
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from skin_ident.estimators.estimate import Estimate
@@ -20,7 +21,7 @@ def as_table(estimate: Estimate) -> str:
     notes = [f"note: {w}" for w in estimate.warnings]
     title = f"  {'':<9} {'value':>12} {'± 95 %':>11}  {'unit':<7} verdict"
     folded = [_folded(line) for line in why + notes]
-    return "\n".join([head, *_telemetry(estimate), title, *rows, *_bootstrapped(estimate), "what the fit leaves:", *left, "why:", *folded])
+    return "\n".join([head, *_telemetry(estimate), title, *rows, *_asked_for(estimate), "what the fit leaves:", *left, "why:", *folded])
 
 
 def _telemetry(estimate: Estimate) -> list[str]:
@@ -34,12 +35,20 @@ def _telemetry(estimate: Estimate) -> list[str]:
     return lines + [f"  … and {len(sessions) - SHOWN} more"] * (len(sessions) > SHOWN)
 
 
-def _bootstrapped(estimate: Estimate) -> list[str]:
-    drawn = estimate.notes.get("bootstrap")
-    if not drawn:
-        return []
-    rows = [f"  {name:<9} {low:.6g} … {high:.6g}" for name, (low, high) in drawn["ci95"].items()]
-    return [f"95 % from {drawn['runs']} bootstrap samples, stretches of {drawn['stretch_s']:.3g} s:", *rows]
+def _asked_for(estimate: Estimate) -> list[str]:
+    """Intervals that were asked for, each kind under its title."""
+    out: list[str] = []
+    drawn, profiled = estimate.notes.get("bootstrap"), estimate.notes.get("profile")
+    if drawn:
+        out.append(f"95 % from {drawn['runs']} bootstrap samples, stretches of {drawn['stretch_s']:.3g} s:")
+        out += _ranges(drawn["ci95"])
+    if profiled:
+        out += ["95 % by profile likelihood:", *_ranges(profiled["ci95"])]
+    return out
+
+
+def _ranges(intervals: Mapping[str, Sequence[float]]) -> list[str]:
+    return [f"  {name:<9} {low:.6g} … {high:.6g}" for name, (low, high) in intervals.items()]
 
 
 def _row(estimate: Estimate, p: Parameter) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.noise import effective_samples, fit_ar
 from skin_ident.estimators.transfer_data import Pair, gram, lags, nuisance, through, whitened
-from skin_ident.estimators.transfer_function import TransferFunction, discrete_powers, derivatives, discretised
+from skin_ident.estimators.transfer_function import TransferFunction, derivatives, discrete_powers, discretised
 
 ROUNDS = 50
 TINY = 1e-10  # of a coefficient: a step below this is rounding

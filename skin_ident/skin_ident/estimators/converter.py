@@ -1,0 +1,44 @@
+"""The covariance of a dispersion fit with what the converters' steps do to it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from skin_ident.estimators.quantization import amplitudes, covariance_of_steps, noise_of, step_of
+from skin_ident.estimators.regression import Block, Regression
+from skin_ident.estimators.sessions import Session
+
+
+def with_steps(
+    sessions: Sequence[Session], regression: Regression, blocks: list[list[Block]], values: list[list[np.ndarray]]
+) -> np.ndarray:
+    """The joint covariance of all coefficients. `values[channel][session]` (N,) is what the fit says that the channel reads, N.
+
+    Where noise hides the steps of a channel this is the regression's own; where it does not, the part of the residual that the steps
+    explain counts once, as the error that it is, and not as noise.
+    """
+    parts, shares = [], []
+    for c, (channel, inverse) in enumerate(zip(blocks, regression.inverses, strict=True)):
+        step = step_of(np.concatenate([s.raw[c] for s in sessions]))
+        found = None if step is None else _of_channel(sessions, c, channel, inverse, values[c], step)
+        own, share = (0.0, 1.0) if found is None else found
+        share = share if found is None else share / regression.repeated[c] ** 2
+        parts.append(own * np.ones_like(inverse))
+        shares.append(np.full(len(inverse), share))
+    root = np.sqrt(np.concatenate(shares))
+    return regression.covariance * np.outer(root, root) + block_diag(*parts)
+
+
+def _of_channel(sessions: Sequence[Session], c: int, channel: list[Block], inverse: np.ndarray, values: list[np.ndarray], step: float):
+    left = [(s.raw[c] - value)[s.prefilter.samples(part)] for s, value in zip(sessions, values, strict=True) for part in s.parts]
+    variance = float(np.mean(np.square(np.concatenate(left))))
+    if not amplitudes(step, noise_of(variance, step)).size:
+        return None
+    gains, remaining = [], iter(channel)
+    for s, value in zip(sessions, values, strict=True):
+        rows = np.zeros((s.prefilter.rows(value).size, len(inverse)))
+        for part in s.parts:
+            rows[part] = next(remaining).gain(inverse)
+        gains.append(s.prefilter.spread(rows, value.size))
+    return covariance_of_steps(gains, values, variance, step)

@@ -1,0 +1,71 @@
+"""What a converter's steps do to the estimates where the noise is too small to hide them.
+
+A value y read in steps q with noise of standard deviation sigma errs on average by
+
+    b(y) = q / pi  sum_k (-1)^k / k  exp(-2 (pi k sigma / q)^2)  sin(2 pi k (y / q + p))
+
+which is no noise: the same motion makes the same error every time, and no averaging takes it out. Where the levels lie, p, is not known.
+The estimates move by G' b, so that over all p their covariance is
+
+    1/2 sum_k c_k^2 Re(z_k z_k*'),   z_k = G' exp(2 pi i k y / q),   c_k the amplitudes above
+
+Source: B. Widrow, I. Kollar, Quantization Noise, Cambridge University Press 2008, chapters 4 and 6.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+HARMONICS = 30
+SMALL = 1e-3  # of a step: amplitudes below this are left out
+LEVELS = 4  # that must be seen of a converter
+ON_GRID = 0.95  # of the distances between levels that must be whole steps
+UNSURE = 0.1  # of q^2 / 12: by so much the error of few steps may differ from that of many, and is not taken for noise
+PROBES = 20_000  # samples in which the steps are looked for
+
+
+def step_of(y: np.ndarray) -> float | None:
+    """The step between the levels of a channel (N,), or None where it has none."""
+    some = y[:PROBES]
+    levels = np.unique(some)
+    if not LEVELS <= levels.size <= 0.5 * some.size:
+        return None
+    apart = np.diff(levels)
+    apart = apart[apart > 1e-6 * np.ptp(levels)]
+    if apart.size < LEVELS - 1:
+        return None
+    step = float(np.median(apart))
+    whole = np.rint(apart / step)
+    fits = (whole > 0) & (np.abs(apart / step - whole) < 0.02)
+    return float(np.mean(apart[fits] / whole[fits])) if fits.mean() >= ON_GRID else None
+
+
+def noise_of(variance: float, step: float) -> float:
+    """Standard deviation of the noise before the converter, from the variance of what is left of its readings."""
+    return float(np.sqrt(max(0.0, variance - (1.0 + UNSURE) * step**2 / 12.0)))
+
+
+def amplitudes(step: float, sigma: float) -> np.ndarray:
+    """c_1, c_2, …: how large the harmonics of the mean error are under noise of `sigma`, in the unit of the step."""
+    k = np.arange(1, HARMONICS + 1)
+    c = step / (np.pi * k) * np.exp(-2.0 * (np.pi * k * sigma / step) ** 2)
+    return c[c > SMALL * step]
+
+
+def covariance_of_steps(
+    gains: Sequence[np.ndarray], values: Sequence[np.ndarray], variance: float, step: float
+) -> tuple[np.ndarray | float, float]:
+    """Covariance (P, P) that the steps of one channel give its coefficients, and the share of the residual that is noise nevertheless.
+
+    Per session: gains (N, P), how the coefficients depend on every sample; values (N,), what the channel reads without noise.
+    `variance` is that of the residual, steps and noise together.
+    """
+    c = amplitudes(step, noise_of(variance, step))
+    total: np.ndarray | float = 0.0
+    turns = [np.exp(2j * np.pi * y / step) for y in values]
+    now = [np.ones_like(turn) for turn in turns]
+    for amplitude in c:
+        now = [a * b for a, b in zip(now, turns, strict=True)]
+        z = sum(g.T @ a for g, a in zip(gains, now, strict=True))
+        total = total + 0.5 * amplitude**2 * np.outer(z, z.conj()).real
+    return total, float(np.clip(1.0 - 0.5 * np.sum(c**2) / variance, 0.0, 1.0)) if variance > 0.0 else 1.0
