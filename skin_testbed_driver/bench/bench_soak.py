@@ -48,7 +48,7 @@ class Listener:
         self.executor.add_node(self.node)
         self.stamps = {name: array("q") for name in TOPICS}
         self.latencies, self.loop = array("q"), {}
-        depth = QoSProfile(depth=max(int(2.0 * rate), 100))  # a stall of two seconds
+        depth = QoSProfile(depth=max(int(5.0 * rate), 100))  # as the driver's
         for name, kind in TOPICS.items():
             callback = self._on_force if name == "force" else lambda data, name=name: self.stamps[name].append(stamp(data))
             self.node.create_subscription(kind, name, callback, depth, raw=True)

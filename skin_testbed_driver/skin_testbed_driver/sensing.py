@@ -78,10 +78,14 @@ class Stuckness:
     def add(self, raw: np.ndarray, drive: np.ndarray) -> np.ndarray:
         """Take one more sample (n,) and what drives it (n,); gives booleans (n,)."""
         same = raw == self._last
+        new = ~same
         self._last = raw
-        self._repeats = (self._repeats + 1) * same
-        self._start = np.where(same, self._start, drive)
-        self._farthest = np.fmax(np.where(same, self._farthest, 0.0), np.abs(drive - self._start))  # fmax: a drive may be NaN for a while
+        self._repeats += 1
+        self._repeats[new], self._farthest[new] = 0, 0.0
+        np.copyto(self._start, drive, where=new)
+        np.fmax(self._farthest, np.abs(drive - self._start), self._farthest)  # fmax: a drive may be NaN for a while
+        if self._repeats.max() < self._samples:
+            return new & same  # none
         return (self._repeats >= self._samples) & (self._farthest > self._change)
 
 

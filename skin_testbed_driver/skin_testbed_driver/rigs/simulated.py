@@ -77,6 +77,7 @@ class SimulatedRig(Rig):
         )  # fmt: skip
         self._surface, self._seed, self._real = surface, seed, imperfections or Imperfections()
         self._start = start
+        self._noise = np.array([self._real.load_cell_noise] + len(self.layout) * [self._real.taxel_noise])
 
     def open(self, sample_rate: float) -> None:
         self._dt = 1.0 / sample_rate
@@ -117,11 +118,11 @@ class SimulatedRig(Rig):
         self._move_laterally()
         self._state, response = self._shares.step(self._state, Sample(self._time, tip, speed, self._a), self._dt)
         self._time += self._dt
-        volts = np.clip(response.taxels / self._slopes, *TAXEL_RANGE)
+        volts = self._volts(float(response.force), response.taxels)
         return Reading(
             position=self._encoder(self._x + self._error),
-            load_cell_voltage=float(self._convert(float(response.force) / self._load_cell_slope, self._real.load_cell_noise)),
-            taxel_voltage=self._convert(volts, self._real.taxel_noise),
+            load_cell_voltage=float(volts[0]),
+            taxel_voltage=volts[1:],
             force_truth=float(response.force_truth),
             taxels_truth=np.asarray(response.taxels_truth),
         )
@@ -163,8 +164,14 @@ class SimulatedRig(Rig):
     def _encoder(self, position: float) -> float:
         return round(position / ENCODER_STEP) * ENCODER_STEP if self._real.quantised else position
 
-    def _convert(self, volts, noise: float):
-        volts = volts + noise * self._rng.standard_normal(np.shape(volts))
-        if not self._real.quantised:
-            return volts
-        return CONVERTER_STEP * np.clip(np.rint(volts / CONVERTER_STEP), *CONVERTER_RANGE)
+    def _volts(self, force: float, taxels: np.ndarray) -> np.ndarray:
+        """What the converter says, load cell first: (1 + T,)."""
+        volts = np.empty(1 + taxels.size)
+        volts[0] = force / self._load_cell_slope
+        np.divide(taxels, self._slopes, volts[1:])
+        volts[1:] = np.minimum(np.maximum(volts[1:], TAXEL_RANGE[0]), TAXEL_RANGE[1])
+        volts += self._noise * self._rng.standard_normal(volts.size)
+        if self._real.quantised:
+            counts = np.rint(volts / CONVERTER_STEP)
+            volts = CONVERTER_STEP * np.minimum(np.maximum(counts, CONVERTER_RANGE[0]), CONVERTER_RANGE[1])
+        return volts

@@ -138,7 +138,7 @@ class DriverNode(LifecycleNode):
 
     def _tick(self, stamp_ns: int) -> None:
         try:
-            self._stamp_ns, stamp = stamp_ns, _stamp(stamp_ns)
+            self._stamp_ns, stamp = stamp_ns, divmod(stamp_ns, 10**9)
             self._sample = self._testbed.tick((stamp_ns - self._epoch) * 1e-9)
             if self._sample is not None:
                 self._publishing.sample(self._sample, stamp)

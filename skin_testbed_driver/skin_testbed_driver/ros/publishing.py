@@ -1,6 +1,5 @@
-"""Samples as messages. The messages are made once and filled again: publishing copies them."""
+"""Samples as messages, which are serialised once and filled again."""
 
-import math
 from array import array
 
 import numpy as np
@@ -18,10 +17,13 @@ from skin_testbed_driver.calibration import Calibration
 from skin_testbed_driver.rig import Rig
 from skin_testbed_driver.ros import JOINT
 from skin_testbed_driver.ros.driver_settings import DriverSettings
+from skin_testbed_driver.ros.packed import Packed
 from skin_testbed_driver.safety import Limits
 from skin_testbed_driver.sensing import Sample
 from skin_testbed_driver.testbed import Status
 
+_KEPT = 5.0  # s of real time
+_MOST = 20000  # samples
 _STAGE_PERIOD = 0.1  # s, between two messages on stage_position
 
 
@@ -30,8 +32,8 @@ class Publishing:
 
     def __init__(self, node: LifecycleNode, settings: DriverSettings, rig: Rig, calibration: Calibration) -> None:
         """Create the publishers; a simulation also tells the truth."""
-        # A second deep on both sides: a stall of a second loses nothing.
-        qos = stream(settings.sample_rate)
+        # What is not yet acknowledged is kept for five seconds: so long may the receiving threads of a busy machine stall.
+        qos = stream(min(_KEPT * settings.sample_rate * settings.time_scale, _MOST))
 
         def publisher(kind: type, topic: str):
             return node.create_lifecycle_publisher(kind, topic, qos, qos_overriding_options=overridable())
@@ -48,46 +50,40 @@ class Publishing:
         self._messages(settings)
 
     def _messages(self, settings: DriverSettings) -> None:
-        self._encoder_message, self._force_message = JointState(name=[JOINT]), WrenchStamped()
-        self._force_message.header.frame_id = settings.force_frame
-        self._taxels_message, self._truth_message = TaxelArray(), TaxelArray()
-        self._taxels_message.header.frame_id = self._truth_message.header.frame_id = settings.skin_frame
+        count = len(self._rig.layout)
+        zeros = {"force": [0.0] * count, "status": [0] * count}
+        encoder, force = JointState(name=[JOINT], position=[0.0], velocity=[0.0]), WrenchStamped()
+        volts, plain = TaxelArray(**zeros, voltage=[0.0] * count), TaxelArray(**zeros)
+        force.header.frame_id = settings.force_frame
+        volts.header.frame_id = plain.header.frame_id = settings.skin_frame
+        self._encoder_bytes = Packed(encoder, "position", "velocity")
+        self._force_bytes = Packed(force, "wrench.force.z")
+        # By the number of voltages: a rig that measures force has none.
+        self._taxels_bytes = {0: Packed(plain, "force", "voltage", "status"), count: Packed(volts, "force", "voltage", "status")}
+        self._truth_bytes, self._unknown = Packed(plain, "force"), np.full(count, np.nan)
 
-    def sample(self, s: Sample, stamp: Time) -> None:
-        """Publish one sample; all its messages bear the same stamp."""
+    def sample(self, s: Sample, stamp: tuple[int, int]) -> None:
+        """Publish one sample; all its messages bear the same stamp (s, ns)."""
         if self._clock is not None:
-            self._clock.publish(Clock(clock=stamp))
-        message = self._encoder_message
-        message.header.stamp = stamp
-        message.position, message.velocity = array("d", (s.depth,)), array("d", (s.speed,))
-        self._encoder.publish(message)
-        message = self._force_message
-        message.header.stamp = stamp
-        message.wrench.force.z = -s.force  # compression pushes the load cell along its -z
-        self._force.publish(message)
-        message = self._taxels_message
-        message.header.stamp = stamp
-        message.force, message.voltage = floats(s.taxel_force), floats(s.taxel_voltage)
-        message.status = array("B", s.taxel_status.tobytes())
-        self._taxels.publish(message)
+            self._clock.publish(Clock(clock=Time(sec=stamp[0], nanosec=stamp[1])))
+        encoder = self._encoder_bytes.with_stamp(stamp).set_number("position", s.depth).set_number("velocity", s.speed)
+        self._encoder.publish(encoder.data())
+        # Compression pushes the load cell along its -z.
+        self._force.publish(self._force_bytes.with_stamp(stamp).set_number("wrench.force.z", -s.force).data())
+        taxels = self._taxels_bytes[s.taxel_voltage.size].with_stamp(stamp).set("force", s.taxel_force)
+        self._taxels.publish(taxels.set("voltage", s.taxel_voltage).set("status", s.taxel_status).data())
         if self._truth is not None:
-            self._publish_truth(s, stamp)
+            truth = s.taxels_truth if s.taxels_truth is not None else self._unknown
+            self._truth.publish(self._truth_bytes.with_stamp(stamp).set("force", truth).data())
 
-    def _publish_truth(self, s: Sample, stamp: Time) -> None:
-        message = self._truth_message
-        message.header.stamp = stamp
-        truth = s.taxels_truth if s.taxels_truth is not None else np.full(s.taxel_force.size, math.nan)
-        message.force, message.status = floats(truth), array("B", bytes(truth.size))
-        self._truth.publish(message)
-
-    def stage(self, stamp: Time) -> None:
+    def stage(self, stamp: tuple[int, int]) -> None:
         """Publish now and then which point of the skin is under the plunger, where that is known."""
         self._ticks += 1
         if self._stage is None or self._ticks % self._stage_period:
             return
         x, y = self._rig.placed()
         message = PointStamped(point=Point(x=x, y=y))
-        message.header.stamp, message.header.frame_id = stamp, self._settings.skin_frame
+        message.header.stamp, message.header.frame_id = Time(sec=stamp[0], nanosec=stamp[1]), self._settings.skin_frame
         self._stage.publish(message)
 
     def describe(self, stamp: Time) -> None:

@@ -1,0 +1,85 @@
+"""Messages of fixed size, serialised once: from then on only their numbers are written, into the bytes that go out.
+
+Publishing a message costs rclpy 3 to 7 us, most of it for reading the fields of Python objects; publishing bytes costs 1 to 3 us.
+"""
+
+import contextlib
+import struct
+from functools import reduce
+from typing import Any
+
+import numpy as np
+from rclpy.serialization import deserialize_message, serialize_message
+
+_STAMP = struct.Struct("=iI")  # every message here begins with a header, behind the four bytes that open CDR
+_STAMP_AT = 4
+
+
+class Packed:
+    """`message` with every number of `fields` at zero; those are the dotted names of what changes: float64, float64[] or uint8[]."""
+
+    def __init__(self, message: Any, *fields: str) -> None:
+        """Find where each field lies in the bytes, by changing it."""
+        plain = _without_rest(serialize_message(message), type(message))
+        if any(np.frombuffer(plain, np.uint8)[_STAMP_AT : _STAMP_AT + _STAMP.size]):
+            raise ValueError("the message must begin with a header whose stamp is zero")
+        self._bytes = bytearray(plain)
+        self._at = {name: _place(message, name, plain) for name in fields}
+
+    def with_stamp(self, stamp: tuple[int, int]) -> "Packed":
+        """Write s and ns into the header."""
+        _STAMP.pack_into(self._bytes, _STAMP_AT, *stamp)
+        return self
+
+    def set(self, field: str, values: np.ndarray) -> "Packed":
+        """Write the numbers of a field: as many as there were, of its own type."""
+        at = self._at[field]
+        if values.nbytes != at.stop - at.start:
+            raise ValueError(f"{field} has room for {at.stop - at.start} bytes, not {values.nbytes}")
+        self._bytes[at] = values.tobytes()
+        return self
+
+    def set_number(self, field: str, value: float) -> "Packed":
+        """Write one float64."""
+        struct.pack_into("=d", self._bytes, self._at[field].start, value)
+        return self
+
+    def data(self) -> bytes:
+        """What `publish` takes."""
+        return bytes(self._bytes)
+
+
+def _without_rest(data: bytes, kind: type) -> bytes:
+    """`data` without the unused bytes at its end: the size is estimated, and strict readers refuse what is too long."""
+    with contextlib.suppress(Exception):  # rmw's own class: too short
+        while True:
+            deserialize_message(data[:-1], kind)
+            data = data[:-1]
+    return data
+
+
+def _place(message: Any, name: str, plain: bytes) -> slice:
+    """Where a field lies: there alone any pattern that is written into it comes out. Bytes that only pad may hold anything."""
+    *way, last = name.split(".")
+    owner = reduce(getattr, way, message)
+    zero = getattr(owner, last)
+    size = np.asarray(zero).nbytes
+    if size == 0:
+        return slice(0, 0)
+    starts = set(range(len(plain) - size + 1))
+    for byte in (b"\x00", b"\x55", b"\xaa"):
+        setattr(owner, last, _filled(zero, byte))
+        data = serialize_message(message)
+        starts = {i for i in starts if data[i : i + size] == byte * size}
+    setattr(owner, last, zero)
+    if len(starts) != 1:
+        raise ValueError(f"{name} is not one stretch of bytes")
+    start = starts.pop()
+    return slice(start, start + size)
+
+
+def _filled(zero: Any, byte: bytes) -> Any:
+    if isinstance(zero, float):
+        return struct.unpack("=d", 8 * byte)[0]
+    raw = np.asarray(zero)
+    return np.frombuffer(raw.nbytes * byte, raw.dtype)
