@@ -33,28 +33,50 @@ class Session:
         self.client = ActionClient(self.node, ExecuteProfile, "execute_profile")
         self.encoder: list[tuple[float, float]] = []
         self.force: list[tuple[float, float]] = []
+        self.feedback: list[tuple[float, ExecuteProfile.Feedback]] = []  # with the time (s) of its arrival
         self.node.create_subscription(JointState, "encoder", lambda m: self.encoder.append((_time(m), m.position[0])), LISTENING)
         self.node.create_subscription(WrenchStamped, "force", lambda m: self.force.append((_time(m), -m.wrench.force.z)), LISTENING)
-        self._until(lambda: self.client.server_is_ready() and self.encoder, "driver and server")
+        self.until(lambda: self.client.server_is_ready() and self.encoder, "driver and server")
 
     def execute(self, profile: str, **goal: Any) -> tuple[ExecuteProfile.Result, np.ndarray, np.ndarray]:
         """Execute a profile; returns the result, and (N, 2) times (s) with depths (m), and with forces (N)."""
+        result = self.end(self.begin(profile, **goal))
+        return result, np.array(self.encoder), np.array(self.force)
+
+    def begin(self, profile: str, **goal: Any) -> Any:
+        """Give a goal; returns its handle."""
         self.encoder.clear()
         self.force.clear()
-        sent = self.client.send_goal_async(ExecuteProfile.Goal(profile=profile, **goal))
-        self._until(sent.done, "acceptance")
-        ended = sent.result().get_result_async()
-        self._until(ended.done, "the end of the goal", 300.0)
+        self.feedback.clear()
+        sent = self.client.send_goal_async(ExecuteProfile.Goal(profile=profile, **goal), feedback_callback=self._on_feedback)
+        self.until(sent.done, "acceptance")
+        self.until(lambda: self.encoder and self.force, "samples")
+        return sent.result()
+
+    def cancel(self, goal: Any) -> ExecuteProfile.Result:
+        """Cancel a goal and wait for its end."""
+        goal.cancel_goal_async()
+        return self.end(goal)
+
+    def end(self, goal: Any) -> ExecuteProfile.Result:
+        """Wait for the end of a goal."""
+        ended = goal.get_result_async()
+        self.until(ended.done, "the end of the goal", 300.0)
         end = time.monotonic() + 0.1  # the last samples are still on their way
-        self._until(lambda: time.monotonic() > end, "samples")
-        return ended.result().result, np.array(self.encoder), np.array(self.force)
+        self.until(lambda: time.monotonic() > end, "samples")
+        return ended.result().result
 
     def server_cpu(self) -> float:
         """Processor time that the profile server has used, s."""
         user, system = Path(f"/proc/{self.server.pid}/stat").read_text().rpartition(")")[2].split()[11:13]
         return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
-    def _until(self, condition: Any, what: str, timeout: float = 30.0) -> None:
+    def _on_feedback(self, message: Any) -> None:
+        self.feedback.append((time.time(), message.feedback))
+
+    def until(self, condition: Any, what: str, timeout: float = 30.0) -> None:
+        """Spin until it is true. Raises `SkinError` after `timeout` s."""
+
         def check() -> bool:
             self.executor.spin_once(timeout_sec=0.02)
             return bool(condition())

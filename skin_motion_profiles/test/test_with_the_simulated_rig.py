@@ -55,3 +55,36 @@ def test_what_stops_the_driver_ends_the_goal_with_its_words():
         result, _, _ = session.execute("{type: step, depth_mm: 1}")
     assert result.error_code == Result.DRIVER_FAULT
     assert "more than the limit of 4.0 N" in result.error_string
+
+
+@pytest.mark.parametrize("hold", [False, True])
+def test_a_cancel_while_the_driver_zeroes_leaves_it_ready(hold):
+    with Session(**FAST) as session:
+        goal = session.begin("{type: zero}", on_stop=int(hold))
+        start = session.encoder[-1][1]
+        session.until(lambda: session.encoder[-1][1] > start + 5e-4, "the search")
+        result = session.cancel(goal)
+        assert result.error_code == Result.CANCELLED
+        rests = session.encoder[-1][1]
+        assert rests > start + 4e-4 if hold else rests == pytest.approx(-0.002, abs=1e-5)
+        again, _, _ = session.execute("{battery: prepare}")
+        assert again.error_code == Result.SUCCESS, again.error_string
+
+
+def test_over_force_in_quick_time_ends_the_goal_and_retracts():
+    with Session(**FAST) as session:
+        result, encoder, force = session.execute("{type: step, depth_mm: 1.2, speed_mm_s: 1, hold_s: 5}", max_force=5.0)
+    assert result.error_code == Result.OVER_FORCE and "more than the allowed 5 N" in result.error_string
+    assert encoder[-1, 1] == pytest.approx(-0.002, abs=1e-5)
+    assert encoder[:, 1].max() < 0.001  # it did not go where it would have
+
+
+def test_over_force_of_the_driver_in_quick_time_retracts_at_once():
+    with Session(driver={**FAST["driver"], "max_force": 5.0}, server=FAST["server"]) as session:
+        result, encoder, force = session.execute("{type: step, depth_mm: 1.2, speed_mm_s: 1, hold_s: 5}")
+        assert result.error_code == Result.DRIVER_FAULT and "more than the limit of 5.0 N" in result.error_string
+        session.until(lambda: session.encoder[-1][1] < -0.00199, "the retreat")
+    seen = force[np.argmax(force[:, 1] > 5.0), 0]
+    x = dict(encoder.tolist())
+    at, later = x[seen], [v for t, v in x.items() if seen + 0.025 < t < seen + 0.035]
+    assert later and later[0] < at  # three samples after its detection the plunger is on its way back

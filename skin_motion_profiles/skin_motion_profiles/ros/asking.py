@@ -45,6 +45,7 @@ class Asking:
     def __init__(self, node: Node, settings: Settings) -> None:
         self.zero = node.create_client(ZeroService, f"{settings.driver_name}/zero")
         self.tare = node.create_client(TareService, f"{settings.driver_name}/tare")
+        self.cancelling = node.create_client(Trigger, f"{settings.driver_name}/cancel")
         self.halt = node.create_client(Trigger, f"{settings.driver_name}/stop")
         self.target = node.create_publisher(PointStamped, "stage_target", LATCHED)
         self.position: PointStamped | None = None
@@ -70,10 +71,9 @@ class Asking:
             return f"{action.label}: bring x = {action.x_mm:g} mm, y = {action.y_mm:g} mm under the plunger, then call ~/proceed"
         return action.label
 
-    def stop_driver(self) -> None:
-        """End whatever the driver does on its own. It then needs a reset."""
-        if self.halt.service_is_ready():
-            self.halt.call_async(Trigger.Request())
+    def end(self) -> Poll:
+        """End what the driver does on its own. `cancel` leaves it ready; a driver that has no such service is stopped, and needs a reset."""
+        return self._call(self.cancelling if self.cancelling.service_is_ready() else self.halt, Trigger.Request())
 
     def _call(self, client: Any, request: Any) -> Poll:
         future = None

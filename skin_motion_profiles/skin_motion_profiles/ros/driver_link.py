@@ -96,6 +96,15 @@ class DriverLink:
         near = self.told is not None and abs(self.told - self.depth.value) < _REST_ERROR
         return self.told if near else self.depth.value
 
+    def mark(self) -> int:
+        """A node time (ns) that no sample taken before this moment bears, also where /clock comes a sample late."""
+        period = 1e9 / max(self.state.sample_rate, 1.0)
+        return max(self.now(), self.depth.stamp, self.force.stamp) + int(1.5 * period)
+
+    def heard_since(self, mark: int) -> bool:
+        """Whether encoder and load cell are known as they were after a `mark`."""
+        return min(self.depth.stamp, self.force.stamp) > mark
+
     def forget_peaks(self) -> None:
         """Begin to look for the greatest compression (N), load of either sign (N) and depth (m) anew."""
         self.peak_force = self.peak_depth = -math.inf

@@ -10,18 +10,22 @@ from collections.abc import Callable
 
 from rclpy.time import Time
 from skin_testbed_msgs.action import ExecuteProfile
+from skin_testbed_msgs.msg import DriverState
 
 from skin_motion_profiles.control import Controlled
 from skin_motion_profiles.entry import Action, Entry
 from skin_motion_profiles.errors import ProfileError
+from skin_motion_profiles.moves import hold
 from skin_motion_profiles.plan import Motion, Stage, Travel, rehearse, stages, stop
 from skin_motion_profiles.profile_file import entry_from_text, entry_to_text
+from skin_motion_profiles.profiles.place import Place
 from skin_motion_profiles.ros.asking import Asking
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.settings import Settings
 from skin_motion_profiles.ros.steering import Steering
 from skin_motion_profiles.ros.streaming import HEAD_START, Stream
 from skin_motion_profiles.ros.watching import Ended, Watch
+from skin_motion_profiles.trajectory import Trajectory
 
 Result = ExecuteProfile.Result
 _LOOK = 0.02  # s between two looks at the driver; messages wake it earlier
@@ -65,6 +69,7 @@ class Run:
         entry = self.checked_entry()
         self.meet_driver()
         self.watch.before_moving()
+        self.hear()
         plan = stages(entry)
         durations = rehearse(plan, self.link.standing, self.travel(), self.link.limits)
         self.whole = sum(durations)
@@ -134,11 +139,49 @@ class Run:
                 self.feed_back(stage.names[0].replace(action.label, self.asking.hint(action)), 0.0)
                 self.wait()
         except Ended:
-            self.asking.stop_driver()
+            self.interrupt(action)
             raise
         self.link.told = None  # zero has moved the plunger, and the zero of its depth
         if not answer.success:
             raise Ended(Result.DRIVER_FAULT, f"{action.label}: {answer.sentence}")
+        self.hear()  # a depth that was measured before the answer still counts from the old zero
+
+    def hear(self) -> None:
+        """Wait for samples taken after this moment. Raises `Ended`."""
+        mark, patience = self.link.mark(), time.monotonic() + _MEETING
+        while not self.link.heard_since(mark):
+            self.watch.check(None)
+            if time.monotonic() > patience:
+                raise Ended(Result.NO_FEEDBACK, f"no newer samples of encoder and force came within {_MEETING:g} s")
+            self.wait()
+
+    def interrupt(self, action: Action) -> None:
+        """End what the driver does for `action`, and get ready to retract from there."""
+        if isinstance(action, Place):
+            return  # the plunger rests
+        poll, patience = self.asking.end(), time.monotonic() + _MEETING
+        while (answer := poll()) is None and time.monotonic() < patience and self.watch.alive():
+            self.wait()
+        if answer is None or not answer.success or not self.settled():
+            return
+        here, limits = self.link.depth.value, self.link.limits
+        # Only backwards: who does not know the surface yet does not advance. Beyond the limits the driver would refuse to move.
+        if self.link.state.retracted_depth < here <= limits.max_depth:
+            self.stream = Stream(self.link, Motion(Trajectory(hold(here, 0.1)), ("stop",), (0.0,)), self.link.now())
+
+    def settled(self) -> bool:
+        """Whether the driver is ready again, and its samples are from after that."""
+        patience = time.monotonic() + _MEETING
+        while self.link.state.state != DriverState.READY:
+            if time.monotonic() > patience or not self.watch.alive():
+                return False
+            self.wait()
+        mark, self.link.told = self.link.mark(), None
+        while not self.link.heard_since(mark):
+            if time.monotonic() > patience or not self.watch.alive():
+                return False
+            self.wait()
+        return True
 
     def wait(self) -> None:
         """Until there is news of the driver, but not long."""
