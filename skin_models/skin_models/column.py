@@ -22,7 +22,7 @@ _DEEPEST = 0.1  # m; a search that has not met the force here gives up
 
 def skin_of(model: Model) -> Model:
     """The part of a model that is skin: one full share, no effects of rig, spread or sensors."""
-    return replace(model, shares=(1.0,), effects=tuple(e for e in model.effects if e.place in _SKIN))
+    return replace(model, shares=(1.0,), positions=(), effects=tuple(e for e in model.effects if e.place in _SKIN))
 
 
 @dataclass(frozen=True, eq=False)

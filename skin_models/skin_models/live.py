@@ -54,14 +54,16 @@ class LiveModel:
 
 
 def under_plunger(model: Model, layout: Layout, kernel: Kernel, radius: float = 0.0) -> Model:
-    """The model with one share per taxel of `layout`, for a plunger of `radius` (m) at the origin.
+    """The model with the positions and shares of `layout`, for a plunger of `radius` (m) at the origin.
 
-    A model that already has as many shares as there are taxels keeps its own: they were measured.
+    A model that already has as many shares as there are taxels keeps them: they were measured. One of a single taxel lends its share to
+    what lies right under the plunger.
     """
+    positions = tuple(map(tuple, layout.positions[:, :2].tolist()))
     if len(model.shares) == len(layout):
-        return model
+        return model if model.positions or len(layout) == 1 else replace(model, positions=positions)
     under = min(model.dispersion.sensed_share, 1.0) if model.dispersion.k1 > 0.0 else 1.0  # of the force, right under the plunger
     found = SpreadField(layout, kernel, under, A201_AREA).shares(Contacts([[0.0, 0.0, 0.0]], [1.0], radius))
     shares = np.zeros(len(layout))
-    shares[found.taxel] = found.value / under
-    return replace(model, shares=tuple(shares.tolist()))
+    shares[found.taxel] = found.value / under * (model.shares[0] if len(model.shares) == 1 else 1.0)
+    return replace(model, shares=tuple(shares.tolist()), positions=positions)

@@ -6,6 +6,7 @@ for its places), and both give truth (what the skin did) beside measured (what t
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,12 @@ from skin_models.dispersion import Dispersion, Surface
 from skin_models.effect import Effect, Place
 from skin_models.errors import ModelError
 from skin_models.signals import Motion, Sample
+from skin_models.spread.bending import Bending, in_order
+from skin_models.spread.footprint import Footprint, Places
+from skin_models.spread.kernels import Kernel
+from skin_models.spread.noted import kernel_of
+
+_TELLING = 1e-3  # of the share under a contact: a taxel that felt less than that says nothing of its own gain
 
 
 @dataclass(frozen=True)
@@ -31,7 +38,9 @@ class Model:
     """A testbed: one specimen of skin, its taxels, and every effect that departs from the plain dispersion model.
 
     `shares` is each taxel's share of the sensed force: 1 for a taxel under the plunger, less beside it; empty for a material test
-    without taxels. Effects act in the order of the chain's places, and at one place in the order given.
+    without taxels. Effects act in the order of the chain's places, and at one place in the order given (in the spread in theirs).
+    `positions` (T, 2) says where the taxels are, m, from the place to which the shares belong; empty where nobody knows. With them a
+    contact may move across the skin (`lateral` of a sample or a motion), and effects of the spread can act.
     """
 
     dispersion: Dispersion
@@ -40,8 +49,13 @@ class Model:
     name: str = "dispersion"
     source: str = ""
     notes: dict[str, Any] = field(default_factory=dict, hash=False, compare=False)
+    positions: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
+        if self.positions and np.shape(self.positions) != (len(self.shares), 2):
+            raise ModelError(f"a model of {len(self.shares)} taxels needs as many positions (x, y) or none, not {len(self.positions)}")
+        if not np.all(np.isfinite(self.positions)):
+            raise ModelError("positions of the taxels must be finite")
         if not all(np.isfinite(share) and share >= 0.0 for share in self.shares):
             raise ModelError(f"shares of the taxels must be finite and not negative, not {self.shares}")
         for e in self.effects:
@@ -92,7 +106,7 @@ class Model:
         if e.place is Place.SURFACE:
             return self._from_surface(run, e.batch(run.surface, run.tip), _in_batch).response
         if e.place is Place.SPREAD:
-            return self._from_spread(run, e.batch(run.shares, run.tip), _in_batch).response
+            return self.extended(e)._from_surface(run, run.surface, _in_batch).response
         if e.place is Place.LOAD_CELL:
             return replace(run.response, force=e.batch(run.response.force, run.tip))
         return replace(run.response, taxels=e.batch(run.response.taxels, run.tip))
@@ -102,22 +116,61 @@ class Model:
 
         `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`, `touched(s)` is the contact rule.
         """
+        s = self._laid(s)
         tip = moved(s, self._through(Place.DEPTH, s.x, s, act))
         skin = self._through(Place.SKIN, self.dispersion.branches(tip), tip, act)
-        return self._from_skin(Run(s, tip, True if getattr(tip, "pressed", False) else touched(tip)), skin, act)
+        return self._from_skin(Run(s, tip, True if _pressed(tip) else touched(tip)), skin, act)
 
     def _from_skin(self, run: "Run", skin: Any, act: Callable) -> "Run":
         pressing = skin * run.contact
-        if run.contact is not True:
+        if not _pressed(run.tip):
             pressing = pressing * (pressing.sum(axis=0) > 0.0)  # effects of the skin may make it press less, never pull
         return self._from_surface(replace(run, skin=skin), self._through(Place.SURFACE, pressing, run.tip, act), act)
 
     def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":
         applied = surface.sum(axis=0) + self.dispersion.inertial(run.tip) * run.contact
         force = self._through(Place.LOAD_CELL, applied, run.tip, act)
-        plain = np.multiply.outer(np.array(self.shares, float), np.ones_like(applied))
         run = replace(run, surface=surface, response=Response(force, None, applied, None))
-        return self._from_spread(run, self._through(Place.SPREAD, plain, run.tip, act), act)
+        return self._from_spread(run, self._spread(run.tip, np.ones_like(applied), act), act)
+
+    def _spread(self, tip: Any, ones: Any, act: Callable) -> Any:
+        """The share of every taxel, with the effects of the spread; each sees the footprint as those before it left it."""
+        plain = np.array(self.shares, float) if tip.lateral is None else self._gains
+        shares = np.multiply.outer(plain, ones)
+        if tip.lateral is not None:
+            shares = shares * tip.footprint.shape()
+        for e in in_order(self.at(Place.SPREAD)):
+            shares = act(e, shares, tip)
+            if isinstance(e, Bending):
+                tip = replace(tip, footprint=e.bent(tip.footprint, tip.x))
+        return shares
+
+    def _laid(self, s: Any) -> Any:
+        """`s` with the footprint of this model's taxels, as far as their positions are known."""
+        if not self.positions:
+            if s.lateral is not None:
+                raise ModelError("a contact that moves across the skin needs a model with the positions of its taxels")
+            return s
+        offset = self._places.positions.T
+        if s.lateral is not None:
+            lateral = np.asarray(s.lateral, float)
+            offset = offset.reshape(2, -1, *([1] * (lateral.ndim - 1))) - lateral[:, None]
+        return replace(s, footprint=Footprint(self._places, offset, self._kernel))
+
+    @cached_property
+    def _places(self) -> Places:
+        return Places(np.array(self.positions, float))
+
+    @cached_property
+    def _kernel(self) -> Kernel:
+        return kernel_of(self)
+
+    @cached_property
+    def _gains(self) -> np.ndarray:
+        """The share of every taxel right under a contact, (T,), as far as its share tells; else that of the one nearest to the contact."""
+        felt = self._kernel.shape(self._kernel.distance(*self._places.positions.T))
+        gains = np.array(self.shares) / np.maximum(felt, 1e-300)
+        return np.where(felt > _TELLING, gains, gains[np.argmax(felt)])
 
     def _from_spread(self, run: "Run", shares: Any, act: Callable) -> "Run":
         sensed = shares * run.surface[0]
@@ -128,6 +181,11 @@ class Model:
         for e in self.at(place):
             y = act(e, y, context)
         return y
+
+
+def _pressed(s: Any) -> bool:
+    """Whether the force on the skin was prescribed, and there is no contact to be made or lost."""
+    return getattr(s, "pressed", False)
 
 
 def _in_batch(e: Effect, y: np.ndarray, s: Motion) -> np.ndarray:

@@ -14,6 +14,8 @@
           tau: {value: 0.8, unit: s, std: 0.05}
           ...
 
+Where the taxels are, for effects of the spread and contacts that move: `positions: {value: [[0.0, 0.0], [0.014, 0.0]], unit: m}`.
+
 An effect that comes in several forms also says which: `form: hunt_crossley`. Without the entry it is the plainest.
 
 Every parameter must be there, with its unit: a file that leaves one out, or says mm where m is meant, is refused with one sentence.
@@ -65,6 +67,7 @@ def model_to_dict(model: Model, std: Mapping[str, float] | None = None) -> dict[
         "source": model.source,
         "dispersion": _parameters_to_dict(model.dispersion, std, ""),
         "shares": [float(share) for share in model.shares],
+        **({"positions": {"value": [[float(x), float(y)] for x, y in model.positions], "unit": "m"}} if model.positions else {}),
         "effects": [_effect_to_dict(e, std) for e in model.effects],
         **({"notes": model.notes} if model.notes else {}),
     }
@@ -75,7 +78,7 @@ def model_from_dict(content: Any) -> Model:
     content = _mapping(content, "a model")
     if content.get("schema") != SCHEMA:
         raise ModelError(f"schema is {content.get('schema')!r}; this version reads schema {SCHEMA}")
-    _only(content, {"schema", "name", "source", "dispersion", "shares", "effects", "notes"}, "a model")
+    _only(content, {"schema", "name", "source", "dispersion", "shares", "positions", "effects", "notes"}, "a model")
     shares = content.get("shares", [1.0])
     if not isinstance(shares, list) or not all(_is_number(share) for share in shares):
         raise ModelError("shares must be a list of numbers, one per taxel")
@@ -86,7 +89,15 @@ def model_from_dict(content: Any) -> Model:
         name=str(content.get("name", "model")),
         source=str(content.get("source", "")),
         notes=_mapping(content.get("notes", {}), "notes"),
+        positions=_positions(content["positions"]) if "positions" in content else (),
     )
+
+
+def _positions(entry: Any) -> tuple[tuple[float, float], ...]:
+    pairs = entry.get("value") if isinstance(entry, Mapping) and entry.get("unit") == "m" else None
+    if not isinstance(pairs, list) or not all(isinstance(p, list) and len(p) == 2 and all(map(_is_number, p)) for p in pairs):
+        raise ModelError("positions must be written as {value: [[x, y], …], unit: m}, one pair per taxel")
+    return tuple((float(x), float(y)) for x, y in pairs)
 
 
 def _effect(entry: Any) -> Effect:

@@ -1,22 +1,32 @@
 """What an effect may look at: time and the motion of the plunger, sampled at one rate."""
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Optional
 
 import numpy as np
 
 from skin_models.errors import ModelError
+
+if TYPE_CHECKING:
+    from skin_models.spread.footprint import Footprint
 
 GRAVITY = 9.80665  # m/s^2, standard acceleration of free fall
 
 
 @dataclass(frozen=True)
 class Sample:
-    """One instant: time (s), indentation depth (m, positive into the skin, zero at the surface), speed (m/s), acceleration (m/s^2)."""
+    """One instant: time (s), indentation depth (m, positive into the skin, zero at the surface), speed (m/s), acceleration (m/s^2).
+
+    `lateral` (2,): where on the skin the contact is, m, from the place to which the model's shares belong; None: there. `footprint`: where
+    the taxels lie under it; a model that knows their positions sets it.
+    """
 
     t: float
     x: float
     v: float
     a: float
+    lateral: np.ndarray | None = None
+    footprint: Optional["Footprint"] = None
 
 
 @dataclass(frozen=True)
@@ -24,6 +34,7 @@ class Motion:
     """A whole recording of the above: arrays of shape (N,), evenly sampled every `dt` seconds.
 
     `pressed`: the force on the skin was prescribed, and the depth follows from it; there is then no contact to be made or lost.
+    `lateral` (2, N) and `footprint` as in a sample.
     """
 
     t: np.ndarray
@@ -32,13 +43,16 @@ class Motion:
     a: np.ndarray
     dt: float
     pressed: bool = False
+    lateral: np.ndarray | None = None
+    footprint: Optional["Footprint"] = None
     memory: dict = field(init=False, repr=False, compare=False, default_factory=dict)  # what was worked out from these samples before
 
     def __len__(self) -> int:
         return self.t.size
 
     def __getitem__(self, i: int) -> Sample:
-        return Sample(self.t[i], self.x[i], self.v[i], self.a[i])
+        lateral = None if self.lateral is None else self.lateral[:, i]
+        return Sample(self.t[i], self.x[i], self.v[i], self.a[i], lateral, self.footprint and self.footprint.at(i))
 
     def at_depth(self, x: np.ndarray) -> "Motion":
         """The same instants at another depth. The speed changes by the backward difference of the shift, as it does sample by sample."""

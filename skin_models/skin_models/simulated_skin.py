@@ -19,13 +19,15 @@ from typing import Any
 import numpy as np
 
 from skin_models.column import NOTHING, Columns, press, skin_of
-from skin_models.effect import Place
+from skin_models.effect import Effect, Place
 from skin_models.errors import ModelError
 from skin_models.layout import A201_AREA, Layout
 from skin_models.model import Model
 from skin_models.signals import Sample
+from skin_models.spread.bending import Bending, Bent
 from skin_models.spread.compiled import compiles
 from skin_models.spread.field import SpreadField
+from skin_models.spread.footprint import Footprint, Places
 from skin_models.spread.kernels import Kernel
 from skin_models.spread.noted import kernel_of, spread_width
 from skin_models.spread.spreaders import CompiledSpreader, DenseSpreader, Patches
@@ -90,14 +92,13 @@ class SimulatedSkin:
             if e.taxel is not None and e.taxel >= len(layout):
                 raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {len(layout)} taxels, counted from taxel_0")
         self.model, self.layout, self.dt = model, layout, dt
-        self.kernel = kernel or kernel_of(model)
+        self.kernel = _bent(kernel or kernel_of(model), model.at(Place.SPREAD))
         self._share = min(model.dispersion.sensed_share, 1.0) if model.dispersion.k1 > 0.0 else 0.0
         self._skin, self._sensors = skin_of(model), model.at(Place.TAXEL)
         field = SpreadField(layout, self.kernel, self._share, A201_AREA, tolerance)
         self._filter = None if self._skin.effects or not self._share else Transmission(model.dispersion, dt)
-        effects = model.at(Place.SPREAD)
-        compiled = fast and not effects and compiles(self.kernel)
-        self._spreader = CompiledSpreader(field, self._filter) if compiled else DenseSpreader(field, self._filter, effects)
+        self._spreader = (CompiledSpreader if fast and compiles(self.kernel) else DenseSpreader)(field, self._filter)
+        self._footprint = Footprint(Places(layout.positions), layout.positions[:, :2].T, self.kernel)
 
     def initial(self, seed: int | None = None) -> SkinState:
         """At rest. `seed` drives the sensors' random effects; None leaves those out."""
@@ -111,7 +112,7 @@ class SimulatedSkin:
         columns, applied, sensed = self._press(state, presses, by_filter, t)
         known = np.where(by_filter, applied, 0.0)
         through = sensed / self._share if self._share else np.zeros_like(sensed)
-        spread, truth, outside = self._spreader.step(state.spread, presses.patches, known, through)
+        spread, truth, outside = self._spreader.step(state.spread, self._patches(presses, columns), known, through)
         sensors, taxels = self._sense(state.sensors, truth, presses, t)
         reading = Reading(taxels, truth, float(applied.sum()), float(applied.sum() - truth.sum()), outside)
         return SkinState(spread, columns, sensors, t), reading
@@ -130,11 +131,28 @@ class SimulatedSkin:
         applied[pressed], sensed[pressed] = force[air:], felt[air:]
         return columns, applied, sensed
 
+    def _patches(self, presses: Presses, columns: Columns) -> Patches:
+        """Where the contacts are; a spread that depends on a depth not given gets the one found, or that at which the force rests."""
+        if not (self.kernel.deep and np.isnan(presses.depth).any()):
+            return presses.patches
+        d, found = self.model.dispersion, dict(zip(columns.keys, columns.x, strict=True))
+        rests = np.nan_to_num(presses.force) / max(d.k1 + d.k2, 1e-9)
+        depth = [found.get(key, x) for key, x in zip(presses.key, rests, strict=True)]
+        return replace(presses.patches, depth=np.where(np.isnan(presses.depth), depth, presses.depth))
+
     def _sense(self, states: tuple[Any, ...], truth: np.ndarray, presses: Presses, t: float) -> tuple[tuple[Any, ...], np.ndarray]:
         """The sensors' effects."""
         depth = float(np.nanmax(presses.depth, initial=0.0)) if presses.depth.size else 0.0
-        sample, y, after = Sample(t, depth, 0.0, 0.0), truth, []
+        sample, y, after = Sample(t, depth, 0.0, 0.0, footprint=self._footprint), truth, []
         for e, before in zip(self._sensors, states, strict=True):
             s, y = e.step(before, y, sample, self.dt)
             after.append(s)
         return tuple(after), y
+
+
+def _bent(kernel: Kernel, effects: tuple[Effect, ...]) -> Kernel:
+    """The kernel with the effects of the spread in it."""
+    strange = [e.cause for e in effects if not isinstance(e, Bending)]
+    if strange:
+        raise ModelError(f"{strange[0]} changes the spread in a way that a patch of skin cannot simulate")
+    return Bent(kernel, effects) if effects else kernel

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from skin_models.effects.stress_relaxation import StressRelaxation
@@ -39,6 +39,7 @@ a_contact = st.tuples(st.tuples(*[st.floats(-0.06, 0.06)] * 3), st.floats(0.0, 5
 @given(layout=st.sampled_from(LAYOUTS), some=st.lists(a_contact, max_size=5), peak=st.one_of(st.none(), st.just(0.7)), flat=st.booleans())
 def test_agrees_with_the_field_and_conserves_force(kernel, layout, some, peak, flat):
     at = [(x, y, 0.0 if flat else z) for (x, y, z), *_ in some]
+    assume(layout is not LAYOUTS[-1] or all(np.hypot.reduce(p) > 1e-3 for p in at))  # all of a ball is equally near to its centre
     contacts = Contacts(at, [c[1] for c in some], [c[2] for c in some], [c[3] for c in some])
     field = SpreadField(layout, kernel, peak, A201_AREA)
     slow, fast = field.spread(contacts), CompiledSkin(field).step(contacts)

@@ -3,6 +3,7 @@
 import copy
 import inspect
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,12 +17,16 @@ from skin_models.model_file import load_model, model_from_dict, model_to_dict, s
 from skin_models.operators.tree import mapped
 from skin_models.parameter import AMPLITUDE, SHAPE, parameters_of, scan_of
 from skin_models.signals import Motion, Sample, motion
+from skin_models.spread.footprint import Footprint, Places
+from skin_models.spread.kernels import Gaussian
 
 CAUSES = """nonlinear_stiffness stress_relaxation rate_dependence hysteresis cyclic_softening adhesion dead_zone friction position_offset
     mount_compliance backlash off_centre inertia gain_error force_offset drift saturation quantization lag time_shift crosstalk
     interference outliers dead_taxel noise nonlinearity spread_width spread_shape spread_depth anisotropy"""
 RANDOM = {"Noise", "Outliers", "RandomWalk", "TimeJitter"}  # no limit as the step shrinks: see test_random_effects.py
-UNPROPOSED = {"Nonlinearity", "TimeJitter", "Saturation", "SpringpotRelaxation", "PreisachHysteresis"}
+UNPROPOSED = {"Nonlinearity", "TimeJitter", "Saturation", "SpringpotRelaxation", "PreisachHysteresis", "LayoutCrosstalk"}
+UNPROPOSED |= {"OffCentre", "SpreadWidth", "SpreadDepth", "SpreadShape", "Anisotropy"}
+POSITIONS = ((-6e-3, 2e-3), (0.0, 0.0), (5e-3, -3e-3))  # m, of the three taxels
 IN_JUMPS = {  # parameters that move the output in jumps: no derivative to speak of
     ("SensorQuantization", "step_force"), ("GatedTaxel", "threshold"), ("GainStep", "after"), ("Outliers", "rate"),
 }  # fmt: skip
@@ -45,7 +50,13 @@ def path(dt: float = 2e-3, end: float = 14.0) -> Motion:
     size = np.array([0.9e-3, 0.25e-3])
     waves, rates = np.sin(np.outer(w, t)), np.cos(np.outer(w, t))
     x = 0.6e-3 + size @ waves + 0.02e-3 * t
-    return Motion(t, x, (size * w) @ rates + 0.02e-3, -(size * w**2) @ waves, dt)
+    return laid(Motion(t, x, (size * w) @ rates + 0.02e-3, -(size * w**2) @ waves, dt))
+
+
+def laid(s: Motion) -> Motion:
+    """The motion over three taxels."""
+    places = Places(np.array(POSITIONS))
+    return replace(s, footprint=Footprint(places, places.positions.T, Gaussian(width=5.25e-3)))
 
 
 def signal(place: Place, s: Motion) -> np.ndarray:
@@ -200,7 +211,8 @@ def test_its_proposals_can_be_built(cls, where):
 @every_effect
 def test_it_survives_a_model_file(cls, where, tmp_path):
     e = cls.typical(where)
-    model = Model(Dispersion(b1=900.0, k1=9600.0, b2=600.0, k2=2700.0), shares=(0.3, 1.0, 0.2), effects=(e, e.absent()))
+    skin = Dispersion(b1=900.0, k1=9600.0, b2=600.0, k2=2700.0)
+    model = Model(skin, shares=(0.3, 1.0, 0.2), effects=(e, e.absent()), positions=POSITIONS)
     save_model(model, tmp_path / "model.yaml")
     assert load_model(tmp_path / "model.yaml") == model
 
@@ -246,7 +258,7 @@ def test_absurd_motion_stays_finite(cls, where):
     e = cls.typical(where)
     t = np.arange(400) * 1e-3
     for x in (np.zeros(400), np.full(400, 0.03), np.where(t < 0.2, 0.0, 0.03), -0.03 * t):
-        s = motion(t + 1.7e9, x)
+        s = laid(motion(t + 1.7e9, x))
         out = run(e, signal(e.place, s), s)
         assert np.all(np.isfinite(out))
 
@@ -254,7 +266,7 @@ def test_absurd_motion_stays_finite(cls, where):
 @every_effect
 def test_a_model_with_it_steps_as_it_simulates(cls, where):
     skin = Dispersion(m=4e-4, b1=900.0, k1=9600.0, b2=600.0, k2=2700.0)
-    model, s = Model(skin, shares=(0.3, 1.0, 0.2), effects=(cls.typical(where),)), path(dt=1e-2)
+    model, s = Model(skin, shares=(0.3, 1.0, 0.2), effects=(cls.typical(where),), positions=POSITIONS), path(dt=1e-2)
     whole, state = model.simulate(s, seed=5), model.initial(seed=5)
     for i in range(len(s)):
         state, one = model.step(state, s[i], s.dt)

@@ -1,7 +1,7 @@
 """Hysteresis whose loops grow with depth: a Preisach operator, written as plays.
 
-A Preisach operator weighs relays that switch on at a + r and off at a - r with a density w(r, a). All relays of one half width r together are
-a function of the play P_r alone (`skin_models.operators.play`), hence
+A Preisach operator weighs relays that switch on at a + r and off at a - r with a density w(r, a). All relays of one half width r
+together are a function of the play P_r alone (`skin_models.operators.play`), hence
 
     f[x] = integral over r of g(r, P_r[x]) dr,        dg/da = w        (Brokate and Sprekels, Krejčí)
 

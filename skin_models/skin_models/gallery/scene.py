@@ -7,7 +7,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from skin_models.catalogue import effects
-from skin_models.effect import Effect
+from skin_models.effect import Effect, Place
 from skin_models.effects.noise import Noise
 from skin_models.materials import material
 from skin_models.model import Model
@@ -19,7 +19,8 @@ PATH_MM = (  # time s, depth mm: a slow press and hold, a minor loop, release, a
     (6.1, -3.4), (6.2, -0.4), (6.5, -0.4), (7.0, 1.2), (7.6, 0.1), (8.2, 1.2), (8.8, 0.1), (9.7, 1.7), (10.4, 1.7), (11.6, -0.4),
     (12.2, -0.4),
 )  # fmt: skip
-SHARES = (1.0, 0.45, 0.12)  # a row of three taxels, the first under the plunger
+SHARES = (1.0, 0.45, 0.12)  # three taxels, the first under the plunger
+POSITIONS = ((0.0, 0.0), (4.7e-3, 0.0), (-5.4e-3, 5.4e-3))  # m, where a spread of 5.25 mm gives those
 CLOSE_UPS = {  # s: where a cause is best seen
     "adhesion": (4.8, 5.8),
     "dead_zone": (4.6, 5.6),
@@ -57,17 +58,22 @@ def press() -> Motion:
 
 def pictures() -> Iterator[Picture]:
     """One picture per effect and form, in the order of the catalogue; an effect of several places is shown at the first."""
-    s, specimen = press(), replace(material("silicone_4mm").model, shares=SHARES)
+    s, specimen = press(), replace(material("silicone_4mm").model, shares=SHARES, positions=POSITIONS)
     for cls in effects():
         e = _example(cls)
         without, with_it = (_channel(replace(specimen, effects=(one, *NOISE)), e, s) for one in (e.absent(), e))
-        name = "taxel under the plunger" if _on_taxels(e) else "applied force"
-        yield Picture(e, name, s.t, s.x, without, with_it, CLOSE_UPS.get(e.cause, (s.t[0], s.t[-1])))
+        yield Picture(e, _name(e), s.t, s.x, without, with_it, CLOSE_UPS.get(e.cause, (s.t[0], s.t[-1])))
 
 
 def _channel(model: Model, e: Effect, s: Motion) -> np.ndarray:
     response = model.simulate(s, seed=1)
-    return response.taxels[0] if _on_taxels(e) else response.force
+    return response.force if not _on_taxels(e) else response.taxels[int(e.place is Place.SPREAD)]
+
+
+def _name(e: Effect) -> str:
+    if not _on_taxels(e):
+        return "applied force"
+    return "taxel beside the plunger" if e.place is Place.SPREAD else "taxel under the plunger"
 
 
 def _example(cls: type[Effect]) -> Effect:
@@ -76,4 +82,4 @@ def _example(cls: type[Effect]) -> Effect:
 
 
 def _on_taxels(e: Effect) -> bool:
-    return e.place.value in ("taxel", "spread") or (e.cause, e.where) == ("dead_zone", "skin")
+    return e.place in (Place.TAXEL, Place.SPREAD) or (e.cause, e.where) == ("dead_zone", "skin")

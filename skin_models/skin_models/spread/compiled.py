@@ -13,7 +13,7 @@ import numpy as np
 from skin_models.layout import Layout
 from skin_models.spread.contacts import Contacts, disc_points
 from skin_models.spread.field import SpreadField
-from skin_models.spread.kernels import Anisotropic, DepthWidth, Kernel
+from skin_models.spread.kernels import DepthWidth, Kernel
 from skin_models.spread.native import library
 from skin_models.transmission import Transmission
 
@@ -46,7 +46,7 @@ class _Skin(ctypes.Structure):
 
 def compiles(kernel: Kernel) -> bool:
     """Whether this kernel has a fast path on this machine."""
-    return not isinstance(kernel, Anisotropic) and library("skin_field") is not None
+    return kernel.radial and (isinstance(kernel, DepthWidth) or not kernel.deep) and library("skin_field") is not None
 
 
 class CompiledSkin:

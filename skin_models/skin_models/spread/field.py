@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 from skin_models.errors import ModelError
 from skin_models.layout import Layout
 from skin_models.spread.contacts import Contacts, disc_points
-from skin_models.spread.kernels import Anisotropic, Kernel
+from skin_models.spread.kernels import Kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,5 +116,4 @@ def _shape(kernel: Kernel, offset: tuple[np.ndarray, np.ndarray, np.ndarray], ra
 
 def _point_shape(kernel: Kernel, u: np.ndarray, v: np.ndarray, w: np.ndarray, reach: float) -> np.ndarray:
     tangential = u**2 + v**2
-    r = kernel.distance(u, v) if isinstance(kernel, Anisotropic) else np.sqrt(tangential)
-    return kernel.shape(r) * (tangential + w**2 <= reach**2)
+    return kernel.shape(kernel.distance(u, v)) * (tangential + w**2 <= reach**2)

@@ -23,7 +23,21 @@ from skin_models.parameter import SHAPE, check_parameters, quantity
 
 @dataclass(frozen=True)
 class Kernel(ABC):
-    """A radial shape."""
+    """A radial shape, unless `radial` says otherwise; `deep`: it depends on the depth of the contact."""
+
+    @property
+    def radial(self) -> bool:
+        """Whether it is the same in all directions."""
+        return True
+
+    @property
+    def deep(self) -> bool:
+        """Whether it depends on the depth."""
+        return False
+
+    def distance(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """The distance that counts, for tangential offsets u (along x) and v, m."""
+        return np.hypot(u, v)
 
     def __post_init__(self) -> None:
         check_parameters(self)
@@ -106,6 +120,17 @@ class DepthWidth(Kernel):
     kernel: Kernel
     growth: float = quantity("1/m", 0.0, lower=-1e4, upper=1e4, doc="relative growth of the width per metre of depth")
 
+    @property
+    def radial(self) -> bool:
+        return self.kernel.radial
+
+    @property
+    def deep(self) -> bool:
+        return True
+
+    def distance(self, u, v):
+        return self.kernel.distance(u, v)
+
     def shape(self, r):
         return self.kernel.shape(r)
 
@@ -132,6 +157,14 @@ class Anisotropic(Kernel):
     ratio: float = quantity("1", 1.0, lower=0.1, upper=10.0, role=SHAPE, doc="width along the angle over width across it")
     angle: float = quantity("rad", 0.0, lower=-math.pi, upper=math.pi, role=SHAPE, doc="direction of the first width")
 
+    @property
+    def radial(self) -> bool:
+        return False
+
+    @property
+    def deep(self) -> bool:
+        return self.kernel.deep
+
     def shape(self, r):
         return self.kernel.shape(r)
 
@@ -145,7 +178,6 @@ class Anisotropic(Kernel):
     def at_depth(self, depth):
         return replace(self, kernel=self.kernel.at_depth(depth))
 
-    def distance(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """The distance that counts, for tangential offsets u (along x) and v, m."""
+    def distance(self, u, v):
         c, s = math.cos(self.angle), math.sin(self.angle)
         return np.hypot((c * u + s * v) / math.sqrt(self.ratio), (c * v - s * u) * math.sqrt(self.ratio))

@@ -1,30 +1,32 @@
 """The spread that the notes of a model describe, so that one YAML file carries it to the simulated skin.
 
-    notes:
-      spread_width: {value: 0.00525, unit: m}           a Gaussian of this width, unless there is a table
-      spread:                                           all optional
-        table: {at: [0.0, 0.5, …], shares: [1.0, 0.9, …]}   distances in widths, and the shape there
-        growth: {value: 100.0, unit: 1/m}               relative growth of the width per depth
-        ratio: {value: 1.1, unit: 1}                    width along x over width along y
+notes:
+  spread_width: {value: 0.00525, unit: m}           a Gaussian of this width, unless there is a table
+  spread:                                           all optional
+    table: {at: [0.0, 0.5, …], shares: [1.0, 0.9, …]}   distances in widths, and the shape there
+    growth: {value: 100.0, unit: 1/m}               relative growth of the width per depth
+    ratio: {value: 1.1, unit: 1}                    width along x over width along y
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from skin_models.errors import ModelError
-from skin_models.model import Model
 from skin_models.spread.kernels import Anisotropic, DepthWidth, Gaussian, Kernel
 from skin_models.spread.tabulated import Tabulated
+
+if TYPE_CHECKING:
+    from skin_models.model import Model
 
 THESIS_WIDTH = 5.25e-3  # m, c of 4 mm silicone (section 4.3.4), for models that do not say
 
 
-def spread_width(model: Model) -> float:
+def spread_width(model: "Model") -> float:
     """c of the model's spread (m): `notes: {spread_width: {value, unit: m}}`, or the thesis's. Raises `ModelError` for nonsense."""
     return _number(model.notes, "spread_width", "m", THESIS_WIDTH)
 
 
-def kernel_of(model: Model) -> Kernel:
+def kernel_of(model: "Model") -> Kernel:
     """The kernel of a model. Raises `ModelError` for notes that cannot be understood."""
     notes = model.notes.get("spread", {})
     if not isinstance(notes, Mapping) or set(notes) - {"table", "growth", "ratio"}:

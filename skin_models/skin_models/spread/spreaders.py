@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from skin_models.effect import Effect
-from skin_models.signals import Sample
 from skin_models.spread.compiled import CompiledSkin
 from skin_models.spread.contacts import Contacts
 from skin_models.spread.field import Shares, SpreadField
@@ -34,9 +32,8 @@ class Patches:
 class DenseSpreader:
     """Every taxel at every step; the state is an array that is passed through."""
 
-    def __init__(self, field: SpreadField, transmission: Transmission | None, effects: tuple[Effect, ...] = ()) -> None:
-        """`effects`: those of the spread, without memory, which act on the shares of each contact."""
-        self._field, self._filter, self._effects = field, transmission, effects
+    def __init__(self, field: SpreadField, transmission: Transmission | None) -> None:
+        self._field, self._filter = field, transmission
         self._known: tuple[Patches | None, Shares | None] = (None, None)
 
     def initial(self) -> np.ndarray:
@@ -56,17 +53,8 @@ class DenseSpreader:
         """The shares of the contacts, kept as long as they stand still."""
         if not patches.same(self._known[0]):
             shares = self._field.shares(Contacts(patches.position, np.ones(len(patches.radius)), patches.radius, patches.depth))
-            self._known = (patches, self._affected(shares, patches.depth) if self._effects else shares)
+            self._known = (patches, shares)
         return self._known[1]
-
-    def _affected(self, shares: Shares, depth: np.ndarray) -> Shares:
-        dense = np.zeros((depth.size, len(self._field.layout)))
-        dense[shares.contact, shares.taxel] = shares.value
-        for i, x in enumerate(np.nan_to_num(depth)):
-            for e in self._effects:
-                dense[i] = e.step(e.initial(), dense[i], Sample(0.0, float(x), 0.0, 0.0), 1.0)[1]
-        contact, taxel = np.nonzero(dense)
-        return Shares(contact, taxel, dense[contact, taxel])
 
     def _sum(self, shares: Shares, force: np.ndarray) -> np.ndarray:
         total = np.zeros(len(self._field.layout))

@@ -1,0 +1,42 @@
+"""Spread depth: the kernel grows wider as the contact goes deeper.
+
+    K'(p) = K(p / w) / w^2,        w = 1 + g x, at least 0.1        what it gains in width it loses in height: the force stays
+
+Source: the contact of a sphere widens with depth (K. L. Johnson, Contact Mechanics, 1985, ch. 4); the thesis found no such growth in
+silicone between 0.4 and 1 mm (Table 4-8).
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from skin_models.effect import Place
+from skin_models.parameter import quantity
+from skin_models.spread.bending import Bending
+
+
+@dataclass(frozen=True)
+class SpreadDepth(Bending):
+    """A width that changes with depth."""
+
+    cause: ClassVar[str] = "spread_depth"
+    places: ClassVar = {"skin": Place.SPREAD}
+    source: ClassVar[str] = "after Johnson 1985, ch. 4"
+    rank: ClassVar[int] = 2
+    deep: ClassVar[bool] = True
+
+    growth: float = quantity("1/m", 0.0, lower=-1e3, upper=1e4, typical=100.0, doc="relative growth g of the width per metre of depth")
+
+    def seen(self, offset, x, width):
+        factor = self._factor(x)
+        return offset / factor if np.ndim(x) == 0 or offset.ndim == 3 else offset[..., None] / factor
+
+    def gain(self, x):
+        return self._factor(x) ** -2.0
+
+    def reach(self, r, x, width):
+        return r * float(self._factor(x))
+
+    def _factor(self, x):
+        return np.maximum(1.0 + self.growth * x, 0.1)

@@ -1,0 +1,119 @@
+"""What effects of the spread have in common: each says where in the undisturbed kernel a taxel would feel the same.
+
+    share' = share * gain * K(offset') / K(offset),        offset' = seen(offset)
+
+Over a recording and step by step they change the shares that reach the taxels; in a patch of skin they bend the kernel itself (`Bent`), and
+both come to the same. Several act in the order in which they stand between contact and kernel, whatever the order they are listed in: first
+`off_centre`, in real lengths, then direction, width and shape. They need to know where the taxels are (`Model.positions`, or a layout).
+
+They are simulated and not proposed: one recording under one contact cannot tell them from the taxels' gains. Who looks at several taxels
+or several places at once decides on them.
+"""
+
+from abc import abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from skin_models.effect import Memoryless
+from skin_models.errors import ModelError
+from skin_models.signals import Motion, Sample
+from skin_models.spread.footprint import Footprint
+from skin_models.spread.kernels import Kernel
+
+
+class Bending(Memoryless):
+    """An effect of the spread. `rank` orders them from the contact inwards; `radial`: the same in all directions."""
+
+    rank: ClassVar[int]
+    radial: ClassVar[bool] = True
+    deep: ClassVar[bool] = False  # depends on the depth
+
+    @abstractmethod
+    def seen(self, offset: np.ndarray, x: Any, width: float) -> np.ndarray:
+        """Where in the undisturbed kernel, (2, T) or (2, T, N) m, what is at `offset` of a contact `x` deep feels the same."""
+
+    @abstractmethod
+    def reach(self, r: float, x: float, width: float) -> float:
+        """A distance (m) beyond which `seen` is nowhere nearer than `r`."""
+
+    def gain(self, x: Any) -> Any:
+        """The share right under the contact, relative to the undisturbed one."""
+        return 1.0
+
+    def bent(self, f: Footprint, x: Any) -> Footprint:
+        """The footprint as the next effect sees it."""
+        return replace(f, offset=self.seen(f.offset, np.maximum(x, 0.0), f.width))
+
+    def apply(self, y, s: Sample | Motion):
+        if s.footprint is None:
+            raise ModelError(f"{self.cause} needs to know where the taxels are: give the model their positions, or a layout")
+        before, after = (_over_time(f.shape(), np.ndim(y)) for f in (s.footprint, self.bent(s.footprint, s.x)))
+        felt = np.broadcast_to(before > 0.0, np.broadcast_shapes(before.shape, after.shape))
+        return y * np.divide(after, before, out=np.zeros(felt.shape), where=felt) * self.gain(np.maximum(s.x, 0.0))
+
+    @classmethod
+    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
+        """None: it is not proposed."""
+        return iter(())
+
+
+def _over_time(a: np.ndarray, ndim: int) -> np.ndarray:
+    return a[:, None] if a.ndim < ndim else a
+
+
+def in_order(effects: tuple) -> tuple:
+    """Effects of the spread from the contact inwards."""
+    return tuple(sorted(effects, key=lambda e: getattr(e, "rank", 0)))
+
+
+@dataclass(frozen=True)
+class Bent(Kernel):
+    """`kernel` with the effects of the spread in it, under a contact `depth` (m) deep."""
+
+    kernel: Kernel
+    effects: tuple[Bending, ...]
+    depth: float = field(default=0.0)
+
+    @cached_property
+    def _width(self) -> float:
+        return self.kernel.reach(float(np.exp(-1.0)))
+
+    @property
+    def radial(self) -> bool:
+        return self.kernel.radial and all(e.radial for e in self.effects)
+
+    @property
+    def deep(self) -> bool:
+        """Whether it depends on the depth."""
+        return self.kernel.deep or any(e.deep for e in self.effects)
+
+    def shape(self, r):
+        if self.radial:
+            r = self._seen(np.asarray(r), np.zeros_like(r))
+        return float(np.prod([e.gain(self.depth) for e in self.effects])) * self.kernel.shape(r)
+
+    def distance(self, u, v):
+        return super().distance(u, v) if self.radial else self._seen(u, v)
+
+    def _seen(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        offset = np.array([u, v])
+        for e in in_order(self.effects):
+            offset = e.seen(offset, self.depth, self._width)
+        return self.kernel.distance(*offset)
+
+    @property
+    def area(self):
+        return self.kernel.area
+
+    def reach(self, tolerance):
+        r = self.kernel.reach(tolerance)
+        for e in reversed(in_order(self.effects)):
+            r = e.reach(r, self.depth, self._width)
+        return r
+
+    def at_depth(self, depth):
+        return replace(self, kernel=self.kernel.at_depth(depth), depth=max(float(np.nan_to_num(depth)), 0.0))
