@@ -27,10 +27,14 @@ HARMLESS = 3  # samples of depth that a straight line replaces to well within th
 
 @dataclass(frozen=True)
 class Inspected:
-    """Symptoms in the order of looking, and the sessions without the samples that they rule out."""
+    """Symptoms in the order of looking, and the sessions without the samples that they rule out.
+
+    `whole` are the same sessions with clipped samples and silent taxels left in, for judging what a model that simulates these is worth.
+    """
 
     symptoms: tuple[Symptom, ...]
     sessions: list[Session]
+    whole: list[Session]
 
     @property
     def spoiled(self) -> bool:
@@ -55,7 +59,17 @@ def inspect(recordings: list) -> Inspected:
     late = _in_residuals(mended, sessions)
     dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
-    return Inspected(symptoms, [prepare(r, _bad_samples(r, symptoms)) for r in mended])
+    clipped = [s for s in symptoms if s.cause == "saturation"]
+    whole = [prepare(r, _bad_samples(r, [s for s in symptoms if s not in clipped])) for r in mended]
+    if not clipped and not _stuck(symptoms):
+        return Inspected(symptoms, whole, whole)
+    searched = [replace(prepare(r, _bad_samples(r, symptoms)), stuck=_stuck(symptoms)) for r in mended]
+    return Inspected(symptoms, searched, whole)
+
+
+def _stuck(symptoms) -> dict[str, float]:
+    """Taxels that are silent from the first sample on, and their readings, N."""
+    return {s.channels[0]: s.parameters["level"]["value"] for s in symptoms if s.cause == "dead_taxel" and not s.bad}
 
 
 def _in_residuals(recordings: list, sessions: list[Session]) -> list[Symptom]:
@@ -66,10 +80,11 @@ def _in_residuals(recordings: list, sessions: list[Session]) -> list[Symptom]:
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
     channels, n, dt = sessions[0].channels, sessions[0].n_taxels, recordings[0].dt
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
-    outliers = find_outliers([s.name for s in sessions], channels, rest, raw, jumps, n, dt)
+    names = [s.name for s in sessions]
+    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt)
     bad = [_bad_samples(r, outliers) for r in recordings]
     rest, raw = ([_bridged(y, b) for y, b in zip(rows, bad, strict=True)] for rows in (rest, raw))
-    return [*outliers, *find_saturation(channels, raw, predicted, n), *find_interference(channels, rest, predicted, dt, n)]
+    return [*outliers, *find_saturation(names, channels, raw, predicted, n), *find_interference(channels, rest, predicted, dt, n)]
 
 
 def _first_fit(sessions: list[Session]) -> Model:

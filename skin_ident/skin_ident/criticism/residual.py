@@ -12,9 +12,12 @@ def simulated(model: Model, session: Session) -> np.ndarray:
 
 
 def rows(response: Response, session: Session) -> np.ndarray:
-    """The channels of a response that the session measured, (C, N)."""
+    """The channels of a response that the session measured, (C, N); those that are stuck say what they always say."""
     force = [np.atleast_2d(response.force)] if "force" in session.channels else []
-    return np.vstack([*force, response.taxels])
+    out = np.vstack([*force, response.taxels])
+    for channel, level in session.stuck.items():
+        out[session.channels.index(channel)] = level
+    return out
 
 
 def _beyond(session: Session) -> np.ndarray | float:

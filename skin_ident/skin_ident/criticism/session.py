@@ -1,6 +1,7 @@
 """A recording made ready for comparison: motion for the simulation, measured channels through the common band."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.signal import lfilter
@@ -34,6 +35,7 @@ class Session:
     weight: np.ndarray
     drive: np.ndarray | None = None
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
+    stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
 
     @property
     def n_taxels(self) -> int:

@@ -17,7 +17,7 @@ def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
         y = np.concatenate([s.measured[c] for s in sessions])
         w = np.concatenate([s.weight[c] for s in sessions])
         slopes[name] = np.linalg.lstsq(H * w[:, None], y * w, rcond=None)[0]
-    taxels = np.array([slopes[c] for c in sessions[0].channels if c != "force"]).reshape(-1, 2)
+    taxels = np.array([slopes[c] * (c not in sessions[0].stuck) for c in sessions[0].channels if c != "force"]).reshape(-1, 2)
     b, k = slopes.get("force", 2.0 * taxels.max(axis=0, initial=0.0))
     if not taxels.size:
         return Model(Dispersion(m=mass, b1=0.0, k1=0.0, b2=b, k2=k), shares=())

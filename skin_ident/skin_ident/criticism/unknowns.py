@@ -32,7 +32,8 @@ def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
 
 
 def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
-    names = BY_FORCE if session.drive is not None else MATERIAL if not model.shares else BY_DEPTH
+    silent = len(session.stuck) == session.n_taxels
+    names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     for p in parameters_of(model.dispersion):
         if p.name in names:

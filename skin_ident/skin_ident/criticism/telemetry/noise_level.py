@@ -37,20 +37,18 @@ def find_noise(
             continue
         rows = [_quick(e[c], r.dt) for e, r in zip(residuals, recordings, strict=True)]
         encoder = stiffness[c] * _encoder_step(recordings[0]) / np.sqrt(12.0)
-        why = _unlike(level, encoder, rows, [r.channels[channel] for r in recordings], believed)
+        why = _unlike(level, encoder, rows, [r.channels[channel] for r in recordings], believed, recordings[0].dt)
         if why:
-            kind, value, sentence = why
+            kind, sentence, parameters = why
             text = f"the noise of {channel} {sentence}"
-            found.append(
-                Symptom("noise", place_of(channel, n_taxels), (channel,), {kind: quantity(value, "1")}, {"why": text, "kind": kind})
-            )
+            found.append(Symptom("noise", place_of(channel, n_taxels), (channel,), parameters, {"why": text, "kind": kind}))
     return found
 
 
 def _unlike(
-    level: float, encoder: float, rows: list[np.ndarray], raw: list[np.ndarray], believed: list[np.ndarray]
-) -> tuple[str, float, str] | None:
-    """Kind, size and sentence of the first thing that is unlike the declaration."""
+    level: float, encoder: float, rows: list[np.ndarray], raw: list[np.ndarray], believed: list[np.ndarray], dt: float
+) -> tuple[str, str, dict] | None:
+    """Kind, sentence and numbers of the first thing that is unlike the declaration."""
     e, y = (
         np.concatenate([r[b] for r, b in zip(rows, believed, strict=True)]),
         np.concatenate([r[b] for r, b in zip(raw, believed, strict=True)]),
@@ -59,16 +57,26 @@ def _unlike(
         return None
     expected = float(np.sqrt(level**2 + (step_of(raw[0]) or 0.0) ** 2 / 12.0 + encoder**2))
     low, high = np.percentile(y, [33.0, 67.0])
-    growth = _spread(e[y >= high]) / max(_spread(e[y <= low]), 0.5 * expected)
+    idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[y >= high])
+    declared = f"rig.yaml declares white noise of {level:.3g} N"
     plain = encoder < 0.5 * level
-    if plain and growth > GROWN:
-        return "growth", growth, f"is {growth:.1f} times as large under load as without"
-    ratio = _spread(e) / expected
+    if plain and loaded > GROWN * idle:
+        share = np.sqrt(loaded**2 - idle**2) / max(float(np.mean(np.abs(y[y >= high]))), 1e-9)
+        said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
+        numbers = {"growth": quantity(loaded / idle, "1"), "white": quantity(idle, "N"), "proportional": quantity(min(share, 1.0), "1")}
+        return "growth", f"{said}; {declared}, the same at any load", numbers
+    measured = _spread(e)
+    ratio = measured / expected
     colour = float(np.median([_neighbours(r, b) for r, b in zip(rows, believed, strict=True)]))
     if plain and colour > COLOURED:
-        return "correlation", colour, f"hangs together from sample to sample ({colour:.2f}); white noise was declared"
+        tau = -dt / float(np.log(min(colour, 0.9999)))
+        said = f"wanders: neighbouring samples are alike (correlation {colour:.2f}, where white noise has none), over about {tau:.2g} s"
+        numbers = {"correlation": quantity(colour, "1"), "coloured": quantity(measured, "N"), "tau": quantity(tau, "s")}
+        return "correlation", f"{said}; {declared}", numbers
     if not 1.0 / OTHER_LEVEL < ratio < OTHER_LEVEL:
-        return "level", ratio, f"is {ratio:.2f} times the declared {level:.3g} N (with the converter's step)"
+        steps = f", {expected:.3g} N together with the steps of converter and encoder" if expected > 1.05 * level else ""
+        numbers = {"level": quantity(ratio, "1"), "white": quantity(measured, "N")}
+        return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {declared}{steps}", numbers
     return None
 
 

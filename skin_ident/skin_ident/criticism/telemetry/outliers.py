@@ -89,4 +89,4 @@ def _symptom(
     bad = {(name, channel): m for name, m in zip(names, masks, strict=True) if m.any()}
     wrong = np.concatenate([row[m] for row, m in zip(e, masks, strict=True)])
     parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(np.sqrt(np.mean(wrong**2)), "N")}
-    return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, {"why": why, "count": count}, bad)
+    return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, {"why": why, "count": count, "excursions": ran}, bad)

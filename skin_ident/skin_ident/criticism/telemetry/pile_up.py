@@ -10,8 +10,10 @@ PILED = 4.0  # times as many samples at the level as at each of the five below i
 BEYOND = 2.0  # noise widths by which the simulation must exceed the level there
 
 
-def find_saturation(channels: tuple[str, ...], raw: list[np.ndarray], simulated: list[np.ndarray], n_taxels: int) -> list[Symptom]:
-    """Channels clipped at a level, from measured and simulated rows (C, N) of each session."""
+def find_saturation(
+    names: list[str], channels: tuple[str, ...], raw: list[np.ndarray], simulated: list[np.ndarray], n_taxels: int
+) -> list[Symptom]:
+    """Channels clipped at a level, from measured and simulated rows (C, N) of each session; the clipped samples are marked as bad."""
     found = []
     for c, channel in enumerate(channels):
         y, model = np.concatenate([r[c] for r in raw]), np.concatenate([m[c] for m in simulated])
@@ -20,7 +22,8 @@ def find_saturation(channels: tuple[str, ...], raw: list[np.ndarray], simulated:
         if level is None or np.median(model[at] - y[at]) < BEYOND * max(width, 1e-9) or _visits(at) < FEWEST_VISITS:
             continue
         why = f"{int(at.sum())} samples of {channel} sit at {level:.4g} N in {_visits(at)} visits while the load goes on rising"
-        found.append(Symptom("saturation", place_of(channel, n_taxels), (channel,), {"level": quantity(level, "N")}, {"why": why}))
+        bad = {(name, channel): r[c] >= y[at].min() for name, r in zip(names, raw, strict=True) if np.any(r[c] >= y[at].min())}
+        found.append(Symptom("saturation", place_of(channel, n_taxels), (channel,), {"level": quantity(level, "N")}, {"why": why}, bad))
     return found
 
 

@@ -9,7 +9,9 @@ import numpy as np
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 COARSER = 1.5  # times the declared step
+UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
 FEWEST_LEVELS = 4
+FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
 MANY = 0.5  # share of samples that are levels of their own: then nothing is quantized
 
 
@@ -29,24 +31,31 @@ def step_of(y: np.ndarray) -> float | None:
 def find_quantization(recordings: list) -> list[Symptom]:
     """Channels whose steps are coarser than declared."""
     declared = _declared(recordings[0])
-    found = []
+    found = _unlike(recordings, declared)
     for channel, step in declared.items():
         steps = [s for s in (step_of(y) for y in _rows(recordings, channel)) if s is not None]
         if step and len(steps) == len(recordings) and min(steps) > COARSER * step:
             unit = "m" if channel == "depth" else "N"
-            found.append(
-                Symptom(
-                    "quantization",
-                    place_of(channel, len(recordings[0].taxels)),
-                    (channel,),
-                    {"step": quantity(np.median(steps), unit)},
-                    {
-                        "declared": quantity(step, unit),
-                        "why": f"the levels of {channel} are {np.median(steps) / step:.1f} times as far apart as declared",
-                    },
-                )
-            )
+            found.append(_coarse(recordings, channel, float(np.median(steps)), "as rig.yaml declares", step, unit))
     return found
+
+
+def _unlike(recordings: list, declared: dict[str, float | None]) -> list[Symptom]:
+    """Taxels whose steps are coarser than those of all others, where nobody said what they should be."""
+    names = [c for c in recordings[0].channels if c.startswith("taxel") and not declared[c]]
+    each = {c: [step_of(y) for y in _rows(recordings, c)] for c in names}
+    steps = {c: float(np.median(s)) for c, s in each.items() if None not in s}
+    if len(steps) < FEWEST_ALIKE:
+        return []
+    usual = float(np.median(list(steps.values())))
+    alone = [c for c, step in steps.items() if step > UNLIKE * usual]
+    return [_coarse(recordings, c, steps[c], "as those of the other taxels, and no step is declared", usual) for c in alone]
+
+
+def _coarse(recordings: list, channel: str, step: float, against: str, usual: float, unit: str = "N") -> Symptom:
+    why = f"the levels of {channel} are {step / usual:.1f} times as far apart {against}"
+    evidence = {"declared" if "rig.yaml" in against else "usual": quantity(usual, unit), "why": why}
+    return Symptom("quantization", place_of(channel, len(recordings[0].taxels)), (channel,), {"step": quantity(step, unit)}, evidence)
 
 
 def _declared(recording) -> dict[str, float | None]:

@@ -1,0 +1,57 @@
+"""The record's own faults in the simulation: what telemetry saw, as effects of the catalogue that the simulated skin carries from then on.
+
+Saturation, coarse steps and a dead taxel follow from the load: a model that has them predicts held-out data better, and says by how much.
+Interference comes in at any phase, noise and outliers at random: they are in the model that the skin node loads, so that its topics look
+like the measured ones, but nothing is predicted by them and no gain is claimed. An encoder's faults and errors of data are no part of the
+simulated chain, and a taxel that dies part-way has no effect in the catalogue.
+"""
+
+from collections.abc import Iterable
+
+from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_models.effect import Effect
+from skin_models.effects.dead_taxel import DeadTaxel
+from skin_models.effects.interference import Interference
+from skin_models.effects.noise import Noise
+from skin_models.effects.outliers import Outliers
+from skin_models.effects.quantization import SensorQuantization
+from skin_models.effects.saturation import Saturation
+
+PREDICTS = ("saturation", "quantization", "dead_taxel")
+SENSORS = ("load_cell", "taxel")
+
+
+def effect_of(s: Symptom) -> Effect | None:
+    """The effect that simulates what was seen; None where the catalogue has none."""
+    if not s.where.startswith(SENSORS) or s.cause not in _MAKERS:
+        return None
+    return _MAKERS[s.cause](s, {name: q["value"] for name, q in s.parameters.items()})
+
+
+def effects_of(symptoms: Iterable[Symptom], predicting: bool) -> list[Effect]:
+    """The effects of all symptoms that have one, of those that predict or of the others."""
+    made = (effect_of(s) for s in symptoms if (s.cause in PREDICTS) is predicting)
+    return [e for e in made if e is not None]
+
+
+def _dead(s: Symptom, v: dict[str, float]) -> Effect | None:
+    return None if s.bad else DeadTaxel(s.where, lost=v["lost"], level=v["level"])
+
+
+def _outliers(s: Symptom, v: dict[str, float]) -> Effect | None:
+    return Outliers(s.where, rate=v["rate"], size=v["size"]) if s.evidence.get("excursions") else None
+
+
+def _noise(s: Symptom, v: dict[str, float]) -> Effect:
+    known = {name: v[name] for name in ("white", "coloured", "proportional", "tau") if name in v}
+    return Noise(s.where, **known)
+
+
+_MAKERS = {
+    "saturation": lambda s, v: Saturation(s.where, level=v["level"]),
+    "quantization": lambda s, v: SensorQuantization(s.where, step_force=v["step"]),
+    "interference": lambda s, v: Interference(s.where, sine=v["amplitude"], frequency=v["frequency"]),
+    "dead_taxel": _dead,
+    "outliers": _outliers,
+    "noise": _noise,
+}
