@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.residual import rows
+from skin_ident.criticism.residual import placed, rows
 from skin_ident.criticism.session import Session, motion_under
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
@@ -84,6 +84,7 @@ def bank(model: Model, which: tuple[Direction, ...], sessions: list[Session]) ->
 
 
 def _bank(model: Model, which: tuple[Direction, ...], session: Session) -> np.ndarray:
+    model = placed(model, session)
     run = model.trace(motion_under(session, model.dispersion))
     base = rows(run.response, session)
     out = np.zeros((len(which), *session.measured.shape))

@@ -1,5 +1,7 @@
 """Measured minus simulated, session by session, in the common band."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from skin_ident.criticism.session import Session, motion_under
@@ -8,7 +10,16 @@ from skin_models.model import Model, Response
 
 def simulated(model: Model, session: Session) -> np.ndarray:
     """Simulated channels (C, N) at full rate, rows as in `session.channels`."""
-    return _beyond(session) + rows(model.simulate(motion_under(session, model.dispersion)), session)
+    return _beyond(session) + rows(placed(model, session).simulate(motion_under(session, model.dispersion)), session)
+
+
+def placed(model: Model, session: Session) -> Model:
+    """The model under the contact of this session: itself, unless sessions press at different places."""
+    if session.spread is None:
+        return model
+    effects = tuple(e.seen_from(session.contact) if hasattr(e, "seen_from") else e for e in model.effects)
+    shares = tuple(float(a * b) for a, b in zip(model.shares, session.spread, strict=True))
+    return replace(model, shares=shares, effects=effects)
 
 
 def rows(response: Response, session: Session) -> np.ndarray:

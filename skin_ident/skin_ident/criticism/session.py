@@ -34,6 +34,8 @@ class Session:
     measured: np.ndarray
     weight: np.ndarray
     drive: np.ndarray | None = None
+    spread: np.ndarray | None = None  # (T,), what `Model.shares` is multiplied by, where sessions press at different places
+    contact: np.ndarray | None = None  # (2,) m, where this one presses, in the taxels' frame
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
 
@@ -52,7 +54,8 @@ def prepare(recording, bad: np.ndarray | None = None) -> Session:
     bad = np.zeros(raw.shape, bool) if bad is None else bad
     measured = band.thin(np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)]))
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
-    return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight, drive)
+    contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
+    return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight, drive, recording.spread, contact)
 
 
 def motion_under(session: Session, skin: Dispersion) -> Motion:

@@ -18,6 +18,8 @@ def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
         w = np.concatenate([s.weight[c] for s in sessions])
         slopes[name] = np.linalg.lstsq(H * w[:, None], y * w, rcond=None)[0]
     taxels = np.array([slopes[c] * (c not in sessions[0].stuck) for c in sessions[0].channels if c != "force"]).reshape(-1, 2)
+    if sessions[0].spread is not None:
+        taxels = np.tile(_under_spread(sessions), (len(taxels), 1))
     b, k = slopes.get("force", 2.0 * taxels.max(axis=0, initial=0.0))
     if not taxels.size:
         return Model(Dispersion(m=mass, b1=0.0, k1=0.0, b2=b, k2=k), shares=())
@@ -25,6 +27,17 @@ def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
     b1, k1 = taxels[reference, 0], max(taxels[reference, 1], 1e-6)
     shares = np.maximum(taxels[:, 1] / k1, 0.0)
     return Model(Dispersion(m=mass, b1=b1, k1=k1, b2=b - b1, k2=k - k1), shares=tuple(shares))
+
+
+def _under_spread(sessions: list[Session]) -> np.ndarray:
+    """Damping and stiffness (2,) of the sensed branch, where sessions at different places bring the taxels' shares with them."""
+    rows, loads = [], []
+    for s in sessions:
+        H = s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0))
+        w = s.weight[-s.n_taxels :]
+        rows.append((s.spread[:, None, None] * H.T * w[..., None]).reshape(-1, 2))
+        loads.append((s.measured[-s.n_taxels :] * w).ravel())
+    return np.linalg.lstsq(np.concatenate(rows), np.concatenate(loads), rcond=None)[0]
 
 
 def _ratios(sessions: list[Session], mass: float) -> Model:

@@ -6,6 +6,9 @@
     encoder_step_um: 0.1
     plunger_diameter_mm: 9.53
     taxel_positions_mm: [[0, 0], [14, 0]]
+    contact_position_mm: [0, 0]   # where the plunger presses, in the same frame; or by recording: {session_0: [0, 0], session_1: [5, 0]}
+    spread_width_mm: 5.25         # c of exp(-(r / c)^2), where a lateral scan of this skin has told it
+    taxel_gain_uncertainty: 0.03  # relative standard error of every taxel's calibration
     skin_thickness_mm: 4
     moving_mass_kg: 0.000432
     force_noise_n: 0.03           # standard deviation that the load cell is said to have
@@ -56,6 +59,9 @@ class Declared:
     force_noise_n: float | None = None
     taxel_noise_n: tuple[float, ...] = ()
     taxel_positions_mm: tuple[tuple[float, float], ...] = ()
+    contact_position_mm: Mapping[str, tuple[float, float]] = field(default_factory=dict, hash=False)  # by recording; "": all of them
+    spread_width_mm: float | None = None
+    taxel_gain_uncertainty: float | None = None
     calibration: Mapping[str, Calibration] = field(default_factory=dict, hash=False)
     warnings: tuple[str, ...] = ()
 
@@ -63,6 +69,10 @@ class Declared:
         """The value of a per-taxel entry for taxel `i`; None where nothing is declared."""
         values = getattr(self, key)
         return values[0] if len(values) == 1 else values[i] if i < len(values) else None
+
+    def contact_of(self, recording: str) -> tuple[float, float]:
+        """Where the plunger presses in a recording, mm; the origin of the taxels' frame unless it is declared otherwise."""
+        return self.contact_position_mm.get(recording, self.contact_position_mm.get("", (0.0, 0.0)))
 
     def filled_with(self, other: "Declared") -> "Declared":
         """The same, with what is unknown here taken from `other`."""
@@ -96,13 +106,14 @@ def declared_from(text: str) -> Declared:
         raise RecordingError(f"this is not YAML: {' '.join(str(error).split())}") from error
     content = _mapping({} if content is None else content, "a rig description")
     known = [f.name for f in fields(Declared) if f.name != "warnings"]
-    numbers = [key for key in known if key not in (*PER_TAXEL, "taxel_positions_mm", "calibration")]
+    numbers = [key for key in known if key not in (*PER_TAXEL, "taxel_positions_mm", "contact_position_mm", "calibration")]
     unknown = sorted(str(key) for key in content if key not in known)
     return Declared(
         **{key: _positive(key, content[key]) for key in numbers if key in content},
         **{key: _per_taxel(key, content[key]) for key in PER_TAXEL if key in content},
         warnings=(f"passed over in {FILE_NAME}: {', '.join(unknown)}",) if unknown else (),
         taxel_positions_mm=_positions(content.get("taxel_positions_mm", [])),
+        contact_position_mm=_contacts(content.get("contact_position_mm", {})),
         calibration={str(k): _calibration(str(k), v) for k, v in _mapping(content.get("calibration", {}), "calibration").items()},
     )
 
@@ -125,11 +136,17 @@ def _positions(entries: Any) -> tuple[tuple[float, float], ...]:
     return tuple(_position(entry) for entry in entries)
 
 
-def _position(entry: Any) -> tuple[float, float]:
+def _contacts(entry: Any) -> dict[str, tuple[float, float]]:
+    if isinstance(entry, Mapping):
+        return {str(name): _position(place, "contact_position_mm") for name, place in entry.items()}
+    return {"": _position(entry, "contact_position_mm")}
+
+
+def _position(entry: Any, key: str = "taxel_positions_mm") -> tuple[float, float]:
     pair = entry if isinstance(entry, list) else [entry, 0.0]
     if len(pair) not in (2, 3):
-        raise RecordingError(f"taxel_positions_mm: {entry!r} is neither a number nor [x, y]")
-    return _number("taxel_positions_mm", pair[0]), _number("taxel_positions_mm", pair[1])
+        raise RecordingError(f"{key}: {entry!r} is neither a number nor [x, y]")
+    return _number(key, pair[0]), _number(key, pair[1])
 
 
 def _per_taxel(key: str, value: Any) -> tuple[float, ...]:

@@ -23,6 +23,7 @@ class Recording:
     depth    (N,)    m, positive into the skin, zero at its surface; or None
     force    (N,)    N, compression positive; or None
     taxels   (T, N)  N, compression positive; T may be 0. A row whose unit is "V" is uncalibrated and holds volts
+    spread   (T,)    share of the sensed force on every taxel, where the sessions of a diagnosis press at different places; or None
 
     `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
     do not fit together, are not finite, or not evenly spaced.
@@ -37,6 +38,7 @@ class Recording:
     declared: Declared = field(default_factory=Declared)
     warnings: tuple[str, ...] = ()
     taxel_units: tuple[str, ...] = ()
+    spread: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         n = np.size(self.t)

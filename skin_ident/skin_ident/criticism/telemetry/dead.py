@@ -51,7 +51,7 @@ def _promised(recordings: list, i: int, n: int) -> bool:
     if i >= len(places):
         return False
     load = r.force if r.force is not None else np.sum(r.taxels, axis=0)
-    distance = 1e-3 * float(np.hypot(*places[i])) + AWAY
+    distance = 1e-3 * float(np.hypot(*np.subtract(places[i], r.declared.contact_of(r.name)))) + AWAY
     return SHARE * np.exp(-((distance / WIDTH) ** 2)) * float(np.std(load)) > CLEAR * float(np.std(r.taxels[i]))
 
 

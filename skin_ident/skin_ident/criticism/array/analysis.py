@@ -1,0 +1,63 @@
+"""The analysis of an array: what the ratios of the taxels say once everything else is in the model."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.array.gains import Gains, gains
+from skin_ident.criticism.array.gate import held_out_gain
+from skin_ident.criticism.array.judgement import Judgement, judge
+from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.gate import Gain
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.whitening import Whitener
+from skin_models.model import Model
+
+DOUBTED = 0.1  # relative error granted to the share of a taxel in which another fault was found
+BENDING = ("saturation", "dead_zone", "hysteresis", "lag", "gain_error", "drift", "crosstalk", "nonlinear_stiffness")
+
+
+@dataclass(frozen=True, eq=False)
+class ArrayCriticism:
+    """What was found: `gain` is None where no cause was sure enough to be tried on held-out data."""
+
+    layout: Layout
+    measured: Gains
+    judgement: Judgement
+    gain: Gain | None
+
+    @property
+    def named(self) -> bool:
+        """Whether a cause is sure, and held-out sessions are predicted better with it."""
+        return self.gain is not None and self.gain.passed
+
+
+def analyse(
+    model: Model, layout: Layout, sessions: list[Session], held: list[int], noise: Whitener, doubted: list[int], thickness_mm: float | None
+) -> ArrayCriticism:
+    """Judge the shares that the training sessions show under the extended `model`; `held` are indices of held-out sessions.
+
+    `doubted` are taxels in which another fault was found, whose share is not to be relied upon.
+    """
+    measured = _granted(gains(model, sessions, noise), doubted)
+    train = [i for i in range(len(sessions)) if i not in held]
+    judgement = judge(layout.of(train), measured.of(train), thickness_mm)
+    best = judgement.named
+    if best is None:
+        return ArrayCriticism(layout, measured, judgement, None)
+    return ArrayCriticism(layout, measured, judgement, held_out_gain(model, layout, measured, sessions, held, noise, best))
+
+
+def _granted(measured: Gains, doubted: list[int]) -> Gains:
+    if not doubted:
+        return measured
+    more = np.zeros(measured.covariance.shape)
+    for i in doubted:
+        more[:, i, i] = (DOUBTED * measured.value[:, i]) ** 2
+    return replace(measured, covariance=measured.covariance + more)
+
+
+def doubted_taxels(named) -> list[int]:
+    """The taxels to which the search has ascribed something that bends their static share."""
+    places = {n.where for n in named if n.cause in BENDING}
+    return sorted(int(w.partition("_")[2]) for w in places if w.startswith("taxel_"))

@@ -1,0 +1,104 @@
+"""How probable measured shares are under one hypothesis: Laplace's approximation of its evidence.
+
+A hypothesis is a prior standard deviation for every entry of the family's member that it sets free, all around zero. Its evidence
+
+    log E = -1/2 |whitened misfit|^2 - 1/2 log det C - 1/2 |entries / std|^2 - 1/2 log det H - sum log std,    H = J'J + 1 / std^2
+
+at the most probable member, with C the covariance of the shares, weighs fit against freedom by itself: a cause that could explain
+anything is charged for it.
+
+Source: D. MacKay, Information Theory, Inference, and Learning Algorithms, 2003, ch. 27 and 28.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.gains import Gains
+
+STEPS = 25
+DIFFERENCE = 1e-4  # of the prior's standard deviation
+SCALE = 3.0  # prior standard deviation of the log scale of a session: says nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """The most probable member, standard errors of its free entries, the log evidence, and the misfit in squared standard errors."""
+
+    member: dict[str, float]
+    std: dict[str, float]
+    log_evidence: float
+    misfit: float
+
+
+def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float]) -> Fitted:
+    """Fit the entries of `free` (name: prior standard deviation) to the measured shares.
+
+    `scatter` is the relative standard error of calibrations: one unknown factor per taxel, the same in all sessions, is integrated out.
+    """
+    names = [n for n in family.names if n in free or n.startswith("scale_")]
+    size = np.array([free.get(n, SCALE) for n in names])
+    begin = first_scales(family, gains)
+    z = np.array([begin.get(n, 0.0) for n in names]) / size
+    root, log_root = _root(gains, scatter)
+
+    def misfit(z: np.ndarray) -> np.ndarray:
+        left = gains.value - family.shares(dict(zip(names, z * size, strict=True)))
+        return np.concatenate([root @ left.ravel(), z])
+
+    z, J = _descend(misfit, z)
+    e = misfit(z)
+    H = J.T @ J
+    _, log_det = np.linalg.slogdet(H)  # in units of the prior's standard deviations, so that their logarithms are in it
+    std = np.sqrt(np.diag(np.linalg.inv(H))) * size
+    return Fitted(
+        dict(zip(names, (z * size).tolist(), strict=True)),
+        dict(zip(names, std.tolist(), strict=True)),
+        float(log_root - 0.5 * (e @ e) - 0.5 * log_det),
+        float(e[: -z.size] @ e[: -z.size]),
+    )
+
+
+def _root(gains: Gains, scatter: float) -> tuple[np.ndarray, float]:
+    """Inverse Cholesky factor of the covariance of all shares of all sessions, (S T, S T), and the logarithm of its determinant."""
+    sessions, taxels = gains.value.shape
+    covariance = np.zeros((sessions, taxels, sessions, taxels))
+    for s in range(sessions):
+        covariance[s, :, s] = gains.covariance[s]
+    for i in range(taxels):
+        covariance[:, i, :, i] += scatter**2 * np.outer(gains.value[:, i], gains.value[:, i])
+    factor = np.linalg.cholesky(covariance.reshape(sessions * taxels, -1))
+    return np.linalg.inv(factor), -float(np.log(np.diag(factor)).sum())
+
+
+def first_scales(family: Family, gains: Gains) -> dict[str, float]:
+    """Log scales that fit the declared layout to the measured shares of every session."""
+    plain = family.shares({})
+    ratio = np.maximum(np.sum(plain * gains.value, axis=1) / np.maximum(np.sum(plain**2, axis=1), 1e-300), 1e-9)
+    return {f"scale_{s}": float(v) for s, v in enumerate(np.log(ratio))}
+
+
+def _descend(misfit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Levenberg–Marquardt from `z`; returns the end and the Jacobian there."""
+    e, damping = misfit(z), 1e-6
+    for _ in range(STEPS):
+        J = _jacobian(misfit, z, e)
+        H, g = J.T @ J, J.T @ e
+        while damping < 1e8:
+            trial = z - np.clip(np.linalg.solve(H + damping * np.diag(np.diag(H)), g), -3.0, 3.0)
+            after = misfit(trial)
+            if after @ after <= e @ e:
+                break
+            damping *= 10.0
+        else:
+            return z, J
+        gained, z, e, damping = e @ e - after @ after, trial, after, max(damping / 10.0, 1e-9)
+        if gained < 1e-6 * max(e @ e, 1e-3):
+            break
+    return z, _jacobian(misfit, z, e)
+
+
+def _jacobian(misfit, z: np.ndarray, e: np.ndarray) -> np.ndarray:
+    steps = DIFFERENCE * np.eye(z.size)
+    return np.array([(misfit(z + step) - e) / DIFFERENCE for step in steps]).T

@@ -1,0 +1,47 @@
+"""Every set of static shares that this analysis can imagine: the thesis's Gaussian under a declared contact as its plainest member.
+
+    share[s, i] = scale[s] (y[i] + leak (y[i-1] + y[i+1]) + common mean(y)),      y[i] = (1 + gain[i]) exp(-(r^2 / width^2)^(power / 2))
+
+with r from the contact of session s, moved by `shift` along the layout's axes, and for an elliptic spread
+
+    r^2 -> exp(-ratio) x^2 + exp(ratio) y^2 - 2 turn x y.
+
+A member is a vector: one log scale per session, then the quantities below.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.smeared import neighbours
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """The members for one layout. `names` are the entries of a member."""
+
+    layout: Layout
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        layout = self.layout
+        scales = tuple(f"scale_{s}" for s in range(len(layout.contacts)))
+        shifts = tuple(f"shift_{a}" for a in range(len(layout.axes)))
+        gains = tuple(f"gain_{i}" for i in range(len(layout.taxels)))
+        return (*scales, *shifts, *gains, "leak", "common", "width", "power", "ratio", "turn")
+
+    def shares(self, p: dict[str, float]) -> np.ndarray:
+        """Shares (S, T) of a member, given by the entries that are not zero. `width` is the logarithm of the true over the declared
+        width, `power` what is added to 2."""
+        layout = self.layout
+        shift = sum((p.get(f"shift_{a}", 0.0) * axis for a, axis in enumerate(layout.axes)), np.zeros(2))
+        x, y = np.moveaxis(layout.places - shift, -1, 0)
+        ratio = p.get("ratio", 0.0)
+        square = np.exp(-ratio) * x**2 + np.exp(ratio) * y**2 - 2.0 * p.get("turn", 0.0) * x * y
+        u = np.maximum(square, 0.0) / (layout.width * np.exp(p.get("width", 0.0))) ** 2
+        gain = np.array([p.get(f"gain_{i}", 0.0) for i in range(len(layout.taxels))])
+        own = (1.0 + gain) * np.exp(-(u ** (1.0 + 0.5 * p.get("power", 0.0))))
+        heard = p.get("leak", 0.0) * neighbours(own.T).T + p.get("common", 0.0) * own.mean(axis=1, keepdims=True)
+        scale = np.exp([p.get(f"scale_{s}", 0.0) for s in range(len(layout.contacts))])
+        return scale[:, None] * (own + heard)

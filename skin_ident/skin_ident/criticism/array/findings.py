@@ -1,0 +1,118 @@
+"""What an analysis of an array adds to findings.json."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.array.analysis import ArrayCriticism
+from skin_ident.criticism.array.judgement import Judged
+from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.sentences import SCAN, separating, shift_of, why
+from skin_ident.criticism.vocabulary import BY_NAME
+
+ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
+POSSIBLE = 0.5  # probability that something is wrong, below which causes are excluded
+
+
+def entry(a: ArrayCriticism) -> dict[str, Any]:
+    """The entry of `findings` for the cause that was named."""
+    best, gain, rivals = a.judgement.causes[0], a.gain, a.judgement.rivals
+    evidence = {
+        "why": why(best, a.layout),
+        "log_odds": best.log_odds,
+        "held_out_fall_of_mean_square": gain.relative,
+        "held_out": gain.held_out,
+        "calibrations_trusted_to": best.background.scatter,
+        "forms": [form_of(best)],
+    }
+    return {
+        "cause": best.hypothesis.cause,
+        "where": best.hypothesis.where,
+        "channels": list(gain.carried),
+        "parameters": parameters(best, a.layout),
+        "evidence": evidence,
+        "gain": {
+            "held_out_rmse_before": gain.before,
+            "held_out_rmse_after": gain.after,
+            "ci95": list(gain.ci95),
+            "channel": gain.channel,
+            "unit": "N",
+        },
+        "alternatives": [
+            {"cause": r.hypothesis.cause, "where": r.hypothesis.where, "explains_less_by": float(2.0 * (best.log_odds - r.log_odds))}
+            for r in rivals
+        ],
+        "separating_experiment": separating([best.hypothesis.cause, *(r.hypothesis.cause for r in rivals)]),
+        "means": BY_NAME[best.hypothesis.cause].means,
+        "advice": BY_NAME[best.hypothesis.cause].act,
+    }
+
+
+def form_of(j: Judged) -> str:
+    """Which form of its cause it is."""
+    return {"leak": "neighbours", "common": "common", "power": "generalised_gaussian"}.get(next(iter(j.hypothesis.free)), "static")
+
+
+def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
+    """Values and standard errors, SI."""
+    p, std = j.fit.member, j.fit.std
+    if j.hypothesis.cause == "off_centre":
+        shift = shift_of(p, layout)
+        errors = np.sqrt(sum((std[f"shift_{a}"] * axis) ** 2 for a, axis in enumerate(layout.axes)))
+        return {name: _quantity(v, "m", s) for name, v, s in zip(("x", "y"), shift, errors, strict=True)}
+    if j.hypothesis.cause == "spread_width":
+        width = layout.width * np.exp(p["width"])
+        return {"width": _quantity(width, "m", width * std["width"])}
+    if j.hypothesis.cause == "spread_shape":
+        return {"shape_power": _quantity(2.0 + p["power"], "1", std["power"])}
+    if j.hypothesis.cause == "anisotropy":
+        return {
+            "width_ratio": _quantity(np.exp(p["ratio"]), "1", np.exp(p["ratio"]) * std["ratio"]),
+            "turn": _quantity(p["turn"], "1", std["turn"]),
+        }
+    (name,) = j.hypothesis.free
+    return {name.partition("_")[0] if name.startswith("gain") else "share": _quantity(p[name], "1", std[name])}
+
+
+def _quantity(value: float, unit: str, std: float) -> dict[str, Any]:
+    return {"value": float(value), "unit": unit, "std": float(std)}
+
+
+def excluded(a: ArrayCriticism) -> Iterator[dict[str, Any]]:
+    """Bounds on what the ratios would have shown, where they speak for nothing."""
+    if a.judgement.sure > POSSIBLE:
+        return
+    for j in a.judgement.causes:
+        worst = max((abs(q["value"]) + 1.96 * q["std"], q["unit"], name) for name, q in _departures(j, a.layout).items())
+        yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "parameter": worst[2], "below": float(worst[0]), "unit": worst[1]}
+
+
+def _departures(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
+    """The parameters counted from where they mean nothing."""
+    neutral = {"width": layout.width, "shape_power": 2.0, "width_ratio": 1.0}
+    return {name: {**q, "value": q["value"] - neutral.get(name, 0.0)} for name, q in parameters(j, layout).items()}
+
+
+def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
+    """The causes of an array that these data cannot tell, and why."""
+    if isinstance(a, str):
+        yield from ({"cause": c, "because": a, "needs": BY_NAME[c].needs} for c in ALL)
+        return
+    said = {j.hypothesis.cause for j in a.judgement.causes}
+    if "spread_width" not in said:
+        yield {
+            "cause": "spread_width",
+            "because": "no width is declared (spread_width_mm) or given with a model",
+            "needs": "a declared width",
+        }
+    if "anisotropy" not in said:
+        yield {"cause": "anisotropy", "because": "taxels and contacts lie in one row", "needs": BY_NAME["anisotropy"].needs}
+    if not a.named and a.judgement.sure > POSSIBLE:
+        because = f"{_scatter(a)}, which calibrations or positions off by as much would explain too"
+        yield from ({"cause": c, "because": because, "needs": SCAN} for c in said if c not in ("spread_width", "anisotropy"))
+
+
+def _scatter(a: ArrayCriticism) -> str:
+    off = a.judgement.causes[0]
+    return f"the ratios of the taxels differ from those of the declared layout ({why(off, a.layout).partition(';')[2].strip()})"

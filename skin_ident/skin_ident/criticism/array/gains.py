@@ -1,0 +1,68 @@
+"""What share of the sensed force every taxel feels in every session, with standard errors that know the colour of the noise.
+
+Per session, whitened residual = sum over taxels of (change of its share) x d(simulated)/d(share) + the same for the other unknowns of
+the model, by least squares. The other unknowns are held near the joint fit, so that a skin which differs a little from session to
+session is not taken for a change of shares. Only ratios between taxels mean anything: the stiffness k1 is their common scale.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.fitting import tangents
+from skin_ident.criticism.residual import placed, residual, simulated
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.unknowns import unknowns
+from skin_ident.criticism.whitening import Whitener, stack
+from skin_models.model import Model
+
+PROBE = 0.01  # of the largest share, for the differences
+MODEL = 3e-4  # of the largest share: what converter steps and the model's own form leave in a static share
+
+
+@dataclass(frozen=True, eq=False)
+class Gains:
+    """`value` (S, T) shares of the sensed force and `covariance` (S, T, T), session by session."""
+
+    value: np.ndarray
+    covariance: np.ndarray
+
+    def of(self, sessions: list[int]) -> "Gains":
+        """The same for some of the sessions."""
+        return Gains(self.value[sessions], self.covariance[sessions])
+
+
+def gains(model: Model, sessions: list[Session], noise: Whitener) -> Gains:
+    """Shares of every taxel in every session, starting from those of the fitted `model`."""
+    found = [_of(model, s, noise) for s in sessions]
+    return Gains(np.array([g for g, _ in found]), np.array([c for _, c in found]))
+
+
+def _of(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.ndarray]:
+    shares = np.array(placed(model, s).shares)
+    others = tuple(u for u in unknowns(model, s) if u.part != "shares" and u.label != "k1")
+    D = np.concatenate([_by_share(model, s), tangents(model, [s], others)[0]])
+    J, r = stack([D], [s], noise), stack([residual(model, s)], [s], noise)
+    near = np.r_[np.full(shares.size, 1e-9), np.ones(len(others))]  # the others: one scaled unit either way
+    inverse = np.linalg.inv(J.T @ J + np.diag(near))
+    change = inverse @ (J.T @ r)
+    left = r - J @ change
+    inflated = max(1.0, float(left @ left) / max(int(np.count_nonzero(r)) - len(D), 1))
+    floor = (MODEL * shares.max()) ** 2 * np.eye(shares.size)
+    return shares + change[: shares.size], inflated * inverse[: shares.size, : shares.size] + floor
+
+
+def _by_share(model: Model, s: Session) -> np.ndarray:
+    """d(simulated)/d(share) of every taxel, (T, C, n), in the common band."""
+    shares = np.array(placed(model, s).shares)
+    base, step = simulated(model, s), PROBE * shares.max()
+    probed = [simulated(*with_shares(model, s, shares + step * row)) for row in np.eye(shares.size)]
+    return np.array([s.band.thin(y - base) / step for y in probed])
+
+
+def with_shares(model: Model, s: Session, shares: np.ndarray) -> tuple[Model, Session]:
+    """Model and session such that this session's taxels feel `shares` (T,) of the sensed force."""
+    shares = np.maximum(shares, 0.0)
+    if s.spread is None:
+        return replace(model, shares=tuple(shares.tolist())), s
+    return replace(model, shares=(1.0,) * shares.size), replace(s, spread=shares)

@@ -1,0 +1,58 @@
+"""What a cause in the ratios is worth on sessions that were not used to find it.
+
+Before: shares as the declared layout has them; after: shares as the cause has them. Both have one scale, fitted to the training sessions;
+everything else is the extended model. The rest is the common gate: whitened squared error, and a bootstrap over blocks.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.array.evidence import fitted
+from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.gains import Gains, with_shares
+from skin_ident.criticism.array.hypotheses import Hypothesis
+from skin_ident.criticism.array.judgement import Judged
+from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.gate import CARRIES, Gain, bootstrap_fall, rmse_fall
+from skin_ident.criticism.residual import residual
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.whitening import Whitener
+from skin_models.model import Model
+
+
+def held_out_gain(
+    model: Model, layout: Layout, measured: Gains, sessions: list[Session], held: list[int], noise: Whitener, best: Judged
+) -> Gain:
+    """The gain on the sessions `held` (indices); where there are none, each session in turn is left out of the fit.
+
+    Before, the width alone is free, as far as the best cause's background leaves it so.
+    """
+    train = [i for i in range(len(sessions)) if i not in held]
+    folds = [([i for i in train if i != j] or [j], [j]) for j in train] if not held else [(train, held)]
+    said = ", ".join(sessions[i].name for i in held) if held else "each session in turn"
+    nothing, around = Hypothesis("", "", 1.0, {}), best.background
+    before, after, judged = [], [], []
+    for fit_on, try_on in folds:
+        for errors, h in ((before, nothing), (after, best.hypothesis)):
+            shares = _predicted(layout, measured, fit_on, try_on, around.scatter, around.and_with(h))
+            errors += [residual(*with_shares(model, sessions[i], row)) for i, row in zip(try_on, shares, strict=True)]
+        judged += [sessions[i] for i in try_on]
+    return _gain(before, after, judged, noise, said)
+
+
+def _predicted(layout: Layout, measured: Gains, fit_on: list[int], try_on: list[int], scatter: float, free: dict) -> np.ndarray:
+    """Shares (S, T) of the sessions `try_on` by a member fitted to `fit_on`, at the mean of their scales."""
+    member = fitted(Family(layout.of(fit_on)), measured.of(fit_on), scatter, free).member
+    scale = float(np.mean([member[f"scale_{s}"] for s in range(len(fit_on))]))
+    rest = {name: value for name, value in member.items() if not name.startswith("scale_")}
+    return Family(layout.of(try_on)).shares({**rest, **{f"scale_{s}": scale for s in range(len(try_on))}})
+
+
+def _gain(before: list, after: list, sessions: list[Session], noise: Whitener, said: str) -> Gain:
+    white = [[noise.apply(e, s.weight) for e, s in zip(es, sessions, strict=True)] for es in (before, after)]
+    total, lower = bootstrap_fall(*white, sessions)
+    rms, drawn = rmse_fall(before, after, sessions)
+    c = int(np.argmax((rms[0] - rms[1]) / np.maximum(rms[0], 1e-300)))
+    low, high = np.percentile(drawn[0, c] - drawn[1, c], [2.5, 97.5])
+    channels = sessions[0].channels
+    carried = tuple(name for name, b, a in zip(channels, *rms, strict=True) if b - a > CARRIES * b)
+    return Gain(channels[c], carried or (channels[c],), float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said)

@@ -1,0 +1,69 @@
+"""What could be wrong with the shares, and how much of it is to be expected.
+
+Beside every cause stands what nobody is to blame for: calibrations that are a little off, and a width that follows from the thickness of
+the skin only roughly. Both are mixtures of narrow and wide, so that shares which agree with the declaration to a fraction of a per cent
+are not excused by several, and shares which scatter are.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from skin_ident.criticism.array.layout import MEASURED_AT, Layout
+
+# Relative error of calibrations where none is declared: (standard deviation, prior probability).
+SCATTER = ((0.002, 0.9), (0.01, 0.05), (0.03, 0.05))
+EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is known, and of one that is only expected
+SHIFT, GAIN, LEAK, COMMON, WIDTH, POWER, RATIO = 1e-3, 0.15, 0.03, 0.03, 0.2, 0.5, 0.2  # m, then relative: what a cause is like
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A cause at a place, its prior probability, and the prior standard deviations of what it sets free."""
+
+    cause: str
+    where: str
+    prior: float
+    free: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Background:
+    """One mixture component of what is nobody's fault: its probability, and relative standard deviations of calibrations and width."""
+
+    weight: float
+    scatter: float
+    width: float
+
+    def and_with(self, h: Hypothesis) -> dict[str, float]:
+        """Prior standard deviations of everything that is free under a hypothesis, beside the calibrations."""
+        return {"width": self.width, **{name: float(np.hypot(std, self.width * (name == "width"))) for name, std in h.free.items()}}
+
+
+def hypotheses(layout: Layout, suspects: list[int]) -> tuple[Hypothesis, ...]:
+    """Nothing wrong, then every cause that this layout can show. `suspects` are the taxels whose own calibration is doubted."""
+    shifts = {f"shift_{a}": SHIFT for a in range(len(layout.axes))}
+    listed = [Hypothesis("", "", 0.5, {}), Hypothesis("off_centre", "rig", 0.15, shifts)]
+    listed += [Hypothesis("gain_error", f"taxel_{i}", 0.15 / len(layout.taxels), {f"gain_{i}": GAIN}) for i in suspects]
+    listed += [Hypothesis("crosstalk", "taxel", 0.05, {"leak": LEAK}), Hypothesis("crosstalk", "taxel", 0.05, {"common": COMMON})]
+    listed += [Hypothesis("spread_shape", "skin", 0.03, {"power": POWER})]
+    if layout.width_declared:
+        listed.append(Hypothesis("spread_width", "skin", 0.05, {"width": WIDTH}))
+    if len(layout.axes) > 1:
+        listed.append(Hypothesis("anisotropy", "skin", 0.02, {"ratio": RATIO, "turn": RATIO}))
+    return tuple(listed)
+
+
+def backgrounds(layout: Layout, thickness_mm: float | None) -> Iterator[Background]:
+    """The mixture of calibration errors and widths."""
+    scatter = SCATTER if layout.gain_std is None else ((layout.gain_std, 1.0),)
+    for (gain, w), (width, v) in product(scatter, _widths(layout, thickness_mm)):
+        yield Background(w * v, gain, width)
+
+
+def _widths(layout: Layout, thickness_mm: float | None) -> tuple[tuple[float, float], ...]:
+    if layout.width_declared:
+        return ((EXACT, 1.0),)
+    return ((EXACT, 0.5), (ROUGH, 0.5)) if thickness_mm in (None, MEASURED_AT) else ((ROUGH, 1.0),)

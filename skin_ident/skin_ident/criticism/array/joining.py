@@ -1,0 +1,55 @@
+"""The analysis of an array joined to the rest of a diagnosis."""
+
+from typing import Any
+
+from skin_ident.criticism.array.analysis import ArrayCriticism, analyse, doubted_taxels
+from skin_ident.criticism.array.findings import entry, excluded, untestable
+from skin_ident.criticism.array.layout import Layout
+
+SPOILT = ("dead_taxel", "data_error")
+
+
+def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: list) -> ArrayCriticism | str:
+    """Judge the ratios of the taxels under the extended model of the criticism `c`, or say why that cannot be done.
+
+    `layout` is that of all `recordings` in order; a lone session, of which blocks are held out, counts twice.
+    """
+    if isinstance(layout, str):
+        return layout
+    spoilt = [s for s in symptoms if s.cause in SPOILT]
+    if spoilt:
+        return f"{spoilt[0].cause} in {', '.join(spoilt[0].channels)}: ratios with it say nothing"
+    sessions, thickness_mm = [*c.train, *c.held], recordings[0].declared.skin_thickness_mm
+    if len(layout.contacts) != len(sessions):
+        layout = layout.of([0] * len(sessions))
+    indices = list(range(len(c.train), len(sessions)))
+    return analyse(c.extended.model, layout, sessions, indices, c.last.noise, doubted_taxels(c.named), thickness_mm)
+
+
+def joined(findings: dict[str, Any], a: ArrayCriticism | str) -> dict[str, Any]:
+    """findings.json with what the array says: a finding more, or bounds and reasons in place of those that know nothing of layouts."""
+    entries = _with(findings["findings"], entry(a)) if not isinstance(a, str) and a.named else findings["findings"]
+    named = {f["cause"] for f in entries} | {r["cause"] for f in entries for r in f["alternatives"]}
+    reasons = [u for u in untestable(a) if u["cause"] not in named]
+    bounds = [] if isinstance(a, str) else [e for e in excluded(a) if e["cause"] not in named]
+    able = [e for e in findings["excluded"] if e["cause"] not in named] + bounds
+    decided = {u["cause"] for u in reasons} | {e["cause"] for e in able}
+    kept = [u for u in findings["untestable"] if u["cause"] not in decided | named]
+    known = {e["cause"] for e in able}
+    verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
+    more = {"excluded": able, "untestable": kept + [u for u in reasons if u["cause"] not in known], "verdict": verdict}
+    return {**findings, "findings": entries, **more}
+
+
+def _with(entries: list[dict[str, Any]], new: dict[str, Any]) -> list[dict[str, Any]]:
+    """The entries with one more, or with the one of the same cause and place taught what the ratios say."""
+    same = [e for e in entries if (e["cause"], e["where"]) == (new["cause"], new["where"])]
+    if not same:
+        return [*entries, new]
+    words = "; ".join(w for w in (same[0]["evidence"].get("why", ""), new["evidence"]["why"]) if w)
+    taught = {
+        **same[0],
+        "parameters": {**same[0]["parameters"], **new["parameters"]},
+        "evidence": {**same[0]["evidence"], "why": words, "forms": [*same[0]["evidence"].get("forms", []), *new["evidence"]["forms"]]},
+    }
+    return [taught if e is same[0] else e for e in entries]

@@ -1,0 +1,82 @@
+"""Which cause, if any, the ratios of the taxels speak for."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.array.evidence import Fitted, fitted
+from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.gains import Gains
+from skin_ident.criticism.array.hypotheses import Background, Hypothesis, backgrounds, hypotheses
+from skin_ident.criticism.array.layout import Layout
+
+SURE = 0.95  # probability that something is wrong, from which it is said so
+REACH = 3.0  # log odds within which a rival cannot be told from the best
+MOST_SUSPECTS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """One hypothesis with its log posterior odds against nothing wrong, and its fit in the best component of the mixture."""
+
+    hypothesis: Hypothesis
+    log_odds: float
+    fit: Fitted
+    background: Background
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return self.hypothesis.cause, self.hypothesis.where
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """Nothing wrong, and every cause, the most probable first; `sure` is the probability that something is wrong."""
+
+    nothing: Judged
+    causes: tuple[Judged, ...]
+    sure: float
+
+    @property
+    def named(self) -> Judged | None:
+        """The best cause, where something is wrong beyond doubt."""
+        return self.causes[0] if self.causes and self.sure > SURE else None
+
+    @property
+    def rivals(self) -> tuple[Judged, ...]:
+        """Causes that cannot be told from the best."""
+        return tuple(c for c in self.causes[1:] if c.log_odds > self.causes[0].log_odds - REACH)
+
+
+def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) -> Judgement:
+    """Weigh all causes against each other and against nothing wrong."""
+    family = Family(layout)
+    mixture = list(backgrounds(layout, thickness_mm))
+
+    def weighed(h: Hypothesis) -> Judged:
+        fits = [fitted(family, measured, b.scatter, b.and_with(h)) for b in mixture]
+        logs = [f.log_evidence + np.log(b.weight) for f, b in zip(fits, mixture, strict=True)]
+        best = int(np.argmax(logs))
+        return Judged(h, float(np.logaddexp.reduce(logs) + np.log(h.prior)), fits[best], mixture[best])
+
+    nothing = weighed(Hypothesis("", "", 0.5, {}))
+    suspects = _suspects(family, measured, nothing.fit)
+    every = [replace(j, log_odds=j.log_odds - nothing.log_odds) for j in map(weighed, hypotheses(layout, suspects)[1:])]
+    causes = _one_each(sorted(every, key=lambda j: -j.log_odds))
+    wrong = np.logaddexp.reduce([c.log_odds for c in causes])
+    return Judgement(replace(nothing, log_odds=0.0), tuple(causes), float(1.0 / (1.0 + np.exp(-min(wrong, 700.0)))))
+
+
+def _suspects(family: Family, measured: Gains, nothing: Fitted) -> list[int]:
+    """The taxels that are farthest from the declared layout, in their own standard errors; all, where they are few."""
+    errors = np.sqrt(np.diagonal(measured.covariance, axis1=1, axis2=2))
+    far = np.abs((measured.value - family.shares(nothing.member)) / errors).max(axis=0)
+    return sorted(int(i) for i in np.argsort(far)[::-1][:MOST_SUSPECTS])
+
+
+def _one_each(every: list[Judged]) -> list[Judged]:
+    """The best form of every cause at every place."""
+    best: dict[tuple[str, str], Judged] = {}
+    for j in every:
+        best.setdefault(j.key, j)
+    return list(best.values())

@@ -1,0 +1,49 @@
+"""Directions in which an array may bend while it is pressed, offered to the search beside those of the catalogue."""
+
+from collections.abc import Iterator
+
+from skin_ident.criticism.array.bending import Leaning, Walking, Widening
+from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.smeared import Smeared
+from skin_ident.criticism.proposals import Direction
+from skin_ident.criticism.session import Session
+from skin_models.effect import Effect
+from skin_models.model import Model
+from skin_models.parameter import AMPLITUDE, parameters_of
+
+
+def array_directions(layout: Layout | str, session: Session) -> tuple[Direction, ...]:
+    """What the layout adds to the catalogue's directions; nothing without one. `session` gives depths and duration."""
+    if isinstance(layout, str) or session.drive is not None:
+        return ()
+    return tuple(_direction(e) for e in _effects(layout, session))
+
+
+def is_of_array(e: Effect) -> bool:
+    """Whether an effect belongs to one layout, and to no catalogue."""
+    return isinstance(e, (Leaning, Walking, Widening, Smeared))
+
+
+def for_anybody(model: Model) -> Model:
+    """The model without the effects that only a layout gives a meaning to: what can be written and loaded again."""
+    kept = tuple(e for e in model.effects if not is_of_array(e))
+    return model if len(kept) == len(model.effects) else Model(
+        model.dispersion, model.shares, kept, model.name, model.source, model.notes
+    )  # fmt: skip
+
+
+def _effects(layout: Layout, session: Session) -> Iterator[Effect]:
+    taxels = tuple((float(x), float(y)) for x, y in layout.seen)
+    seconds, deepest = float(session.motion.t[-1] - session.motion.t[0]), float(session.motion.x.max())
+    for axis in layout.axes:
+        along = (float(axis[0]), float(axis[1]))
+        yield Leaning("rig", taxels, along, layout.width, deepest, shift=0.0)
+        yield Walking("rig", taxels, along, layout.width, seconds, shift=0.0)
+    if len(taxels) > 2:
+        yield Widening("skin", taxels, layout.width, growth=0.0)
+        yield from Smeared.absent_shapes()
+
+
+def _direction(e: Effect) -> Direction:
+    size = next(p for p in parameters_of(e) if p.role == AMPLITUDE)
+    return Direction(e, size.name, abs(size.typical), 0)

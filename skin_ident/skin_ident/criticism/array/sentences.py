@@ -1,0 +1,68 @@
+"""What a cause in the ratios of the taxels looks like, in numbers a person can check, and the experiment that tells rivals apart."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.judgement import Judged
+from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.vocabulary import BY_NAME
+
+SCAN = "press at three or more places along the taxels, a third of their distance apart (contact_position_mm tells where)"
+_PAIRS = {
+    "off_centre gain_error": f"{SCAN}: a wrong calibration stays with its taxel, a wrong place moves with the contact",
+    "off_centre crosstalk": f"{SCAN}: crosstalk reaches as far as the wiring does, a wrong place only as far as the spread",
+    "gain_error crosstalk": "press right over one taxel after the other: what its neighbours repeat is then all they read",
+    "gain_error spread_shape": f"{SCAN}: a wrong calibration stays with its taxel, a shape stays with the distance",
+    "gain_error spread_width": f"{SCAN}: a wrong calibration stays with its taxel, a width stays with the distance",
+    "gain_error gain_error": "press each taxel with the same known load, or right over it",
+    "off_centre spread_shape": f"{SCAN}: a wrong place moves the maximum, another shape does not",
+    "off_centre spread_width": f"{SCAN}: a wrong place moves the maximum, another width does not",
+}
+APART = {frozenset(pair.split()): words for pair, words in _PAIRS.items()}
+
+
+def why(j: Judged, layout: Layout) -> str:
+    """One sentence that shows the cause."""
+    said, far = _what(j, layout), _deviations(j, layout)
+    i = int(np.argmax(np.abs(far)))
+    return f"{said}; against the declared layout, taxel_{i} reads {far[i]:+.1%} of the sensed force"
+
+
+def _what(j: Judged, layout: Layout) -> str:
+    p, n = j.fit.member, len(layout.taxels)
+    if j.hypothesis.cause == "off_centre":
+        shift = 1e3 * shift_of(p, layout)
+        return f"the ratios of {n} taxels are those of a contact {np.hypot(*shift):.2g} mm off, at ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
+    if j.hypothesis.cause == "gain_error":
+        return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} more than its neighbours imply"
+    if j.hypothesis.cause == "crosstalk":
+        share, whom = (p["leak"], "of its neighbours") if "leak" in j.hypothesis.free else (p["common"], "of the mean of all")
+        return f"every taxel repeats {share:.1%} {whom}"
+    if j.hypothesis.cause == "spread_width":
+        return f"the spread is {1e3 * layout.width * np.exp(p['width']):.3g} mm wide, not {1e3 * layout.width:.3g} mm"
+    if j.hypothesis.cause == "spread_shape":
+        return f"the spread falls as exp(-(r/c)^{2.0 + p['power']:.2g}), not as a Gaussian"
+    return f"the spread is {np.exp(p['ratio']):.2g} times as wide along x as along y, turned by {p['turn']:.2g}"
+
+
+def shift_of(p: dict[str, float], layout: Layout) -> np.ndarray:
+    """Where the contact is, as seen from the declared place, (2,) m."""
+    return sum((p.get(f"shift_{a}", 0.0) * axis for a, axis in enumerate(layout.axes)), np.zeros(2))
+
+
+def _deviations(j: Judged, layout: Layout) -> np.ndarray:
+    """By how much the share of every taxel differs from the declared one, as a part of the largest share, in the first session."""
+    own = {name: value for name, value in j.fit.member.items() if name in j.hypothesis.free}
+    family = Family(layout.of([0]))
+    plain, now = family.shares({})[0], family.shares(own)[0]
+    return (now - plain) / plain.max()
+
+
+def separating(causes: Iterable[str]) -> str:
+    """The experiment that tells the first of `causes` from the others; empty for one alone."""
+    first, *others = causes
+    known = [APART[key] for other in others if (key := frozenset({first, other})) in APART]
+    unknown = [BY_NAME[c].needs for c in [first, *others] if others and not known]
+    return "; and ".join(dict.fromkeys(known)) or ("record " + "; and ".join(dict.fromkeys(unknown)) if unknown else "")
