@@ -1,12 +1,14 @@
 """The record's own faults in the simulation: what telemetry saw, as effects of the catalogue that the simulated skin carries from then on.
 
-Saturation, coarse steps and a dead taxel follow from the load: a model that has them predicts held-out data better, and says by how much.
+Saturation, coarse steps and a dead taxel follow from the load: a model that has them predicts held-out data better, and says by how much
+(coarse steps only where the noise does not carry the readings from one to the next: otherwise the mean is predicted best without them).
 Interference comes in at any phase, noise and outliers at random: they are in the model that the skin node loads, so that its topics look
 like the measured ones, but nothing is predicted by them and no gain is claimed. An encoder's faults and errors of data are no part of the
 simulated chain, and a taxel that dies part-way has no effect in the catalogue.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.effect import Effect
@@ -16,6 +18,7 @@ from skin_models.effects.noise import Noise
 from skin_models.effects.outliers import Outliers
 from skin_models.effects.quantization import SensorQuantization
 from skin_models.effects.saturation import Saturation
+from skin_models.model import Model
 
 PREDICTS = ("saturation", "quantization", "dead_taxel")
 SENSORS = ("load_cell", "taxel")
@@ -28,10 +31,14 @@ def effect_of(s: Symptom) -> Effect | None:
     return _MAKERS[s.cause](s, {name: q["value"] for name, q in s.parameters.items()})
 
 
-def effects_of(symptoms: Iterable[Symptom], predicting: bool) -> list[Effect]:
-    """The effects of all symptoms that have one, of those that predict or of the others."""
-    made = (effect_of(s) for s in symptoms if (s.cause in PREDICTS) is predicting)
-    return [e for e in made if e is not None]
+def effects_of(symptoms: Iterable[Symptom]) -> list[Effect]:
+    """The effects of all symptoms that have one."""
+    return [e for e in map(effect_of, symptoms) if e is not None]
+
+
+def with_effects(model: Model, effects: Iterable[Effect]) -> Model:
+    """The model with all of these behind its own, as far as it has them not yet."""
+    return replace(model, effects=(*model.effects, *(e for e in effects if e not in model.effects)))
 
 
 def _dead(s: Symptom, v: dict[str, float]) -> Effect | None:

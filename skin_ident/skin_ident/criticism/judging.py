@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.criticise import Criticism
-from skin_ident.criticism.faults import PREDICTS, effect_of, effects_of
+from skin_ident.criticism.faults import PREDICTS, effect_of, effects_of, with_effects
 from skin_ident.criticism.fitting import ITERATIONS, Fit, fit
 from skin_ident.criticism.gate import FOLD_ITERATIONS, rmse_fall
 from skin_ident.criticism.residual import residual
@@ -40,10 +40,10 @@ class Judged:
 def judge(c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Judged:
     """Put the faults into `c`. `whole` are training and held-out sessions with everything left in, in the order of `c.train` and `c.held`."""
     clean = c.baseline.model
-    if effects := effects_of(symptoms, predicting=True):
+    if effects := [e for e in effects_of(symptoms) if e.cause in PREDICTS]:
         c = _carrying(c, effects, whole, given, mass)
     tested = list(c.held or c.train)
-    gains = tuple(_gain_of(c.extended.model, s, tested) if s.cause in PREDICTS else {} for s in symptoms)
+    gains = tuple(_gain_of(c.extended.model, s, tested) for s in symptoms)
     return Judged(c, gains, _by_channel(c, whole, given is not None), clean)
 
 
@@ -53,16 +53,21 @@ def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Sess
     noise = fit_whitener([residual(start, s) for s in plain[0]], [s.weight for s in plain[0]])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
     train, held = ([replace(s, beyond=own.beyond) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True))
-    model = c.extended.model
-    for e in effects:
-        model = model.extended(e)
+    model = with_effects(c.extended.model, effects)
+    for e in (e for e in effects if e.cause == "quantization"):
+        model = _better(model.without(e), model, train)
     return replace(c, baseline=baseline, extended=replace(c.extended, model=model), train=tuple(train), held=tuple(held))
+
+
+def _better(one: Model, other: Model, sessions: list[Session]) -> Model:
+    """The one that is nearer to the sessions."""
+    near, far = (sum(float(np.sum(residual(m, s) ** 2 * s.weight)) for s in sessions) for m in (one, other))
+    return one if near <= far else other
 
 
 def _gain_of(model: Model, symptom: Symptom, sessions: list[Session]) -> dict[str, Any]:
     """What the effect of one symptom is worth: the extended model without and with it."""
-    made = effect_of(symptom)
-    mine = next((e for e in model.effects if e == made), None)
+    mine = next((e for e in model.effects if e == effect_of(symptom)), None)
     if mine is None:
         return {}
     without = model.without(mine)

@@ -36,10 +36,13 @@ class Inspected:
     sessions: list[Session]
     whole: list[Session]
 
-    @property
-    def spoiled(self) -> bool:
-        """Whether the record is wrong in a way that no fit should see."""
-        return any(s.cause == "data_error" for s in self.symptoms)
+    def carrying(self, beyond: list[np.ndarray], weights: list[np.ndarray]) -> "Inspected":
+        """The same with what each session's twin says beyond the model, (C, N), and where it says something (C, n)."""
+
+        def all_of(sessions: list[Session]) -> list[Session]:
+            return [replace(s, beyond=b, weight=s.weight * w) for s, b, w in zip(sessions, beyond, weights, strict=True)]
+
+        return replace(self, sessions=all_of(self.sessions), whole=all_of(self.whole))
 
 
 def inspect(recordings: list) -> Inspected:

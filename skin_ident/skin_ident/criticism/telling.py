@@ -29,8 +29,8 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     entries = findings["findings"]
     for entry, symptom, gain in zip(entries, symptoms, judged.symptoms, strict=False):
         entry["gain"] |= gain
-        entry["evidence"] |= _simulated(symptom)
-        if symptom.cause in PREDICTS:
+        entry["evidence"] |= _simulated(symptom, bool(gain))
+        if gain:
             entry["hid_in"] = moved(judged.naive, c.baseline.model, c)
     for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):
         entry["hid_in"] = hid_in(named, c)
@@ -39,11 +39,12 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     return {**findings, "recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds}
 
 
-def _simulated(symptom: Symptom) -> dict[str, Any]:
+def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
     effect = effect_of(symptom)
     if effect is None:
-        return {"simulated": "the catalogue has no effect for this; the model stays without it"}
-    said = "in the extended model" if symptom.cause in PREDICTS else "in the extended model, at random: it predicts nothing"
+        return {"simulated": "no: the simulated chain has no place for this"}
+    why = "the noise carries readings across the steps" if symptom.cause in PREDICTS else "it comes at random"
+    said = "yes, and held-out data are predicted with it" if predicts else f"yes, but nothing is predicted with it, for {why}"
     return {"simulated": said, "forms": [type(effect).__name__]}
 
 

@@ -1,0 +1,106 @@
+"""What telemetry finds is in the extended model, bends the search no more, and says what it had been hiding in."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.faults import effect_of
+from skin_ident.criticism.telemetry.quantization import find_quantization
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
+from skin_models.model_file import load_model, save_model
+from skin_models.signals import motion
+
+SKIN = Model(Dispersion(m=0.000432, b1=939.5, k1=9619.0, b2=629.2, k2=2766.0), shares=(1.0, 0.4, 0.2))
+T = np.arange(4000) / 100.0
+NOISE = 0.03
+
+
+def session(seed, change=lambda taxels, rng: taxels, declared=Declared(), noise=NOISE):
+    rng = np.random.default_rng(seed)
+    depth = np.convolve(np.interp(T, np.linspace(0, T[-1], 90), np.repeat(rng.uniform(0.1e-3, 0.9e-3, 45), 2)), np.hanning(41) / 20, "same")
+    out = SKIN.simulate(motion(T, depth))
+    force, taxels = (y + noise * rng.standard_normal(y.shape) for y in (out.force, out.taxels))
+    return Recording(f"session_{seed}", T, depth, force, change(taxels, rng), declared=declared)
+
+
+def diagnosed(change, **more):
+    recordings = [session(i, change, **more) for i in range(3)]
+    return diagnose(recordings[:2], recordings[2:])
+
+
+def entries(outcome):
+    return [(f["cause"], f["where"]) for f in outcome.findings["findings"]]
+
+
+def test_a_silent_taxel_bends_nothing_and_is_simulated_silent():
+    outcome = diagnosed(lambda y, rng: np.vstack([y[0], np.full(y.shape[1], 2.5), y[2]]))
+    finding = outcome.findings["findings"][0]
+    assert entries(outcome) == [("dead_taxel", "taxel_1")] and outcome.findings["verdict"] == "explained"
+    assert finding["gain"]["held_out_rmse_after"] < 1e-9 < 1.0 < finding["gain"]["held_out_rmse_before"]
+    extended = outcome.findings["extended"]["parameters"]
+    assert extended["k1"]["value"] == pytest.approx(9619.0, rel=0.01)
+    assert np.allclose(outcome.model.simulate(motion(T, 1e-4 * np.ones(T.size))).taxels[1], 2.5)
+
+
+def test_a_clipped_taxel_is_cut_and_what_the_baseline_hid_it_in_is_said(tmp_path):
+    outcome = diagnosed(lambda y, rng: np.minimum(y, np.array([[5.0], [9.0], [9.0]])))
+    assert entries(outcome) == [("saturation", "taxel_0")]
+    finding, worth = outcome.findings["findings"][0], outcome.findings["gain_by_channel"]["taxel_0"]
+    assert finding["hid_in"]["k1"]["before"] < 0.97 * 9619.0 and finding["hid_in"]["k1"]["after"] == pytest.approx(9619.0, rel=0.01)
+    assert worth["held_out_rmse_after"] < 1.2 * worth["noise_floor"] and worth["ci95"][0] > 0.0
+    save_model(outcome.model, tmp_path / "model.yaml", outcome.std)
+    assert load_model(tmp_path / "model.yaml").simulate(motion(T, 8e-4 * np.ones(T.size))).taxels[0].max() == pytest.approx(5.0, abs=0.05)
+
+
+def test_what_comes_at_random_is_simulated_and_claims_no_gain():
+    def spoil(y, rng):
+        y = y + 0.3 * np.sin(2 * np.pi * 31.0 * T + rng.uniform(0, 6)) * np.array([[0.0], [1.0], [0.0]])
+        y[0] += 3.0 * rng.standard_normal(T.size) * (rng.random(T.size) < 0.006)
+        return y
+
+    outcome = diagnosed(spoil)
+    assert set(entries(outcome)) == {("interference", "taxel_1"), ("outliers", "taxel_0")}
+    for f in outcome.findings["findings"]:
+        assert f["gain"]["ci95"] == [0.0, 0.0] and f["evidence"]["simulated"].startswith("yes, but")
+    one = outcome.model.simulate(motion(T, np.full(T.size, 4e-4)), seed=1).taxels
+    assert np.std(one[1]) == pytest.approx(0.3 / np.sqrt(2), rel=0.15) and np.abs(one[0] - np.median(one[0])).max() > 1.0
+
+
+def test_noise_that_is_not_as_declared_is_told_in_newtons_and_simulated():
+    outcome = diagnosed(lambda y, rng: y, declared=Declared(force_noise_n=0.01))
+    finding = outcome.findings["findings"][0]
+    assert entries(outcome) == [("noise", "load_cell")] and "N, 3 times what is expected" in finding["evidence"]["why"]
+    noisy = outcome.model.simulate(motion(T, np.full(T.size, 4e-4)), seed=1).force
+    assert np.std(noisy) == pytest.approx(NOISE, rel=0.15)
+
+
+def test_one_taxel_with_steps_unlike_the_others_needs_no_declaration():
+    steps = np.array([[0.05], [0.2], [0.06]])
+    made = [session(i, lambda y, rng: steps * np.round(y / steps)) for i in range(2)]
+    (found,) = find_quantization(made)
+    assert (found.where, found.parameters["step"]["value"]) == ("taxel_1", pytest.approx(0.2))
+    assert "the other taxels" in found.evidence["why"]
+    two = [replace(r, taxels=r.taxels[:2], taxel_names=(), taxel_units=()) for r in made]
+    assert not find_quantization(two)
+
+
+def test_how_much_was_compared_is_said():
+    content = diagnosed(lambda y, rng: y).findings
+    assert content["verdict"] == "nothing_wrong"
+    for r in content["recordings"]:
+        assert r["compared"]["samples"] > 500 and r["compared"]["left_out"] >= 0
+
+
+@pytest.mark.parametrize("symptom", [
+    Symptom("outliers", "rig", ("depth",), {"rate": quantity(1, "1/s"), "size": quantity(1e-5, "m")}, {}),
+    Symptom("data_error", "load_cell", ("force",), {}, {}),
+    Symptom("quantization", "rig", ("depth",), {"step": quantity(1e-5, "m")}, {}),
+])  # fmt: skip
+def test_what_has_no_place_in_the_chain_has_no_effect(symptom):
+    assert effect_of(symptom) is None
