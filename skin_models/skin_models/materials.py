@@ -3,6 +3,7 @@
     material("silicone_4mm").model             the mean specimen
     population("silicone_4mm", 100, seed=1)    a hundred specimens
     silicone(5e-3)                             a thickness between the measured ones, with its uncertainty
+    frubber_transmission(1e-3, dt)             Frubber from applied to sensed force, as a filter
 
 A file in `data/materials` is a model file (`skin_models.model_file`) whose parameters carry the printed `std`, and whose notes give
 thickness, spread width and unit-to-unit variation where they were measured.
@@ -22,6 +23,8 @@ from skin_models.dispersion import Dispersion
 from skin_models.errors import ModelError
 from skin_models.model import Model
 from skin_models.model_file import load_model
+from skin_models.thesis.tables import transfer_functions
+from skin_models.transmission import Transmission
 
 SILICONE = ("silicone_2mm", "silicone_4mm", "silicone_6mm")
 SCALED = ("b1", "k1", "b2", "k2")
@@ -136,3 +139,20 @@ def _curve(h: np.ndarray, at: np.ndarray, x: float) -> tuple[float, float]:
     i = 1 if inside > h[1] else 0
     line = at[i] + (at[i + 1] - at[i]) / (h[i + 1] - h[i]) * (x - h[i])
     return value, abs(value - max(line, 0.0)) / 2.0
+
+
+def frubber_transmission(speed: float, dt: float) -> Transmission:
+    """4 mm of Frubber from applied to sensed force at sample period `dt` (s): the filter of eq 32 with Table 4-7.
+
+    It was identified at a deformation speed of 0.25 mm/s (one experiment) and of 1 mm/s (the mean of two is taken). Its parameters differ
+    by factors of 4 to 24 between the two, so Frubber is not linear force to force either, and other speeds raise `ModelError`.
+
+    This is no `Material`, and cannot be one: Table 4-7 prints every parameter over a mass that it does not print. Force to force the
+    mass drops out (here it is 1 kg); from depth to force it is the scale. Were it taken from the stiffness of Table 4-6, it would be
+    41 kg: no mass of skin, but what a filter of second order makes of a nonlinear skin's lag.
+    """
+    found = [t for t in transfer_functions() if math.isclose(t.speed, speed, rel_tol=0.01)]
+    if not found:
+        raise ModelError(f"Frubber was identified force to force at 0.25 and at 1 mm/s, not at {speed * 1e3:g} mm/s")
+    mean = {p: float(np.mean([getattr(t, p) for t in found])) for p in SCALED}
+    return Transmission(Dispersion(m=1.0, **mean), dt)

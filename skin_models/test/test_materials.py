@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
 from skin_models.errors import ModelError
-from skin_models.materials import SCALED, SILICONE, material, names, population, silicone
+from skin_models.materials import SCALED, SILICONE, frubber_transmission, material, names, population, silicone
 from skin_models.thesis.tables import estimates, table
 
 
@@ -75,3 +76,22 @@ def test_it_does_not_extrapolate_unless_asked():
     for thickness in (20e-3, np.nan, -1e-3):
         with pytest.raises(ModelError, match="too far"):
             silicone(thickness, extrapolate=True)
+
+
+@pytest.mark.parametrize(("speed", "rows"), [(0.25e-3, ["1"]), (1e-3, ["2", "3"])])
+def test_frubber_force_to_force_is_the_filter_of_table_4_7(speed, rows):
+    dt, t = 0.01, np.arange(3000) * 0.01
+    force = 3.0 + 2.0 * np.sin(1.3 * t)
+    b1, k1, b2, k2 = (np.mean([table("4-7").rows[row][f"{p}_over_m"].value for row in rows]) for p in ("b1", "k1", "b2", "k2"))
+    _, expected, _ = lsim(([b1, k1], [1.0, b1 + b2, k1 + k2]), force, t)
+    state, filtered = (f := frubber_transmission(speed, dt)).initial(), []
+    for value in force:
+        state, sensed = f.step(state, np.array([value]))
+        filtered.append(sensed[0])
+    assert np.array(filtered[2500:]) == pytest.approx(expected[2500:], abs=1e-6)  # both start from a state of their own
+    assert 0.7 < f.dispersion.sensed_share < 0.8
+
+
+def test_frubber_at_other_speeds_is_refused():
+    with pytest.raises(ModelError, match=r"0.25 and at 1 mm/s, not at 0.5 mm/s"):
+        frubber_transmission(0.5e-3, 0.01)

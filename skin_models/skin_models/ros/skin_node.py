@@ -31,6 +31,7 @@ from skin_models.ros.taxel_output import TaxelOutput
 from skin_models.ros.ticking import Ticking
 from skin_models.ros.viewing import Viewing
 from skin_models.simulated_skin import SimulatedSkin
+from skin_models.spread.noted import THESIS_WIDTH
 
 try:
     from ros_gz_interfaces.msg import Contacts as GazeboContacts
@@ -83,6 +84,9 @@ class SkinNode(Node):
         with self._loaded:
             self._skin, self._state, self._layout, self._reading = skin, state, layout, None
         effects = ", ".join(f"{e.cause} in {e.where}" for e in model.effects) or "no effects"
+        if "spread_width" not in model.notes and not settings.spread_width and len(layout) > 1:
+            said = f"{model.name} does not say how wide it spreads a force"
+            self.get_logger().warning(f"{said}: taken as {1e3 * THESIS_WIDTH:g} mm, that of 4 mm silicone (parameter spread_width)")
         self._about = f"{model.name} ({effects}), {len(layout)} taxels, driven by {settings.drive}"
         self._output.layout(layout, self.get_clock().now().to_msg())
         if self._viewing:

@@ -1,11 +1,13 @@
 """The spread that the notes of a model describe, so that one YAML file carries it to the simulated skin.
 
-notes:
-  spread_width: {value: 0.00525, unit: m}           a Gaussian of this width, unless there is a table
-  spread:                                           all optional
-    table: {at: [0.0, 0.5, …], shares: [1.0, 0.9, …]}   distances in widths, and the shape there
-    growth: {value: 100.0, unit: 1/m}               relative growth of the width per depth
-    ratio: {value: 1.1, unit: 1}                    width along x over width along y
+    notes:
+      spread_width: {value: 0.00525, unit: m}           a Gaussian of this width, unless there is a table
+      spread:                                           all optional
+        table: {at: [0.0, 0.5, …], shares: [1.0, 0.9, …]}   distances in widths, and the shape there
+        growth: {value: 100.0, unit: 1/m}               relative growth of the width per depth
+        ratio: {value: 1.1, unit: 1}                    width along x over width along y
+
+Effects of the spread (`skin_models.spread.bending`) bend what is written here.
 """
 
 from collections.abc import Mapping
