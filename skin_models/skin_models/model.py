@@ -64,7 +64,11 @@ class Model:
 
     def at(self, place: Place) -> tuple[Effect, ...]:
         """The effects at one place of the chain."""
-        return tuple(e for e in self.effects if e.place is place)
+        return self._by_place[place]
+
+    @cached_property
+    def _by_place(self) -> dict[Place, tuple[Effect, ...]]:
+        return {place: tuple(e for e in self.effects if e.place is place) for place in Place}
 
     def extended(self, effect: Effect) -> "Model":
         """The same model with one more effect."""
@@ -125,12 +129,13 @@ class Model:
         pressing = skin * run.contact
         if not _pressed(run.tip):
             pressing = pressing * (pressing.sum(axis=0) > 0.0)  # effects of the skin may make it press less, never pull
-        return self._from_surface(replace(run, skin=skin), self._through(Place.SURFACE, pressing, run.tip, act), act)
+        # `Run(…)` and not `replace` here and below: these lines run for every single sample.
+        return self._from_surface(Run(run.motion, run.tip, run.contact, skin), self._through(Place.SURFACE, pressing, run.tip, act), act)
 
     def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":
         applied = surface.sum(axis=0) + self.dispersion.inertial(run.tip) * run.contact
         force = self._through(Place.LOAD_CELL, applied, run.tip, act)
-        run = replace(run, surface=surface, response=Response(force, None, applied, None))
+        run = Run(run.motion, run.tip, run.contact, run.skin, surface, None, Response(force, None, applied, None))
         return self._from_spread(run, self._spread(run.tip, np.ones_like(applied), act), act)
 
     def _spread(self, tip: Any, ones: Any, act: Callable) -> Any:
@@ -151,11 +156,17 @@ class Model:
             if s.lateral is not None:
                 raise ModelError("a contact that moves across the skin needs a model with the positions of its taxels")
             return s
+        if s.lateral is None and isinstance(s, Sample) and not self._finds_taxels:
+            return s  # for speed: nobody would look
         offset = self._places.positions.T
         if s.lateral is not None:
             lateral = np.asarray(s.lateral, float)
             offset = offset.reshape(2, -1, *([1] * (lateral.ndim - 1))) - lateral[:, None]
         return replace(s, footprint=Footprint(self._places, offset, self._kernel))
+
+    @cached_property
+    def _finds_taxels(self) -> bool:
+        return any(e.finds_taxels for e in self.effects)
 
     @cached_property
     def _places(self) -> Places:
@@ -175,7 +186,8 @@ class Model:
     def _from_spread(self, run: "Run", shares: Any, act: Callable) -> "Run":
         sensed = shares * run.surface[0]
         taxels = self._through(Place.TAXEL, sensed, run.tip, act)
-        return replace(run, shares=shares, response=replace(run.response, taxels=taxels, taxels_truth=sensed))
+        response = Response(run.response.force, taxels, run.response.force_truth, sensed)
+        return Run(run.motion, run.tip, run.contact, run.skin, run.surface, shares, response)
 
     def _through(self, place: Place, y: Any, context: Any, act: Callable) -> Any:
         for e in self.at(place):
@@ -230,6 +242,8 @@ class _Stepper:
     def moved(self, s: Sample, x: float) -> Sample:
         self.shift = x - s.x
         last = self.shift if self.before.shift is None else self.before.shift
+        if x is s.x and isinstance(last, float) and last == 0.0:  # one contact, and nothing acts there
+            return s
         return replace(s, x=x, v=s.v + (self.shift - last) / self.dt)
 
     def touched(self, dispersion: Dispersion, tip: Sample) -> bool:
