@@ -1,6 +1,6 @@
 """How well the driver keeps its time, beside what a user would write instead.
 
-    ./skin bench sampling [--seconds 10] [--rates 100 500 1000] [--taxels 4 64]
+    bench_sampling.py [--seconds 10] [--rates 100 500 1000] [--taxels 4 64]        (./skin bench sampling: as it stands)
 
 Same machine, same minute, same messages (JointState, WrenchStamped, TaxelArray):
     driver       the installed driver with its simulated rig
@@ -8,7 +8,8 @@ Same machine, same minute, same messages (JointState, WrenchStamped, TaxelArray)
     bare loop    time.sleep to absolute deadlines, nothing else: what this machine can do
 
 Every publisher is a process of its own; period and latency are those of the force messages as they reach this process. Jitter is the
-deviation of the period between publications (source timestamps; of the loop's own clock for the bare loop). CPU is that of the publisher.
+deviation of the period between publications (source timestamps; of the loop's own clock for the bare loop). CPU is that of the publisher:
+of its busiest thread, which publishes, and of the whole process. The driver's also simulates the rig, checks limits and watches sensors.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import rclpy
@@ -28,8 +30,6 @@ from skin_testbed_msgs.msg import TaxelArray
 
 from skin_models.ros.processes import Domain, Process, executable
 
-TICK = os.sysconf("SC_CLK_TCK")
-
 
 @dataclass(frozen=True)
 class Row:
@@ -38,6 +38,7 @@ class Row:
     name: str
     periods: np.ndarray
     latencies: np.ndarray
+    thread: float
     cpu: float
 
 
@@ -71,15 +72,13 @@ def bare_loop(rate: float, seconds: float) -> np.ndarray:
     return np.diff(times)
 
 
-def cpu_seconds(pid: int) -> float:
-    """CPU time that a process has used."""
-    with open(f"/proc/{pid}/stat") as file:  # noqa: PTH123
-        fields = file.read().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / TICK
+def cpu_seconds(pid: int) -> dict[str, float]:
+    """CPU time (s) that every thread of a process has used. The scheduler's own count: finer than the ticks of `stat`."""
+    return {task.name: 1e-9 * int((task / "schedstat").read_text().split()[0]) for task in Path(f"/proc/{pid}/task").iterdir()}
 
 
-def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Periods, latencies and CPU share of a publisher while it runs steadily."""
+def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Periods, latencies and CPU shares (busiest thread, process) of a publisher while it runs steadily."""
     context = rclpy.context.Context()
     rclpy.init(context=context, domain_id=domain.id)
     node = rclpy.create_node("bench", context=context)
@@ -97,11 +96,12 @@ def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tup
     skipped, cpu, start = len(sent), cpu_seconds(process.pid), time.monotonic()
     while time.monotonic() - start < seconds:
         executor.spin_once(timeout_sec=0.1)
-    share = (cpu_seconds(process.pid) - cpu) / (time.monotonic() - start)
+    passed = time.monotonic() - start
+    shares = [(used - cpu.get(thread, 0.0)) / passed for thread, used in cpu_seconds(process.pid).items()]
     executor.shutdown()
     node.destroy_node()
     rclpy.shutdown(context=context)
-    return 1e-9 * np.diff(sent[skipped:]), 1e-9 * np.array(latency[skipped:]), share
+    return 1e-9 * np.diff(sent[skipped:]), 1e-9 * np.array(latency[skipped:]), max(shares), sum(shares)
 
 
 def measure(rate: float, taxels: int, seconds: float) -> list[Row]:
@@ -116,14 +116,14 @@ def measure(rate: float, taxels: int, seconds: float) -> list[Row]:
             rows.append(Row(name, *listen(domain, process, rate, seconds)))
             process.end()
     loop = subprocess.run([*here, "--loop", "--seconds", str(seconds)], capture_output=True, check=True)
-    rows.append(Row("bare loop", np.frombuffer(loop.stdout), np.empty(0), float("nan")))
+    rows.append(Row("bare loop", np.frombuffer(loop.stdout), np.empty(0), float("nan"), float("nan")))
     return rows
 
 
 def show(rate: float, taxels: int, rows: list[Row]) -> None:
     """One block of the table, µs."""
     print(f"\n{rate:g} Hz, {taxels} taxels")
-    print(f"{'':14}{'samples':>8}{'missed':>8}{'p50':>8}{'p99':>8}{'p99.9':>8}   {'latency p50':>12}{'p99':>8}{'CPU':>7}   µs, % of a core")
+    print(f"{'':14}{'samples':>8}{'missed':>8}{'p50':>8}{'p99':>8}{'p99.9':>8}   {'latency p50':>12}{'p99':>8}{'thread':>8}{'CPU':>7}   µs, % of a core")
     for row in rows:
         jitter = 1e6 * np.abs(row.periods - 1.0 / rate)
         missed = max(round(row.periods.sum() * rate) - row.periods.size, 0)
@@ -131,11 +131,12 @@ def show(rate: float, taxels: int, rows: list[Row]) -> None:
         line = f"{row.name:14}{row.periods.size + 1:8d}{missed:8d}{p50:8.0f}{p99:8.0f}{p999:8.0f}"
         if row.latencies.size:
             half, most = 1e6 * np.percentile(row.latencies, (50, 99))
-            line += f"   {half:12.0f}{most:8.0f}{100.0 * row.cpu:7.1f}"
+            line += f"   {half:12.0f}{most:8.0f}{100.0 * row.thread:8.1f}{100.0 * row.cpu:7.1f}"
         print(line)
-    driver, timer = (row.cpu * row.periods.sum() / row.periods.size for row in rows[:2])
+    cpu = [np.array([row.thread, row.cpu]) * row.periods.sum() / row.periods.size for row in rows[:2]]
+    thread, process = cpu[0] / cpu[1]
     p99 = [np.percentile(np.abs(r.periods - 1.0 / rate), 99) for r in rows]
-    print(f"driver / bare loop: p99 jitter x {p99[0] / p99[2]:.2f}; driver / timer: CPU per sample x {driver / timer:.2f}")
+    print(f"driver / bare loop: p99 jitter x {p99[0] / p99[2]:.2f}; driver / timer: CPU per sample x {thread:.2f} (thread), {process:.2f} (process)")
 
 
 def main() -> None:

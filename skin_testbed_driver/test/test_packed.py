@@ -15,7 +15,7 @@ from skin_testbed_driver.ros.packed import Packed
 def test_numbers_written_into_the_bytes_are_those_that_are_read(frame):
     message = WrenchStamped()
     message.header.frame_id = frame
-    packed = Packed(message, "wrench.force.z").with_stamp((1700000000, 123456789)).set_number("wrench.force.z", -1.25)
+    packed = Packed(message, "wrench.force.z", behind=24).with_stamp((1700000000, 123456789)).set_number("wrench.force.z", -1.25)
     read = deserialize_message(packed.data(), WrenchStamped)
     message.header.stamp.sec, message.header.stamp.nanosec, message.wrench.force.z = 1700000000, 123456789, -1.25
     assert read == message
@@ -37,12 +37,12 @@ def test_arrays_of_any_length_find_their_place(count, frame):
 def test_strict_readers_find_no_byte_too_many():
     rosbags = pytest.importorskip("rosbags.typesys")
     store = rosbags.get_typestore(rosbags.Stores.ROS2_JAZZY)
-    packed = Packed(JointState(name=["indentation"], position=[0.0], velocity=[0.0]), "position", "velocity")
+    packed = Packed(JointState(name=["indentation"], position=[0.0], velocity=[0.0]), "position", "velocity", behind=4)
     read = store.deserialize_cdr(packed.set_number("position", 1.5).data(), "sensor_msgs/msg/JointState")
     assert read.name == ["indentation"] and list(read.position) == [1.5]
 
 
 def test_what_does_not_fit_is_refused():
-    packed = Packed(TaxelArray(force=[0.0] * 3), "force")
+    packed = Packed(TaxelArray(force=[0.0] * 3), "force", behind=8)
     with pytest.raises(ValueError, match="room for 24 bytes"):
         packed.set("force", np.zeros(4))

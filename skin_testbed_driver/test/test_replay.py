@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from skin_models.layout import row_from_origin
 from skin_testbed_driver.rig import RigError
 from skin_testbed_driver.rigs.replay import Recorded, ReplayRig, Track
-from skin_testbed_driver.rigs.simulated import row_from_origin
 from skin_testbed_driver.rigs.table import read_table
 
 TABLE = "t_s\tx_mm\tforce_n\ttaxel_0_n\n0.00\t0.0\t0.0\t0.0\n0.01\t0.1\t1.0\t0.5\n0.02\t0.2\t2.0\t1.0\n"

@@ -28,7 +28,8 @@ def test_replay(graph, tmp_path):
     graph.command((2.0, 1e-3, 0.0))
     assert record(graph, tmp_path / "a", 400).end(30.0) == 0
     driver.end(30.0)
-    graph.processes.start("skin_testbed_driver", "driver_node", parameters={"rig": "replay", "recording": str(tmp_path / "a")})
+    replay = {"rig": "replay", "recording": str(tmp_path / "a"), "time_scale": 10.0}  # as it was recorded
+    graph.processes.start("skin_testbed_driver", "driver_node", parameters=replay)
     states = graph.hear(DriverState, "driver_state")
     encoder = graph.hear(JointState, "encoder")
     graph.wait(lambda: any("has ended" in s.reason for s in states), "the end of the recording")

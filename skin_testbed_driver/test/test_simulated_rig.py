@@ -6,6 +6,7 @@ import pytest
 
 from skin_models.catalogue import effect_class
 from skin_models.dispersion import Dispersion
+from skin_models.effects.off_centre import OffCentre
 from skin_models.model import Model
 from skin_models.signals import motion
 from skin_testbed_driver.calibration import LOAD_CELL_SLOPE, thesis_calibration
@@ -101,3 +102,17 @@ def test_the_x_y_stage_brings_other_taxels_under_the_plunger():
     assert rig.placed() == pytest.approx((0.014, 0.0))
     assert reading.taxels_truth[1] == pytest.approx(9.619, rel=1e-6)
     assert reading.taxels_truth[0] == pytest.approx(9.619 * math.exp(-((0.014 / 0.00525) ** 2)), rel=1e-6)
+
+
+def test_a_contact_off_centre_and_a_spread_of_another_shape_show_wherever_the_stage_is():
+    shares = (1.0, math.exp(-((0.014 / 0.00525) ** 2)))
+    notes = {**SILICONE.notes, "spread": {"ratio": {"value": 1.5, "unit": "1"}}}
+    beside = OffCentre(where="rig", dx=2e-3, dy=0.0)
+    rig = rig_of(replace(SILICONE, shares=shares, notes=notes, effects=(beside,)), imperfections=IDEAL)
+    rig.open(100.0)
+    rig.place(0.01, 0.0)
+    rig.command(SURFACE + 1e-3, 0.0)
+    for _ in range(200):
+        reading = rig.read()
+    width = 0.00525 * math.sqrt(1.5)
+    assert reading.taxels_truth[0] == pytest.approx(9.619 * math.exp(-((0.012 / width) ** 2)), rel=1e-6)

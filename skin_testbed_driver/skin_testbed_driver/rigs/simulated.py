@@ -2,8 +2,8 @@
 
 Stage (Newport UTMCC1HL, thesis section 3.1): 150 mm of travel, 20 mm/s, encoder of 1 um. It goes from set point to set point by a cubic
 and comes to rest 1 to 5 um beside where it should, which the encoder shows; its screw is true to 5 um over the travel, which the encoder
-does not show. An x-y stage brings other points of the skin under the plunger; what a taxel beside it senses falls as the thesis's
-Gaussian (section 4.3.4). Load cell and taxels are volts behind a 12-bit converter of +-10 V (NI 9201); the taxels' conditioner ends at
+does not show. An x-y stage brings other points of the skin under the plunger; what a taxel beside it senses falls as the model's spread
+says, by default the thesis's Gaussian (section 4.3.4). Load cell and taxels are volts behind a 12-bit converter of +-10 V (NI 9201); the taxels' conditioner ends at
 0 and 5 V.
 """
 
@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from skin_models.layout import A201_AREA, Layout, arbitrary
+from skin_models.layout import Layout, row_from_origin
 from skin_models.model import Model
 from skin_models.signals import Sample
-from skin_models.simulated_skin import spread_width
 from skin_testbed_driver.calibration import Calibration
 from skin_testbed_driver.rig import Reading, Rig
 
@@ -29,15 +28,7 @@ _SCREW_PERIOD = 0.04  # m, of the screw's error
 _SETTLING = 0.2  # s, with which the servo error dies away or sets in
 _STILL = 1e-9  # m/s
 _LATERAL_SPEED = 0.01  # m/s, of the x-y stage
-_PITCH = 0.014  # m, of the thesis's array (section 4.3.3)
 PLUNGER_DIAMETER = 9.9e-3  # m
-
-
-def row_from_origin(count: int) -> Layout:
-    """The thesis's row of taxels along x, the first at the origin."""
-    positions = np.zeros((count, 3))
-    positions[:, 0] = _PITCH * np.arange(count)
-    return arbitrary(positions, np.tile([0.0, 0.0, 1.0], (count, 1)), A201_AREA)
 
 
 @dataclass(frozen=True)
@@ -72,9 +63,8 @@ class SimulatedRig(Rig):
         The model's shares are those with the plunger at the origin of the skin's frame.
         """
         self.layout = layout or row_from_origin(len(model.shares))
-        self._model, self._width, self._slopes, self._load_cell_slope = (
-            model, spread_width(model), calibration.taxels, calibration.load_cell
-        )  # fmt: skip
+        self._model = replace(model, positions=tuple(map(tuple, self.layout.positions[:, :2].tolist())))
+        self._slopes, self._load_cell_slope = calibration.taxels, calibration.load_cell
         self._surface, self._seed, self._real = surface, seed, imperfections or Imperfections()
         self._start = start
         self._noise = np.array([self._real.load_cell_noise] + len(self.layout) * [self._real.taxel_noise])
@@ -90,7 +80,6 @@ class SimulatedRig(Rig):
         self._error_speed = 0.0
         self._time = 0.0
         self._xy = self._xy_target = np.zeros(2)
-        self._shares = self._model
 
     def command(self, position: float, velocity: float) -> None:
         self._next = (min(max(position, self.travel[0]), self.travel[1]), velocity)
@@ -116,7 +105,8 @@ class SimulatedRig(Rig):
         self._move()
         tip, speed = self._tip()
         self._move_laterally()
-        self._state, response = self._shares.step(self._state, Sample(self._time, tip, speed, self._a), self._dt)
+        lateral = self._xy if self._xy.any() else None
+        self._state, response = self._model.step(self._state, Sample(self._time, tip, speed, self._a, lateral), self._dt)
         self._time += self._dt
         volts = self._volts(float(response.force), response.taxels)
         return Reading(
@@ -143,16 +133,12 @@ class SimulatedRig(Rig):
         self._x, self._v = x1, v1
 
     def _move_laterally(self) -> None:
-        """One period towards the place asked for. `_shares` is the model with what every taxel gets of the force here."""
+        """One period towards the place asked for."""
         way = self._xy_target - self._xy
         distance = float(np.hypot(*way))
         if distance == 0.0:
             return
         self._xy = self._xy + way * min(1.0, _LATERAL_SPEED * self._dt / distance)
-        taxels = self.layout.positions[:, :2]
-        squared = np.sum((taxels - self._xy) ** 2, axis=1) - np.sum(taxels**2, axis=1)
-        shares = np.array(self._model.shares) * np.exp(-squared / self._width**2)
-        self._shares = replace(self._model, shares=tuple(shares.tolist()))
 
     def _tip(self) -> tuple[float, float]:
         """Depth (m) and speed (m/s) of the plunger's face: the servo's position with the screw's error."""

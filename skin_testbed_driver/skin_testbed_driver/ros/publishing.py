@@ -56,11 +56,11 @@ class Publishing:
         volts, plain = TaxelArray(**zeros, voltage=[0.0] * count), TaxelArray(**zeros)
         force.header.frame_id = settings.force_frame
         volts.header.frame_id = plain.header.frame_id = settings.skin_frame
-        self._encoder_bytes = Packed(encoder, "position", "velocity")
-        self._force_bytes = Packed(force, "wrench.force.z")
+        self._encoder_bytes = Packed(encoder, "position", "velocity", behind=4)  # the length of no efforts
+        self._force_bytes = Packed(force, "wrench.force.z", behind=24)  # the torque
         # By the number of voltages: a rig that measures force has none.
         self._taxels_bytes = {0: Packed(plain, "force", "voltage", "status"), count: Packed(volts, "force", "voltage", "status")}
-        self._truth_bytes, self._unknown = Packed(plain, "force"), np.full(count, np.nan)
+        self._truth_bytes, self._unknown = Packed(plain, "force", "status"), np.full(count, np.nan)
 
     def sample(self, s: Sample, stamp: tuple[int, int]) -> None:
         """Publish one sample; all its messages bear the same stamp (s, ns)."""

@@ -10,7 +10,8 @@ from mcap.exceptions import McapError
 from mcap.stream_reader import StreamReader
 from rclpy.serialization import deserialize_message
 
-from skin_models.layout import Layout, arbitrary
+from skin_models.layout import Layout
+from skin_models.ros.taxel_output import layout_of
 from skin_testbed_driver.rig import RigError
 from skin_testbed_driver.rigs.replay import Recorded, Track
 from skin_testbed_driver.ros import JOINT
@@ -22,7 +23,7 @@ def read_bag(path: str) -> tuple[Recorded, Layout | None]:
     layout = None
     for role, message in _messages(path):
         if role == "taxel_layout":
-            layout = _layout(message)
+            layout = layout_of(message)
         elif role == "encoder" and JOINT in message.name:
             found[role].append((_nanoseconds(message), message.position[message.name.index(JOINT)]))
         elif role == "force":
@@ -78,9 +79,3 @@ def _track(samples: list[tuple[int, Any]], start: int) -> Track:
     t, values = np.array([1e-9 * (s[0] - start) for s in samples]), np.array([s[1] for s in samples])
     grows = np.concatenate([[True], np.diff(np.maximum.accumulate(t)) > 0.0])
     return Track(t[grows], values[grows])
-
-
-def _layout(message: Any) -> Layout:
-    positions = np.array([[p.x, p.y, p.z] for p in message.positions])
-    normals = np.array([[n.x, n.y, n.z] for n in message.normals])
-    return arbitrary(positions, normals, np.array(message.area), tuple(message.names))

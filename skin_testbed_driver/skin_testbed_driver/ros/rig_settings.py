@@ -1,23 +1,22 @@
 """The parameters that choose and describe the rig, and the rig they make."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
 from rclpy.node import Node
 
 from skin_models.errors import SkinError
-from skin_models.layout import Layout
+from skin_models.layout import Layout, row_from_origin
 from skin_models.layout_file import load_layout
+from skin_models.live import under_plunger
 from skin_models.materials import material, names
-from skin_models.model import Model
 from skin_models.model_file import load_model
 from skin_models.ros.parameters import setting
-from skin_models.simulated_skin import spread_width
+from skin_models.spread.noted import kernel_of
 from skin_testbed_driver.calibration import Calibration, load_calibration, thesis_calibration
 from skin_testbed_driver.rig import Rig
 from skin_testbed_driver.rigs.replay import ReplayRig
-from skin_testbed_driver.rigs.simulated import Imperfections, SimulatedRig, row_from_origin
+from skin_testbed_driver.rigs.simulated import Imperfections, SimulatedRig
 from skin_testbed_driver.rigs.table import read_table
 from skin_testbed_driver.ros.replayed_bag import read_bag
 from skin_testbed_driver.ros.topics_rig import TopicsRig, TopicsSettings
@@ -88,7 +87,7 @@ class RigSettings:
             raise SkinError(f"the model has shares for {len(model.shares)} taxels, but the layout has {len(layout)}")
         real = Imperfections(self.load_cell_noise, self.taxel_noise, self.rest_error, self.screw_error, self.quantised)
         start = _SURFACE - self.surface_offset + self.start_depth
-        return SimulatedRig(_spread(model, layout), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real)
+        return SimulatedRig(under_plunger(model, layout, kernel_of(model)), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real)
 
     def _replay(self, node: Node) -> Rig:
         if not self.recording:
@@ -110,12 +109,3 @@ class RigSettings:
 
     def _layout(self, count: int) -> Layout:
         return load_layout(self.layout_file) if self.layout_file else row_from_origin(self.taxels or count)
-
-
-def _spread(model: Model, layout: Layout) -> Model:
-    """The model of one taxel, with more of them beside it: each has the share of a Gaussian at its distance from the origin."""
-    if len(model.shares) == len(layout):
-        return model
-    squared = np.sum(layout.positions[:, :2] ** 2, axis=1)
-    shares = model.shares[0] * np.exp(-squared / spread_width(model) ** 2)
-    return replace(model, shares=tuple(shares.tolist()))
