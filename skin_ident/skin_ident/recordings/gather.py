@@ -6,8 +6,8 @@ from typing import Protocol
 import numpy as np
 
 from skin_ident.recordings.errors import RecordingError
-from skin_ident.recordings.places import Places
 from skin_ident.recordings.layout import Layout, NotPlain, learn
+from skin_ident.recordings.places import Places
 
 STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 
@@ -54,10 +54,10 @@ class Gatherer:
             self.lost += len(places)
             return
         self._make_room(len(places))
-        fits = self._fits(places, sizes)
-        if fits.all():
+        if self._all_fit(places, sizes):
             self._bulk(places, log_ns)
             return
+        fits = self._fits(places, sizes)
         for i, (size, stamp, fit) in enumerate(zip(sizes, log_ns, fits, strict=True)):
             if fit:
                 self._bulk(Places(places.buffer, places.starts[i : i + 1]), log_ns[i : i + 1])
@@ -103,6 +103,11 @@ class Gatherer:
                 new = np.zeros((self.count, *old.shape[1:]), old.dtype)
                 new[: self.size] = old[: self.size]
                 setattr(self, name, new)
+
+    def _all_fit(self, places: Places, sizes: np.ndarray) -> bool:
+        """Whether `_fits` holds for all of them, quicker."""
+        same = np.count_nonzero(sizes == self.layout.size) == sizes.size
+        return same and all(places.all_share(offset, content) for offset, content in self.layout.fixed)
 
     def _fits(self, places: Places, sizes: np.ndarray) -> np.ndarray:
         """Which messages have the layout: same size, same bytes wherever it says so."""

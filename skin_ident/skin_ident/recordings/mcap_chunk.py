@@ -104,19 +104,30 @@ def scan_messages(data, other: Callable[[int, memoryview], None] = lambda op, pa
 
 def indexed_messages(data, channel: int, entries: np.ndarray) -> Found | None:
     """The same for one channel from its message index, entries (n, 2) of log time and offset; None where the index does not fit."""
-    if len(entries) > 1 and not (entries[1:, 1] > entries[:-1, 1]).all():
-        entries = entries[np.argsort(entries[:, 1], kind="stable")]
-    offsets, logs = entries[:, 1].astype(np.int64), entries[:, 0].astype(np.int64)
-    if not offsets.size or offsets[0] < 0 or offsets[-1] + BEFORE > len(data):
-        return None if offsets.size else (channel, Places(data, offsets), offsets, logs)
-    places = Places(data, offsets)
-    first = places.raw(0, 11)  # opcode, size, channel
-    if places.share(0, first).all():
-        sizes = np.full(offsets.size, struct.unpack_from("<Q", first, 1)[0] - 22)
-        good = first[0] == MESSAGE and struct.unpack_from("<H", first, 9)[0] == channel
-    else:
-        sizes = places.at(1, "<u8").astype(np.int64) - 22
-        good = np.all((places.at(0, "u1") == MESSAGE) & (places.at(9, "<u2") == channel))
-    if not good or sizes.min() < 0 or (offsets + sizes).max() + BEFORE > len(data):
+    logs, places = entries[:, 0].view(np.int64), Places(data, entries[:, 1])
+    if not len(places):
+        return channel, places, np.empty(0, np.int64), logs
+    if not places.step:
+        order = np.argsort(entries[:, 1], kind="stable")
+        logs, places = logs[order], Places(data, entries[order, 1].astype(np.int64))
+        if places.starts[0] < 0:
+            return None
+    if places.last + BEFORE > len(data):
+        return None
+    sizes, end = _sizes(places, channel)
+    if sizes is None or end + BEFORE > len(data):
         return None
     return channel, places.moved(BEFORE), sizes, logs
+
+
+def _sizes(places: Places, channel: int) -> tuple[np.ndarray | None, int]:
+    """Bytes of every message's data and where the last ends; None where one of the records is no message of the channel."""
+    first = places.raw(0, 11)  # opcode, size, channel
+    if first[0] != MESSAGE or struct.unpack_from("<H", first, 9)[0] != channel:
+        return None, 0
+    if places.all_share(0, first):
+        size = struct.unpack_from("<Q", first, 1)[0] - 22
+        return (np.full(len(places), size), places.last + size) if 0 <= size < 1 << 40 else (None, 0)
+    sizes = places.at(1, "<u8").astype(np.int64) - 22
+    good = np.all((places.at(0, "u1") == MESSAGE) & (places.at(9, "<u2") == channel) & (sizes >= 0) & (sizes < 1 << 40))
+    return (sizes, int((places.starts + sizes).max())) if good else (None, 0)

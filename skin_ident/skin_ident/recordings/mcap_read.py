@@ -13,10 +13,11 @@ from skin_ident.recordings.mcap_file import DATA_END, HEAD, INDEX, Survey, recor
 from skin_ident.recordings.places import Places
 from skin_ident.recordings.timing import counted
 
-
 Add = Callable[[Places, np.ndarray, np.ndarray], None]  # where, sizes, log times (ns)
 
-AHEAD = 3  # chunks
+AHEAD = 2  # groups of chunks
+AT_ONCE = 2 << 20  # bytes of a group, as they lie in the file
+MOST = 3  # chunks of a group: unpacked, it should still fit into the cache
 
 
 def read_messages(found: Survey, takers: dict[int, Add]) -> tuple[str, ...]:
@@ -54,26 +55,45 @@ def _warnings(found: Survey, damaged: int, handed: dict[int, int]) -> tuple[str,
 
 def _opened(file: BinaryIO, chunks: list[tuple[int, int]]) -> Iterator[tuple[memoryview, object]]:
     """Chunk after chunk: its bytes with what follows, and its records or None where it is damaged. A few are fetched ahead."""
-
-    def fetch(i: int) -> tuple[memoryview, object]:
-        offset, length = chunks[i]
-        body = memoryview(buffers[i % len(buffers)])[:length]
-        file.seek(offset)
-        got = file.readinto(body)
-        try:
-            return body[:got], open_chunk(body[9:got])[0]
-        except ChunkError:
-            return body[:got], None
-
-    size = max((length for _, length in chunks), default=0)
+    groups = _grouped(chunks)
+    size = max((sum(length for _, length in group) for group in groups), default=0)
     buffers = [bytearray(size) for _ in range(AHEAD + 1)]  # used again and again: fresh memory costs more than reading
+
+    def fetch(i: int) -> list[tuple[memoryview, object]]:
+        left, out = memoryview(buffers[i % len(buffers)]), []
+        for offset, length in groups[i]:
+            out.append(_fetched(file, offset, left[:length]))
+            left = left[length:]
+        return out
+
     with ThreadPoolExecutor(1) as reader:
-        ahead = deque(reader.submit(fetch, i) for i in range(min(AHEAD, len(chunks))))
-        for i in range(len(chunks)):
-            now = ahead.popleft().result()
-            yield now
-            if i + AHEAD < len(chunks):
+        ahead = deque(reader.submit(fetch, i) for i in range(min(AHEAD, len(groups))))
+        for i in range(len(groups)):
+            yield from ahead.popleft().result()
+            if i + AHEAD < len(groups):
                 ahead.append(reader.submit(fetch, i + AHEAD))
+
+
+def _grouped(chunks: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
+    """A few neighbouring chunks together: handing each over by itself costs as much as reading it."""
+    groups: list[list[tuple[int, int]]] = []
+    size = AT_ONCE
+    for chunk in chunks:
+        if size + chunk[1] > AT_ONCE or len(groups[-1]) == MOST:
+            groups.append([])
+            size = 0
+        groups[-1].append(chunk)
+        size += chunk[1]
+    return groups
+
+
+def _fetched(file: BinaryIO, offset: int, body: memoryview) -> tuple[memoryview, object]:
+    file.seek(offset)
+    got = file.readinto(body)
+    try:
+        return body[:got], open_chunk(body[9:got])[0]
+    except ChunkError:
+        return body[:got], None
 
 
 def _messages(survey: Survey, body, data, takers) -> Iterator[Found]:

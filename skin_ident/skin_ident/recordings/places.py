@@ -1,5 +1,6 @@
 """Where the messages of one topic lie in a buffer, and how to look at the same spot in all of them at once."""
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,28 @@ class Places:
     """Messages that begin at `starts` (n,) of `buffer`. Where they are evenly spaced, as topics of one rate are, looking costs no copy."""
 
     def __init__(self, buffer: Any, starts: np.ndarray) -> None:
-        self.buffer, self.starts = buffer, starts
+        self.buffer, self.count, self._starts = buffer, starts.size, starts
         self.first, self.step = (int(starts[0]) if starts.size else 0), 0
         if starts.size > 1:
-            steps = np.diff(starts)
-            self.step = int(steps[0]) if steps[0] > 0 and (steps == steps[0]).all() else 0
+            step = int(starts[1]) - self.first
+            # unsigned offsets that fall wrap to huge steps, which equal no positive one
+            if step > 0 and np.count_nonzero(np.subtract(starts[1:], starts[:-1]) == step) == starts.size - 1:
+                self.step = step
 
     def __len__(self) -> int:
-        return self.starts.size
+        return self.count
+
+    @property
+    def starts(self) -> np.ndarray:
+        """Where the messages begin (n,)."""
+        if self._starts is None:
+            self._starts = self.first + self.step * np.arange(self.count)
+        return self._starts
+
+    @property
+    def last(self) -> int:
+        """Where the last of them begins, in their order."""
+        return self.first + self.step * (self.count - 1) if self.step else int(self.starts[-1])
 
     def only(self, keep: np.ndarray) -> "Places":
         """Some of the messages."""
@@ -25,33 +40,44 @@ class Places:
     def moved(self, by: int) -> "Places":
         """The same messages, each looked at from `by` bytes further on."""
         out = Places.__new__(Places)
-        out.buffer, out.starts, out.first, out.step = self.buffer, self.starts + by, self.first + by, self.step
+        out.buffer, out.count, out.first, out.step = self.buffer, self.count, self.first + by, self.step
+        out._starts = None if self.step else self.starts + by
         return out
 
-    def at(self, offset: int, code: str) -> np.ndarray:
+    def at(self, offset: int, code: str | np.dtype) -> np.ndarray:
         """The item of numpy's type `code` at an offset of every message (n,): a view where they are evenly spaced, else a copy."""
-        kind = np.dtype(code)
         if self.step:
-            return np.ndarray((self.starts.size,), kind, self.buffer, self.first + offset, (self.step,))
+            return np.ndarray((self.count,), code, self.buffer, self.first + offset, (self.step,))
+        kind = np.dtype(code)
         count = max(0, len(self.buffer) - kind.itemsize + 1)
         return np.ndarray((count,), kind, self.buffer, strides=(1,))[self.starts + offset]
 
+    def all_share(self, offset: int, content: bytes) -> bool:
+        """Whether every message holds these bytes at an offset: word by word, the last word overlapping the one before."""
+        return all(np.count_nonzero(self.at(offset + start, code) == word) == self.count for start, code, word in _words(content))
+
     def share(self, offset: int, content: bytes) -> np.ndarray:
-        """Which messages (n,) hold these bytes at an offset: word by word, the last word overlapping the one before."""
-        same = np.ones(self.starts.size, bool)
-        for start, size in _words(len(content)):
-            word = np.frombuffer(content, f"u{size}", 1, start)[0]
-            same &= self.at(offset + start, f"u{size}") == word
+        """Which messages (n,) hold these bytes at an offset."""
+        same = np.ones(self.count, bool)
+        for start, code, word in _words(content):
+            same &= self.at(offset + start, code) == word
         return same
 
     def raw(self, i: int, size: int) -> bytes:
         """The i-th message."""
-        start = int(self.starts[i])
+        start = int(self.starts[i]) if self._starts is not None or not self.step else self.first + i * self.step
         return bytes(self.buffer[start : start + size])
 
 
-def _words(length: int) -> list[tuple[int, int]]:
-    """Start and size of the machine words that cover so many bytes."""
+@lru_cache(256)
+def _words(content: bytes) -> tuple[tuple[int, np.dtype, np.generic], ...]:
+    """Start, type and value of the machine words that cover so many bytes."""
+    places = [(start, np.dtype(f"u{size}")) for start, size in _cover(len(content))]
+    return tuple((start, kind, np.frombuffer(content, kind, 1, start)[0]) for start, kind in places)
+
+
+def _cover(length: int) -> list[tuple[int, int]]:
+    """Start and size of words that cover so many bytes."""
     if length in (1, 2, 4, 8):
         return [(0, length)]
     if length > 8:
