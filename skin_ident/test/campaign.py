@@ -141,7 +141,11 @@ def _meant(finding, hidden: set[str]) -> bool:
 def _line(f) -> str:
     g = f["gain"]
     rivals = "|".join(f"{a['cause']}/{a['where']}" for a in f["alternatives"])
-    return f"{f['cause']}/{f['where']}" + (f" or {rivals}" if rivals else "") + f" {_n(g['held_out_rmse_before'])}>{_n(g['held_out_rmse_after'])}"
+    return (
+        f"{f['cause']}/{f['where']}"
+        + (f" or {rivals}" if rivals else "")
+        + f" {_n(g['held_out_rmse_before'])}>{_n(g['held_out_rmse_after'])}"
+    )
 
 
 def _n(value) -> str:
@@ -204,7 +208,9 @@ def report(judged) -> None:
     ratios = np.array([j.ratio for _, j, _ in judged])
     ratios = ratios[np.isfinite(ratios)]
     if ratios.size:
-        print(f"held-out error over the oracle's: median {np.median(ratios):.3f}, 90 % below {np.quantile(ratios, 0.9):.3f} ({ratios.size} cases)")
+        print(
+            f"held-out error over the oracle's: median {np.median(ratios):.3f}, 90 % below {np.quantile(ratios, 0.9):.3f} ({ratios.size} cases)"
+        )
     print(f"CPU time per diagnosis: median {np.median([j.seconds for _, j, _ in judged]):.1f} s")
 
 

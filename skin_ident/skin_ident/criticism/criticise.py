@@ -1,10 +1,11 @@
 """The loop: survey, try the best few, let held-out sessions decide, repeat, eliminate, and ask what is left."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from skin_ident.criticism.course import BEHIND, MARGIN, Run, added, believed, course_gain, fitted, worthwhile
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
@@ -23,6 +24,7 @@ NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are 
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
+SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 
 Progress = Callable[[str], None]
 
@@ -48,6 +50,7 @@ class Named:
     alternatives: tuple[Rival, ...]
     before: Model | None = None
     model: Model | None = None
+    courses: dict[str, str] = field(default_factory=dict)  # what belongs to one session alone, in words by session
 
 
 @dataclass(frozen=True)
@@ -60,16 +63,25 @@ class Criticism:
     last: Survey
     refused: tuple[Named, ...]
     rounds: tuple[tuple[Survey, str | None], ...] = ()
+    train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
+    held: tuple[Session, ...] = ()
 
 
 def criticise(
-    train: list[Session], held: list[Session], given: Model | None = None, progress: Progress = lambda stage: None, mass: float = 0.0
+    train: list[Session],
+    held: list[Session],
+    given: Model | None = None,
+    progress: Progress = lambda stage: None,
+    mass: float = 0.0,
+    more: tuple[Direction, ...] = (),
 ) -> Criticism:
-    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg."""
+    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg;
+    `more` are directions beside those of the catalogue.
+    """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
-    search = Search(train, held, directions(train[0]), progress)
+    search = Search(train, held, (*directions(train[0]), *more), progress)
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
     search.run(fitted)
@@ -77,7 +89,8 @@ def criticise(
     if given:
         search.check_numbers(given)
     baseline = fit(given, train, first.noise, 0) if given else fitted
-    return Criticism(baseline, search.present, tuple(search.named), search.survey(), tuple(search.refused), tuple(search.rounds))
+    told = (tuple(search.named), search.survey(), tuple(search.refused), tuple(search.rounds))
+    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held))
 
 
 @dataclass
@@ -106,6 +119,7 @@ class Search:
         self.named: list[Named] = []
         self.refused: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []
+        self.runs: list[Run] = []
         self._befores: dict[tuple[str, str], Model] = {}
 
     def run(self, fitted: Fit) -> None:
@@ -116,11 +130,27 @@ class Search:
             last = self.survey()
             self.noise = last.noise
             self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
-            accepted = self._first_believed(self._trials(last))
-            self.rounds.append((last, accepted and accepted[1].cause))
-            if accepted is None:
+            trials = self._trials(last)
+            runs = [r for r in worthwhile(self.present.model, self.train, self.noise) if r.course not in {t.course for t in self.runs}]
+            own, shared = self._choose(trials, runs)
+            taken = own or shared
+            self.rounds.append((last, taken[1].cause if taken else None))
+            if own:
+                self._take_course(*own)
+            elif shared:
+                self._accept(*shared)
+            else:
                 return
-            self._accept(*accepted)
+
+    def _choose(self, trials: list[_Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
+        """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those."""
+        best = trials[0].score if trials else 0.0
+        first = runs and runs[0].score > max(MARGIN * best, best + 10.0)
+        own = self._own_course(runs[0], trials) if first else None
+        shared = None if own else self._first_believed(trials, runs)
+        if not (own or shared or first) and runs and runs[0].score > BEHIND * best:
+            own = self._own_course(runs[0], trials)
+        return own, shared
 
     def survey(self) -> Survey:
         """Every cause ranked against the present model; the last round's survey where the model has not changed since."""
@@ -146,13 +176,13 @@ class Search:
         """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell."""
         session = self.train[0]
         channels = session.channels
-        if t.ranked.where != "skin" or "force" not in channels or len(channels) == 1:
+        if t.ranked.where != "skin" or t.ranked.cause.startswith("spread") or "force" not in channels or len(channels) == 1:
             return True
         without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
         felt = np.sqrt(np.mean((simulated(t.fit.model, session) - simulated(without, session)) ** 2, axis=1))
         return bool(felt[0] > FELT * felt[1:].max())
 
-    def _first_believed(self, trials: list[_Trial]) -> tuple[Fit, Named] | None:
+    def _first_believed(self, trials: list[_Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support. What they do not support is kept in `refused`.
 
         What is small beside the largest effect so far may be the imperfect form of that effect, and is not named. Where the best
@@ -164,12 +194,35 @@ class Search:
                 return None
             gain = self._gain(self.present.model, trial.fit.model)
             rivals = [t for t in trials if t is not trial and t.score > _reach(trial.score)]
-            alternatives = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
+            alternatives = (
+                tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals) + _own(runs, trial, rivals) + _same(trial, rivals)
+            )
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             if gain.passed and gain.squares > shadow:
                 return trial.fit, finding
             self.refused.append(finding)
         return None
+
+    def _own_course(self, run: Run, trials: list[_Trial]) -> tuple[Run, Named] | None:
+        """A finding from a course of each session's own, where the blocks between support it."""
+        self.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
+        sessions, said = (
+            (self.held, ", ".join(s.name for s in self.held)) if self.held else (self.train, "every other block of each session")
+        )
+        after = fit(self.present.model, added(self.train, run.values), self.noise)
+        gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
+        rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > _reach(run.score) and t.key[0] != run.course.cause)
+        return (run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)) if believed(gain) else None
+
+    def _take_course(self, run: Run, finding: Named) -> None:
+        """Give every session its course; the rest of the search goes on with what is left."""
+        self.runs.append(run)
+        train = added(self.train, run.values)
+        self.present = fit(self.present.model, train, self.noise)
+        other = fitted(run.course, self.present.model, self.held, self.noise) if self.held else None
+        self.train, self.held = train, added(self.held, other.values) if other else self.held
+        self.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
+        self.progress(f"named {finding.cause} in the {finding.where}")
 
     def _accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
@@ -186,7 +239,7 @@ class Search:
 
     def eliminate(self) -> None:
         """Take out every cause, last found first, without which the rest predicts held-out data just as well."""
-        for finding in reversed(self.named[:-1]):
+        for finding in reversed([n for n in self.named[:-1] if not n.courses]):
             rest = tuple(e for e in self.present.model.effects if (e.cause, e.where) != (finding.cause, finding.where))
             without = fit(replace(self.present.model, effects=rest), self.train, self.noise)
             if not self._gain(without.model, self.present.model).passed:
@@ -204,6 +257,19 @@ class Search:
 
     def _gain(self, before: Model, after: Model, refit_before: Callable = fit) -> Gain:
         return held_out_gain(before, after, self.train, self.held, self.noise, refit_before)
+
+
+def _own(runs: list[Run], trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:
+    """Courses of a session's own that pass for a shared cause, under names that are not among its rivals."""
+    said = {t.key for t in (trial, *rivals)}
+    near = [r for r in runs if r.score > _reach(trial.score) and (r.course.cause, r.course.where) not in said]
+    return tuple(Rival(r.course.cause, r.course.where, trial.score - r.score) for r in near)
+
+
+def _same(trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:
+    """Names at other places that are the same signal by nature: what no taxel is given below a threshold, the skin or the taxels swallow."""
+    said = {t.key for t in rivals}
+    return tuple(Rival(*other, 0.0) for one, other in SAME if one == trial.key and other not in said)
 
 
 def _reach(score: float) -> float:

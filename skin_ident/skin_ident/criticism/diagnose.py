@@ -5,9 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.array.joining import array_criticism, joined
+from skin_ident.criticism.array.layout import layout_of
+from skin_ident.criticism.array.proposing import array_directions, for_anybody
+from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.criticise import Criticism, criticise
 from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.faults import effects_of, with_effects
 from skin_ident.criticism.findings import Experiments, as_findings
+from skin_ident.criticism.judging import judge
 from skin_ident.criticism.leftover import systematic_rest
 from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import inspect
@@ -17,6 +23,7 @@ from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.telling import tell
 from skin_ident.criticism.twin import with_twins
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
@@ -47,26 +54,34 @@ def diagnose(
         return diagnose_scans(recordings, hold_out, model, progress)
     every = _named_apart([*recordings, *hold_out])
     belong_together(every, model)
+    layout = layout_of(every, model)
+    every = with_spread(every, layout)
     progress("inspecting the recordings")
     looked = inspect(every)
     if twins:
         sessions, model, warnings = with_twins(looked.sessions, every, twins, skin_mass(every[0]))
-        looked = replace(looked, sessions=sessions)
+        looked = looked.carrying([s.beyond for s in sessions], [s.weight for s in sessions])
         every[0] = every[0].warned(*warnings) if warnings else every[0]
-    train, held = looked.sessions[: len(recordings)], looked.sessions[len(recordings) :]
-    if len(every) == 1:
-        train, held = _blocks(train[0])
-    c = criticise(train, held, model, progress, skin_mass(every[0]))
+    train, held = _split(looked.sessions, len(recordings))
+    c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]))
     progress("asking what is left")
-    symptoms = (*looked.symptoms, *_noise(c, every, looked.sessions))
-    rest = systematic_rest(c.last, train, held, _encoder_step(every))
+    after = _with_courses(looked.sessions, c)
+    symptoms = (*looked.symptoms, *_noise(c, every, after))
+    rest = systematic_rest(c.last, list(c.train), list(c.held), _encoder_step(every))
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = _verdict(bool(c.named or symptoms), rest.is_systematic(explained))
     experiments = separating_experiments(c, train, progress)
-    findings = as_findings(c, symptoms, every, train, held, rest, verdict, model is not None, experiments)
-    shown = looked.sessions if len(every) > 1 else looked.sessions[:1]
-    traces = tuple(_trace(c, s, any(s is h for h in held)) for s in shown)
-    return Outcome(findings, c.baseline.model, c.extended.model, c.extended.std, traces, (), _rounds(c), dict(_batteries(experiments)))
+    progress("judging what it is worth")
+    whole = _split(looked.whole, len(recordings))
+    judged = judge(c, symptoms, whole, model, skin_mass(every[0]))
+    c = judged.criticism
+    findings = as_findings(c, symptoms, every, *whole, rest, verdict, model is not None, experiments)
+    findings = tell(findings, judged, symptoms)
+    findings = joined(findings, array_criticism(c, layout, symptoms, every))
+    kept = {s.name for s in held}
+    traces = tuple(_trace(c, s, own, s.name in kept) for s, own in zip(looked.whole, _with_courses(looked.whole, c), strict=True))
+    carried = with_effects(for_anybody(c.extended.model), effects_of(symptoms))
+    return Outcome(findings, c.baseline.model, carried, c.extended.std, traces, (), _rounds(c), dict(_batteries(experiments)))
 
 
 def are_scans(recordings: list) -> bool:
@@ -96,7 +111,8 @@ def _noise(c: Criticism, recordings: list, sessions: list[Session]) -> list[Symp
     calm = [~meeting(motion_under(s, model.dispersion), model.dispersion) for s in sessions]
     skin = model.dispersion
     stiffness = [skin.k1 + skin.k2 if c == "force" else skin.k1 * model.shares[int(c.rpartition("_")[2])] for c in sessions[0].channels]
-    return find_noise(recordings, sessions[0].channels, rest, calm, stiffness)
+    found = find_noise(recordings, sessions[0].channels, rest, calm, stiffness)
+    return [s for s in found if s.channels[0] not in sessions[0].stuck]
 
 
 def _verdict(anything: bool, systematic: bool) -> str:
@@ -126,6 +142,11 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
             raise DiagnosisError(f"{r.name} is hardly ever in contact (depth above zero): check the sign and the zero of its depth")
 
 
+def _split(sessions: list[Session], training: int) -> tuple[list[Session], list[Session]]:
+    """Training and held-out sessions; a lone one is both, in blocks."""
+    return _blocks(sessions[0]) if len(sessions) == 1 else (sessions[:training], sessions[training:])
+
+
 def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
     """One session as two that believe alternate blocks of it."""
     block = np.floor((session.t - session.t[0]) / BLOCK_S).astype(int) % 3
@@ -134,8 +155,14 @@ def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
     return [fitted], [kept]
 
 
-def _trace(c: Criticism, s: Session, held: bool) -> Trace:
-    before, after = (simulated(fit.model, s) for fit in (c.baseline, c.extended))
+def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
+    """The sessions, each with what was found to be its own; a lone session was criticised under two other names."""
+    own = {s.name: s.beyond for s in (*c.train, *c.held)}
+    return [replace(s, beyond=own.get(s.name, c.train[0].beyond)) for s in sessions]
+
+
+def _trace(c: Criticism, s: Session, own: Session, held: bool) -> Trace:
+    before, after = simulated(c.baseline.model, s), simulated(c.extended.model, own)
     moved = motion_under(s, c.extended.model.dispersion)
     return Trace(s.name, held, moved.t, moved.x, moved.v, s.channels, s.raw, before, after)
 

@@ -1,6 +1,7 @@
 """The content of findings.json, schema 1, from a finished criticism."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
             "held_out_fall_of_mean_square": gain.relative,
             "held_out": gain.held_out,
             "forms": [type(e).__name__ for e in effects],
+            **({"of_each_session": named.courses} if named.courses else {}),
         },
         "gain": {
             "held_out_rmse_before": gain.before,
@@ -152,7 +154,8 @@ def as_findings(
     experiments: Experiments,
 ) -> dict[str, Any]:
     """The whole of findings.json."""
-    baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, train, held)
+    before = [[replace(own, beyond=s.beyond) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
+    baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, *before)
     entries = [seen(s, baseline) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     excluded, untestable = excluded_and_untestable(c.last.projected, named, telemetry_words(recordings, symptoms, given))
@@ -173,8 +176,8 @@ def as_findings(
         "findings": entries,
         "excluded": excluded,
         "untestable": untestable,
-        "extended": described(c.extended.model, c.extended.unknowns, c.extended.std, train, held),
-        "noise_floor": noise_floor(c, train),
+        "extended": described(c.extended.model, c.extended.unknowns, c.extended.std, list(c.train), list(c.held)),
+        "noise_floor": noise_floor(c, list(c.train)),
         "systematic_rest": {
             "fall_of_mean_square": rest.fall,
             "lower_bound": rest.lower,

@@ -101,6 +101,11 @@ def rmse_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[
 def _gain(pairs: list[tuple[Session, Model, Model]], noise: Whitener, said: str) -> Gain:
     sessions = [s for s, _, _ in pairs]
     before, after = ([residual(pair[i], pair[0]) for pair in pairs] for i in (1, 2))
+    return gain_of_residuals(before, after, sessions, noise, said)
+
+
+def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session], noise: Whitener, said: str) -> Gain:
+    """The gain from residuals [(C, n), …] N of `sessions`, before and after."""
     white = [[noise.apply(e, s.weight) for e, s in zip(es, sessions, strict=True)] for es in (before, after)]
     total, lower = bootstrap_fall(*white, sessions)
     rms, drawn = rmse_fall(before, after, sessions)

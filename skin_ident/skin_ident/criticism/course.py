@@ -1,0 +1,213 @@
+"""What belongs to one session alone: a zero taken anew before it, a slope that changed on the way, counts of the encoder that got lost.
+
+No parameter that sessions share can carry these; left out, they are named by whatever bends most like them. So each session is offered a
+course of its own,
+
+    y(t) = simulated(t) + D(t) sum_k z_k phi_k(t),
+
+where D is what a zero (1 in one channel), a slope (one simulated channel) or a zero of depth (dF/dx in all channels) changes, and the phi_k
+are a constant, steps at moments to be found, or straight lines between knots. Courses compete with the catalogue's causes by the same
+likelihood, each amplitude and each moment charged.
+
+The gate: in sessions that were held out the course is fitted to every other block of a few seconds, and must predict the blocks between. A
+slow drift is told from strongly coloured noise in this way only: knots and blocks are longer than the memory of noise.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from skin_ident.criticism.fitting import tangents
+from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
+from skin_ident.criticism.noise import pursue
+from skin_ident.criticism.residual import residual, simulated
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.telemetry.symptom import place_of
+from skin_ident.criticism.unknowns import unknowns
+from skin_ident.criticism.whitening import Whitener, stack
+from skin_models.effects.position_offset import PositionOffset
+from skin_models.model import Model
+
+CONSTANT, STEPS, BEND = "constant", "steps", "bend"
+ZERO, SLOPE, DEPTH = "zero", "slope", "zero of depth"
+CAUSES = {(ZERO, CONSTANT): "force_offset", (ZERO, BEND): "drift", (SLOPE, STEPS): "gain_error", (DEPTH, STEPS): "position_offset"}
+PROBE = 1e-6  # m
+MOMENTS = 24  # where a step is looked for first, evenly through a session
+MOST_STEPS = 4  # of one session
+KNOT_S = 20.0
+BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
+AT_REST = 5e-6  # m, by which a good stage misses its set point anyway (thesis 3.1)
+MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
+BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
+
+
+@dataclass(frozen=True)
+class Course:
+    """One kind of course: what it multiplies (`carrier`, in row `channel`; None: all rows), and its shape in time."""
+
+    carrier: str
+    shape: str
+    channel: int | None
+    where: str
+
+    @property
+    def cause(self) -> str:
+        return CAUSES[self.carrier, self.shape]
+
+
+@dataclass(frozen=True)
+class Run:
+    """A course fitted to sessions: its likelihood score, its largest amplitude, its values (C, N) N at full rate and its words by session."""
+
+    course: Course
+    score: float
+    largest: float
+    values: dict[str, np.ndarray]
+    said: dict[str, str]
+
+    @property
+    def worth(self) -> bool:
+        """Whether it explains anything, and is more than what a good stage does at rest."""
+        return self.score > 0.0 and not (self.course.carrier == DEPTH and self.largest < AT_REST)
+
+
+def zeros(sessions: list[Session]) -> list[np.ndarray]:
+    """Every bend of every channel's zero, (K, C, n) by session; what bends one session's is nothing in the others."""
+    every = [Course(ZERO, BEND, c, "") for c in range(len(sessions[0].channels))]
+    own = [np.array([s.band.thin(_unit(c, s) * phi) for c in every for phi in _on(_moments(c, s), c, s)]) for s in sessions]
+    return [
+        np.concatenate([o if i == j else np.zeros((len(o), *s.measured.shape)) for j, o in enumerate(own)]) for i, s in enumerate(sessions)
+    ]
+
+
+def courses(session: Session) -> Iterator[Course]:
+    """Every course that sessions of this kind could have."""
+    for c, channel in enumerate(session.channels):
+        where = place_of(channel, session.n_taxels)
+        yield from (Course(carrier, shape, c, where) for carrier, shape in CAUSES if carrier != DEPTH)
+    if session.drive is None:
+        yield Course(DEPTH, STEPS, None, "rig")
+
+
+def worthwhile(model: Model, sessions: list[Session], noise: Whitener) -> list[Run]:
+    """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first."""
+    own = stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise)
+    Q, _ = np.linalg.qr(own)
+    runs = [_run(course, model, sessions, noise, Q) for course in courses(sessions[0])]
+    return sorted((r for r in runs if r.worth), key=lambda r: -r.score)
+
+
+def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
+    """The sessions with a course beyond the model."""
+    return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
+
+
+def fitted(course: Course, model: Model, sessions: list[Session], noise: Whitener) -> Run:
+    """The course fitted to what `model` leaves."""
+    return _run(course, model, sessions, noise, np.zeros((0, 0)))
+
+
+def believed(gain: Gain) -> bool:
+    """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
+    little too early or too late leaves a spike, which whitening would make the most of."""
+    return gain.ci95[0] > 0.0 and gain.after < (1.0 - MATERIAL_RMSE) * gain.before
+
+
+def course_gain(course: Course, before: Model, after: Model, held: list[Session], noise: Whitener, said: str) -> Gain:
+    """What the course gains in `held`, fitted to every other block and predicting the blocks between; the model is `before` or `after`."""
+    plain = [residual(before, s) for s in held]
+    return gain_of_residuals(plain, [_predicted(course, after, s, noise) for s in held], held, noise, said)
+
+
+def _predicted(course: Course, model: Model, s: Session, noise: Whitener) -> np.ndarray:
+    """Residual (C, n) with each block's course fitted to its neighbours."""
+    e = residual(model, s)
+    odd = ((s.t - s.t[0]) / BLOCK_S[course.shape]).astype(int) % 2
+    out = e.copy()
+    for side in (0, 1):
+        seen = replace(s, weight=s.weight * (odd == side))
+        run = fitted(course, model, [seen], noise)
+        out[:, odd != side] -= s.band.thin(run.values[s.name])[:, odd != side]
+    return out
+
+
+def _run(course: Course, model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray) -> Run:
+    """Fit one course; `Q` spans what the model may change of all sessions (empty: nothing)."""
+    carriers = {s.name: _carrier(course, model, s) for s in sessions}
+    moments = {s.name: _moments(course, s) for s in sessions}
+    z, score = _solve(course, model, sessions, noise, Q, carriers, moments)
+    if course.shape == STEPS and score > 0.0:
+        moments = {s.name: _around(moments[s.name], z[s.name], s) for s in sessions}
+        z, score = _solve(course, model, sessions, noise, Q, carriers, moments)
+    values = {s.name: carriers[s.name] * (z[s.name] @ _on(moments[s.name], course, s)) for s in sessions}
+    said = {s.name: _said(course, moments[s.name], z[s.name]) for s in sessions}
+    return Run(course, score, max(float(np.abs(row).max()) for row in z.values()), values, said)
+
+
+def _carrier(course: Course, model: Model, s: Session) -> np.ndarray:
+    """D of the module's equation, (C, N), newtons for each unit of z."""
+    y = simulated(model, s)
+    if course.carrier == DEPTH:
+        return (simulated(model.extended(PositionOffset("rig", offset=PROBE)), s) - y) / PROBE
+    return _unit(course, s) * (1.0 if course.carrier == ZERO else y[course.channel])
+
+
+def _unit(course: Course, s: Session) -> np.ndarray:
+    out = np.zeros_like(s.raw)
+    out[course.channel] = 1.0
+    return out
+
+
+def _moments(course: Course, s: Session) -> np.ndarray:
+    """Moments of steps, or of knots; empty for a constant."""
+    t = s.motion.t
+    if course.shape == CONSTANT:
+        return np.zeros(1)
+    if course.shape == BEND:
+        return np.linspace(t[0], t[-1], max(2, round((t[-1] - t[0]) / KNOT_S) + 1))
+    moments = np.linspace(t[0], t[-1], MOMENTS + 2)[:-1]
+    return moments if course.carrier == DEPTH else moments[1:]  # a slope that is wrong from the start on is the skin's own
+
+
+def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
+    """phi_k (K, N) of the module's equation."""
+    t = s.motion.t
+    if course.shape == CONSTANT:
+        return np.ones((1, t.size))
+    if course.shape == BEND:
+        return np.array([np.interp(t, moments, hat) for hat in np.eye(moments.size)])
+    return (t >= moments[:, None]).astype(float)
+
+
+def _around(moments: np.ndarray, z: np.ndarray, s: Session) -> np.ndarray:
+    """A finer grid about the moments that were used."""
+    gap = (s.motion.t[-1] - s.motion.t[0]) / (MOMENTS + 1)
+    used = moments[z != 0.0]
+    finer = [max(m + d, s.motion.t[0]) for m in used for d in np.linspace(-gap, gap, 17)]
+    return np.unique(finer) if used.size else moments[:1]
+
+
+def _solve(course: Course, model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray, carriers: dict, moments: dict):
+    """Amplitudes by session, and the fall of the squared whitened error less the charge for each of them."""
+    rows = [[s.band.thin(carriers[s.name] * phi) for phi in _on(moments[s.name], course, s)] for s in sessions]
+    A = block_diag(*(stack([np.array(own)], [s], noise) for own, s in zip(rows, sessions, strict=True)))
+    r = stack([residual(model, s) for s in sessions], sessions, noise)
+    if Q.size:
+        A, r = A - Q @ (Q.T @ A), r - Q @ (Q.T @ r)
+    steps = course.shape == STEPS
+    z = pursue(A, r, MOST_STEPS * len(sessions)) if steps else np.linalg.lstsq(A, r, rcond=1e-8)[0]
+    charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)
+    split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
+    return dict(zip((s.name for s in sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge)
+
+
+def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
+    """A session's course in words."""
+    if course.carrier == ZERO:
+        return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
+    size = "{:+.1f} %" if course.carrier == SLOPE else "{:+.1f} µm"
+    scale = 1e2 if course.carrier == SLOPE else 1e6
+    steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True) if a != 0.0]
+    return ", ".join(steps) or "none"

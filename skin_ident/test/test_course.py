@@ -1,0 +1,28 @@
+"""What belongs to one session alone is told from what all sessions share, and nothing is made up where there is nothing."""
+
+import pytest
+from hide_and_seek import seek
+
+OWN = [
+    ("gain_error", "load_cell", "step", 597305605),
+    ("gain_error", "taxel_0", "loose", 12),
+    ("position_offset", "rig", "lost_counts", 1347721059),
+    ("force_offset", "load_cell", "each_session", 8),
+]
+
+
+@pytest.mark.parametrize(("cause", "where", "form", "seed"), OWN, ids=[c[2] for c in OWN])
+def test_what_each_session_has_of_its_own_is_named(tmp_path, cause, where, form, seed):
+    found = seek(tmp_path, cause, where=where, form=form, size=1.0, seed=seed, noise="white")
+    assert found.right, found.names
+
+
+def test_the_finding_says_what_each_session_has(tmp_path):
+    found = seek(tmp_path, "position_offset", where="rig", form="lost_counts", size=1.5, seed=1347721059, noise="white").findings
+    said = next(f for f in found["findings"] if f["cause"] == "position_offset")["evidence"]["of_each_session"]
+    assert set(said) == {"session_0.tsv", "session_1.tsv", "session_2.tsv"} and all("µm at" in words for words in said.values())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_strongly_coloured_noise_is_no_drift(tmp_path, seed):
+    assert seek(tmp_path, None, seed=900 + seed, noise="ar").names == []
