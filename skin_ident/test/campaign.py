@@ -208,9 +208,8 @@ def report(judged) -> None:
     ratios = np.array([j.ratio for _, j, _ in judged])
     ratios = ratios[np.isfinite(ratios)]
     if ratios.size:
-        print(
-            f"held-out error over the oracle's: median {np.median(ratios):.3f}, 90 % below {np.quantile(ratios, 0.9):.3f} ({ratios.size} cases)"
-        )
+        middle, most = np.median(ratios), np.quantile(ratios, 0.9)
+        print(f"held-out error over the oracle's: median {middle:.3f}, 90 % below {most:.3f} ({ratios.size} cases)")
     print(f"CPU time per diagnosis: median {np.median([j.seconds for _, j, _ in judged]):.1f} s")
 
 
