@@ -55,6 +55,7 @@ class Effect(ABC):
     places: ClassVar[Mapping[str, Place]]
     source: ClassVar[str]  # where in the literature the form comes from
     linear: ClassVar[bool] = False  # in its amplitudes: then `regressors` gives what each of them multiplies
+    finds_taxels: ClassVar[bool] = False  # looks at where the taxels are: the footprint of a sample or a motion
     form: ClassVar[str] = ""  # tells several forms of one cause at one place apart; the plainest has none
 
     where: str

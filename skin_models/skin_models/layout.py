@@ -107,6 +107,12 @@ def row(count: int, pitch: float, area: float = A201_AREA) -> Layout:
     return _flat(np.column_stack([np.arange(count) * pitch, np.zeros(count)]), area)
 
 
+def row_from_origin(count: int, pitch: float = 14e-3, area: float = A201_AREA) -> Layout:
+    """The same row with its first taxel at the origin, where the thesis's rig starts; its pitch by default."""
+    centred = row(count, pitch, area)
+    return Layout(centred.positions - centred.positions[0], centred.normals, centred.area)
+
+
 def hexagonal(columns: int, rows: int, pitch: float, area: float | None = None) -> Layout:
     """Rows along x, every other one shifted by half a pitch: six neighbours at `pitch` (m). `area` defaults to the hexagonal cell."""
     _check_size(pitch, columns, rows)

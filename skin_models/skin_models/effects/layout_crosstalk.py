@@ -26,6 +26,7 @@ class LayoutCrosstalk(Memoryless):
     places: ClassVar = {"taxel": Place.TAXEL}
     source: ClassVar[str] = "D'Alessio 1999"
     linear: ClassVar[bool] = True
+    finds_taxels: ClassVar[bool] = True
 
     share: float = quantity("1", 0.0, lower=-1.0, upper=1.0, typical=0.1, doc="share c of the neighbours' mean")
 

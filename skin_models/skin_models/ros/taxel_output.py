@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Vector3, WrenchStamped
 from rclpy.node import Node
 
-from skin_models.layout import Layout
+from skin_models.layout import Layout, arbitrary
 from skin_models.ros.qos import LATCHED, overridable, stream
 from skin_testbed_msgs.msg import TaxelArray, TaxelLayout
 
@@ -45,11 +45,22 @@ class TaxelOutput:
 
     def layout(self, layout: Layout, stamp: Time) -> None:
         """Where the taxels are."""
-        message = TaxelLayout(names=list(layout.names), area=floats(layout.area))
-        message.header.stamp, message.header.frame_id = stamp, self._frame
-        message.positions = [Point(x=x, y=y, z=z) for x, y, z in layout.positions.tolist()]
-        message.normals = [Vector3(x=x, y=y, z=z) for x, y, z in layout.normals.tolist()]
-        self._layout.publish(message)
+        self._layout.publish(layout_message(layout, self._frame, stamp))
+
+
+def layout_message(layout: Layout, frame: str, stamp: Time) -> TaxelLayout:
+    """Where the taxels are, as a message."""
+    message = TaxelLayout(names=list(layout.names), area=floats(layout.area))
+    message.header.stamp, message.header.frame_id = stamp, frame
+    message.positions = [Point(x=x, y=y, z=z) for x, y, z in layout.positions.tolist()]
+    message.normals = [Vector3(x=x, y=y, z=z) for x, y, z in layout.normals.tolist()]
+    return message
+
+
+def layout_of(message: TaxelLayout) -> Layout:
+    """The layout in a message. Raises `LayoutError` for one that cannot be used."""
+    positions, normals = ([(p.x, p.y, p.z) for p in points] for points in (message.positions, message.normals))
+    return arbitrary(np.array(positions), np.array(normals), np.array(message.area), tuple(message.names))
 
 
 def floats(values: np.ndarray) -> array:

@@ -28,6 +28,7 @@ from skin_models.spread.kernels import Kernel
 class Bending(Memoryless):
     """An effect of the spread. `rank` orders them from the contact inwards; `radial`: the same in all directions."""
 
+    finds_taxels: ClassVar[bool] = True
     rank: ClassVar[int]
     radial: ClassVar[bool] = True
     deep: ClassVar[bool] = False  # depends on the depth
