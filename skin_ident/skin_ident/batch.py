@@ -27,10 +27,13 @@ JOURNAL = "fits.jsonl"
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def fit_session(path: str, options: Options, topics: Mapping[str, str]) -> dict[str, Any]:
-    """One row of the table: path, status (ok or failed), why, parameters with standard errors, residuals, warnings. Never raises."""
+def fit_session(path: str, options: Options, how: Mapping[str, Any]) -> dict[str, Any]:
+    """One row of the table: path, status (ok or failed), why, parameters with standard errors, residuals, warnings. Never raises.
+
+    `how` are the arguments of `load_one` beside the path.
+    """
     try:
-        recordings, _ = sessions_of([load_one(Path(path), topics)])
+        recordings, _ = sessions_of([load_one(Path(path), **how)])
         estimate = fit_recordings(recordings, options)
     except SkinError as error:
         return {"path": path, "status": "failed", "why": str(error)}
@@ -51,20 +54,22 @@ def run_batch(
     *,
     jobs: int | None = None,
     scheduler: str | None = None,
+    log_time: bool = False,
+    keep: bool = False,
     progress: Callable[[int, int, Mapping[str, Any]], None] = lambda done, total, row: None,
 ) -> list[dict[str, Any]]:
     """Fit every path and return the rows in the order of `paths`. `scheduler` is the address of a Dask cluster. Raises `FitError`.
 
     `progress(done, total, row)` is called as rows come in. Sessions that are in the journal already are not fitted again.
     """
-    options, topics = options or Options(), dict(topics or {})
-    keys = {str(p): _key(p, options, topics) for p in paths}
+    options, how = options or Options(), {"topics": dict(topics or {}), "log_time": log_time, "keep": keep}
+    keys = {str(p): _key(p, options, how) for p in paths}
     rows = {row["key"]: row for row in _journal(folder) if row["key"] in set(keys.values())}
     todo = [p for p, key in keys.items() if key not in rows]
     with (folder / JOURNAL).open("a", encoding="utf-8") as journal:
         if journal.tell() and not (folder / JOURNAL).read_bytes().endswith(b"\n"):
             journal.write("\n")  # an earlier call was cut off within a line
-        for row in _rows(todo, (options, topics), jobs, scheduler):
+        for row in _rows(todo, (options, how), jobs, scheduler):
             row["key"] = keys[row["path"]]
             rows[row["key"]] = row
             journal.write(json.dumps(row) + "\n")
@@ -73,10 +78,10 @@ def run_batch(
     return [rows[key] for key in keys.values()]
 
 
-def _key(path: Path, options: Options, topics: dict[str, str]) -> str:
+def _key(path: Path, options: Options, how: dict[str, Any]) -> str:
     files = sorted(path.rglob("*")) if path.is_dir() else [path]
     facts = [(str(f), f.stat().st_size, f.stat().st_mtime_ns) for f in files]
-    return hashlib.sha256(json.dumps([facts, asdict(options), topics]).encode()).hexdigest()[:24]
+    return hashlib.sha256(json.dumps([facts, asdict(options), how]).encode()).hexdigest()[:24]
 
 
 def _journal(folder: Path) -> Iterator[dict[str, Any]]:
@@ -91,7 +96,7 @@ def _journal(folder: Path) -> Iterator[dict[str, Any]]:
             yield row
 
 
-def _rows(todo: list[str], how: tuple[Options, dict[str, str]], jobs: int | None, scheduler: str | None) -> Iterator[dict[str, Any]]:
+def _rows(todo: list[str], how: tuple[Options, dict[str, Any]], jobs: int | None, scheduler: str | None) -> Iterator[dict[str, Any]]:
     """Rows as they are finished. A worker that dies takes down its pool: what was lost is tried once more, one by one."""
     lost: list[str] = []
     with _workers(jobs, scheduler) as executor:

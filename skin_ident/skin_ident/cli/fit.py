@@ -12,6 +12,7 @@ from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.fit import MEASURED, SINUSOID, Options, fit_recordings, mass_of, sessions_of
+from skin_ident.estimators.latency import latencies
 from skin_ident.estimators.profile import profile
 from skin_ident.estimators.text import as_dict, as_table
 from skin_ident.recordings.load import find, load
@@ -32,11 +33,12 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.each:
         return _batch(chosen, options, topics)
     common.say(f"reading {counted(len(chosen.recordings), 'path')} …")
-    recordings, scans = sessions_of(load(chosen.recordings, topics, chosen.log_time))
+    recordings, scans = sessions_of(load(chosen.recordings, topics, chosen.log_time, chosen.keep_stamps))
     for name in scans:
         common.say(f"{name} is a static spread scan: left out of the fit")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
     estimate = fit_recordings(recordings, options)
+    estimate = _with_latencies(estimate, recordings, options)
     if chosen.bootstrap:
         estimate = _with_bootstrap(estimate, recordings, options, chosen.bootstrap)
     if chosen.profile:
@@ -45,6 +47,16 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.out:
         write(estimate, common.output_folder(chosen.out))
     return 0
+
+
+def _with_latencies(estimate: Estimate, recordings: list[Recording], options: Options) -> Estimate:
+    """The same with the latency of every channel in the notes, and a warning where one matters."""
+    if estimate.model is None:
+        return estimate
+    found = latencies(recordings, mass_of(options, recordings))
+    said = [w for name, latency in found.items() for w in latency.warning(name, recordings[0].dt)]
+    entries = {name: {"value": 1e3 * latency.seconds, "std": 1e3 * latency.std} for name, latency in found.items()}
+    return replace(estimate, warnings=(*estimate.warnings, *said), notes={**estimate.notes, "latency_behind_depth_ms": entries})
 
 
 def _with_bootstrap(estimate: Estimate, recordings: list[Recording], options: Options, runs: int) -> Estimate:
@@ -72,7 +84,8 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
         raise FitError("--each needs --out DIR: one table of all sessions is written there")
     paths = [file for path in chosen.recordings for file in find(Path(path))]
     folder = common.output_folder(chosen.out)
-    rows = run_batch(paths, folder, options, topics, jobs=chosen.jobs, scheduler=chosen.scheduler, progress=_row_done)
+    how = {"jobs": chosen.jobs, "scheduler": chosen.scheduler, "log_time": chosen.log_time, "keep": chosen.keep_stamps}
+    rows = run_batch(paths, folder, options, topics, **how, progress=_row_done)
     table = folder / f"fits.{chosen.format}"
     write_table(rows, table)
     failed = [row for row in rows if row["status"] != "ok"]
@@ -102,6 +115,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="fit", description=__doc__)
     common.add_recordings(parser)
     parser.add_argument("--log-time", action="store_true", help="take the times of recording, not the stamps in the messages")
+    parser.add_argument("--keep-stamps", action="store_true", help="leave uneven samples where they are instead of resampling them")
     parser.add_argument("--mass", default="fixed", help="free, fixed (from rig.yaml or the thickness; the default), or a value in kg")
     parser.add_argument("--thickness_mm", type=float, help="thickness of the skin, for the fixed mass")
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")

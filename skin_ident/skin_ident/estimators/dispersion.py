@@ -98,14 +98,14 @@ def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[lis
     for _ in range(ROUNDS):
         blocks = _blocks(sessions, shape, recovery)
         regression = regress(blocks)
-        new = _recovery(regression)
+        new = recovery_of(regression)
         if recovery is not None and abs(new - recovery) <= 1e-6 * abs(new):
             break
         recovery = new
     return regression, blocks
 
 
-def _recovery(regression: Regression) -> float:
+def recovery_of(regression: Regression) -> float:
     """b / k (s) of the load cell, or of the first taxel."""
     b, k = regression.coefficients[0][-2:]
     return float(b / k) if k > 0.0 else 0.0
@@ -115,7 +115,7 @@ def said(sessions: list[Session], shape: Shape, regression: Regression) -> list[
     """What the fit says that every channel reads in every session (N,), at full rate, N."""
     out: list[list[np.ndarray]] = [[] for _ in regression.coefficients]
     for i, s in enumerate(sessions):
-        v, x, a, g = s.terms(_recovery(regression))
+        v, x, a, g = s.terms(recovery_of(regression))
         for c, coefficients in enumerate(regression.coefficients):
             b, k = coefficients[-2:]
             mass = 0.0 if c or not shape.force else coefficients[-3] if shape.free else shape.mass

@@ -34,6 +34,8 @@ def fit_force_to_force(recordings: Sequence[Recording], order: int = 1, taxel: i
     """
     if order not in (1, 2):
         raise FitError(f"the order is 1 (without mass) or 2 (thesis eq 32), not {order}")
+    if any(r.uneven for r in recordings):
+        raise FitError("from force to force, samples must be evenly spaced: leave --keep-stamps out")
     lacking = [r.name for r in recordings if r.force is None or not len(r.taxels)]
     if lacking:
         raise FitError(f"{', '.join(lacking)}: a fit from force to force needs a load cell and a taxel")

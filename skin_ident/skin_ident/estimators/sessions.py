@@ -75,7 +75,7 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
 
 def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Quality) -> Session:
     taxels = np.array([y for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"])
-    s = motion(r.t, prefilter.smooth(r.depth))
+    s = _moving(r, prefilter)
     if not np.any(s.x > 0.0):
         raise FitError(f"{r.name}: the plunger never touches the skin (depth > 0 nowhere); set the encoder's zero at the surface")
     rows = prefilter.rows
@@ -86,6 +86,15 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Qual
     felt = _felt(r, taxels, prefilter)
     raw = (*(() if r.force is None else (r.force,)), *taxels)
     return Session(r.name, s, force, rows(taxels) if taxels.size else np.empty((0, 0)), felt, prefilter, parts, quality, raw)
+
+
+def _moving(r: Recording, prefilter: Prefilter) -> Motion:
+    """The motion at the recording's stamps. The prefilter needs no even ones: what holds for every sample holds for their sums."""
+    if not r.uneven:
+        return motion(r.t, prefilter.smooth(r.depth))
+    grid = np.linspace(r.t[0], r.t[-1], len(r))
+    s = motion(grid, prefilter.smooth(np.interp(grid, r.t, r.depth)))
+    return replace(s, t=r.t, **{name: np.interp(r.t, grid, getattr(s, name)) for name in "xva"})
 
 
 def _felt(r: Recording, taxels: np.ndarray, prefilter: Prefilter) -> np.ndarray:

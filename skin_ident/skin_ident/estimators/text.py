@@ -32,7 +32,13 @@ def _telemetry(estimate: Estimate) -> list[str]:
         f"in contact {100 * t['in_contact']:.0f} % of the time"
         for name, t in list(sessions.items())[:SHOWN]
     ]
-    return lines + [f"  … and {len(sessions) - SHOWN} more"] * (len(sessions) > SHOWN)
+    lines += [f"  … and {len(sessions) - SHOWN} more"] * (len(sessions) > SHOWN)
+    late = [
+        f"{name} {e['value']:.2g} ± {1.96 * e['std']:.1g}" if math.isfinite(e["std"]) else f"{name} not told"
+        for name, e in estimate.notes.get("latency_behind_depth_ms", {}).items()
+    ]
+    lines += [f"  latency behind the depth, ms: {', '.join(late)}"] if late else []
+    return lines
 
 
 def _asked_for(estimate: Estimate) -> list[str]:

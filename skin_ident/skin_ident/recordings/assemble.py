@@ -9,7 +9,7 @@ from skin_ident.recordings.declared import Calibration, Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.rows import all_finite, extremes
-from skin_ident.recordings.timing import Track, even
+from skin_ident.recordings.timing import Track, even, kept
 
 FARTHEST = 0.2  # m: no skin is indented so deep
 STRONGEST = 1e5  # N
@@ -30,15 +30,24 @@ class Channels:
         return replace(self, names=tuple(n for n, k in zip(self.names, keep, strict=True) if k), rows=self.rows[np.asarray(keep, bool)])
 
 
-def assemble(name: str, t: np.ndarray, parts: Sequence[Channels], declared: Declared, warnings: tuple[str, ...] = ()) -> Recording:
-    """One evenly sampled recording from channels that share the stamps `t` (N,) s. Raises `RecordingError`."""
+def assemble(
+    name: str, t: np.ndarray, parts: Sequence[Channels], declared: Declared, warnings: tuple[str, ...] = (), keep: bool = False
+) -> Recording:
+    """One recording from channels that share the stamps `t` (N,) s: evenly sampled, unless `keep` leaves stamps as they are.
+
+    Raises `RecordingError`.
+    """
     notes: list[str] = [*declared.warnings, *warnings]
     parts = [p for part in parts for p in _calibrated(t, _live(part, notes), declared, notes) if p.names]
     _note_unused(declared, parts, notes)
     if not parts:
         raise RecordingError(f"{name} has neither depth nor force nor taxels")
     whole = all(all_finite(p.rows) for p in parts)
-    track = even(Track(t, tuple(p.rows for p in parts), whole=whole), name, declared.sample_rate_hz)
+    track, uneven = Track(t, tuple(p.rows for p in parts), whole=whole), False
+    if keep:
+        track, uneven = kept(track, name, declared.sample_rate_hz)
+    else:
+        track = even(track, name, declared.sample_rate_hz)
     parts = [replace(p, rows=rows) for p, rows in zip(parts, track.blocks, strict=True)]
     taxels = [p for p in parts if p.kind == "taxel"]
     recording = Recording(
@@ -51,6 +60,7 @@ def assemble(name: str, t: np.ndarray, parts: Sequence[Channels], declared: Decl
         taxel_units=tuple(p.unit for p in taxels for _ in p.names),
         declared=declared,
         warnings=(*notes, *track.warnings),
+        uneven=uneven,
     )
     return _plausible(recording)
 

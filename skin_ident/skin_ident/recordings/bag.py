@@ -29,8 +29,11 @@ STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
 
 
-def read_bag(path: Path, declared: Declared, topics: Mapping[str, str] | None = None, log_time: bool = False) -> Recording:
-    """The recording in a bag. `topics` maps force, encoder and taxels to topic names; `log_time` passes over the stamps in the messages.
+def read_bag(
+    path: Path, declared: Declared, topics: Mapping[str, str] | None = None, log_time: bool = False, keep: bool = False
+) -> Recording:
+    """The recording in a bag. `topics` maps force, encoder and taxels to topic names; `log_time` passes over the stamps in the messages,
+    `keep` leaves uneven ones as they are.
 
     Raises `RecordingError`.
     """
@@ -48,7 +51,7 @@ def read_bag(path: Path, declared: Declared, topics: Mapping[str, str] | None = 
     channels = [
         Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows) for role, rows in aligned.items()
     ]
-    return assemble(path.name, t, channels, declared, tuple(warnings))
+    return assemble(path.name, t, channels, declared, tuple(warnings), keep)
 
 
 def _read(bag: Storage, chosen: Chosen, log_time: bool) -> tuple[dict[str, Decoded], tuple[str, ...], tuple, list[str]]:

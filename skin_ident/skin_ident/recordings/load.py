@@ -14,16 +14,18 @@ from skin_ident.recordings.table import read_table, read_text
 TABLES = (".csv", ".tsv", ".txt", ".tab", ".dat")
 
 
-def load(paths: Iterable[str | Path] | str | Path, topics: Mapping[str, str] | None = None, log_time: bool = False) -> list[Any]:
+def load(
+    paths: Iterable[str | Path] | str | Path, topics: Mapping[str, str] | None = None, log_time: bool = False, keep: bool = False
+) -> list[Any]:
     """Every recording in files and folders: `Recording` for sessions, `SpreadScan` for static spread scans.
 
     A folder stands for all in it, in the order of names. `topics` maps force, encoder and taxels to topic names of bags;
-    `log_time` takes the times at which messages were recorded instead of their stamps. Raises `RecordingError` naming the file and what is
-    wrong with it.
+    `log_time` takes the times at which messages were recorded instead of their stamps; `keep` leaves uneven stamps as they are
+    instead of resampling. Raises `RecordingError` naming the file and what is wrong with it.
     """
     paths = [paths] if isinstance(paths, (str, Path)) else list(paths)
     files = [file for path in paths for file in find(Path(path))]
-    return [load_one(file, topics, log_time) for file in files]
+    return [load_one(file, topics, log_time, keep) for file in files]
 
 
 def find(path: Path) -> list[Path]:
@@ -59,12 +61,12 @@ def _is_prose(file: Path) -> bool:
     return not any(cell.strip().lstrip("+-.")[:1].isdigit() for line in second for cell in line.split(max("\t,;", key=line.count)))
 
 
-def load_one(path: Path, topics: Mapping[str, str] | None = None, log_time: bool = False) -> Any:
+def load_one(path: Path, topics: Mapping[str, str] | None = None, log_time: bool = False, keep: bool = False) -> Any:
     """One recording, as `load` gives it. Raises `RecordingError`."""
     declared = declared_beside(path)
     if is_bag(path):
-        return read_bag(path, declared, topics, log_time)
+        return read_bag(path, declared, topics, log_time, keep)
     if path.name == FILE_NAME or path.suffix.lower() not in TABLES:
         raise RecordingError(f"{path} is no recording: a rosbag2 directory, an .mcap file or a table is expected")
     text = read_text(path)
-    return read_spread_scan(path, declared) if is_spread_scan(text) else read_table(path, declared)
+    return read_spread_scan(path, declared) if is_spread_scan(text) else read_table(path, declared, keep)

@@ -1,4 +1,4 @@
-"""One session of measurement: evenly sampled arrays in SI units, checked once, when they are made."""
+"""One session of measurement: arrays in SI units, checked once, when they are made."""
 
 from dataclasses import dataclass, field, replace
 
@@ -19,14 +19,14 @@ FEWEST = 20  # samples; with less, nothing can be said
 class Recording:
     """One session.
 
-    t        (N,)    s, evenly spaced
+    t        (N,)    s, evenly spaced unless `uneven`
     depth    (N,)    m, positive into the skin, zero at its surface; or None
     force    (N,)    N, compression positive; or None
     taxels   (T, N)  N, compression positive; T may be 0. A row whose unit is "V" is uncalibrated and holds volts
     spread   (T,)    share of the sensed force on every taxel, where the sessions of a diagnosis press at different places; or None
 
     `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
-    do not fit together, are not finite, or not evenly spaced.
+    do not fit together, are not finite, or not spaced as they should be.
     """
 
     name: str
@@ -38,6 +38,7 @@ class Recording:
     declared: Declared = field(default_factory=Declared)
     warnings: tuple[str, ...] = ()
     taxel_units: tuple[str, ...] = ()
+    uneven: bool = False
     spread: np.ndarray | None = None
 
     def __post_init__(self) -> None:
@@ -57,7 +58,7 @@ class Recording:
 
     @property
     def dt(self) -> float:
-        """Sampling period, s."""
+        """Sampling period, s; the mean one where it is uneven."""
         return (self.t[-1] - self.t[0]) / (self.t.size - 1)
 
     @property
@@ -93,7 +94,8 @@ class Recording:
         n = self.t.size
         if self.t.ndim != 1 or n < FEWEST:
             raise RecordingError(f"{self.name} holds {n} usable samples; at least {FEWEST} are needed")
-        if not (self.dt > 0 and np.max(np.abs(np.diff(self.t) - self.dt)) <= 1e-3 * self.dt):
+        steps = np.diff(self.t)
+        if not (np.all(steps > 0) and (self.uneven or np.max(np.abs(steps - self.dt)) <= 1e-3 * self.dt)):
             raise RecordingError(f"{self.name} is not evenly sampled")
         if self.depth is None and self.force is None and not len(self.taxels):
             raise RecordingError(f"{self.name} has neither depth nor force nor taxels")

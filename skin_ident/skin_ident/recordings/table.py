@@ -59,8 +59,8 @@ def _carefully(titles: list[str], mark: str, lines: list[str], path: Path) -> tu
     return titles, values, (f"{counted(lost, 'incomplete row')} dropped",) if lost else ()
 
 
-def read_table(path: Path, declared: Declared) -> Recording:
-    """The recording in a table. Raises `RecordingError`."""
+def read_table(path: Path, declared: Declared, keep: bool = False) -> Recording:
+    """The recording in a table; `keep` leaves uneven times as they are. Raises `RecordingError`."""
     text = read_text(path)
     titles, values, warnings = read_rows(text, path)
     if values.shape[0] != len(titles):
@@ -77,7 +77,7 @@ def read_table(path: Path, declared: Declared) -> Recording:
     t = columns[times[0]].factor * values[times[0]] if times else np.arange(values.shape[1]) / declared.sample_rate_hz
     pairs = zip(columns, values, strict=True)
     channels = [Channels(c.kind, (c.name,), c.unit, c.factor * y[None]) for c, y in pairs if c.kind != "time"]
-    return assemble(path.name, t, channels, declared, warnings)
+    return assemble(path.name, t, channels, declared, warnings, keep)
 
 
 def _is_number(cell: str) -> bool:

@@ -83,6 +83,18 @@ def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
     return _resampled(track, dt)
 
 
+def kept(track: Track, name: str, rate_hz: float | None = None) -> tuple[Track, bool]:
+    """The track with its own stamps, in s, and whether they are uneven; missing numbers are bridged. Raises `RecordingError`."""
+    track = _enough(ordered(track, name), name)
+    track = _enough(_bridged(longest_stretch(track, name), name), name)
+    dt = (track.t[-1] - track.t[0]) / (track.t.size - 1)
+    track = track.warned(*_rate_warning(dt, rate_hz))
+    off = track.t - track.t[0] - dt * np.arange(track.t.size)
+    if np.max(np.abs(off)) <= SNAP * dt:
+        return replace(track, t=track.t[0] + dt * np.arange(track.t.size)), False
+    return track.warned(f"stamps kept as they are, {1 / dt:.6g} Hz on average (jitter {1e3 * np.std(np.diff(track.t)):.3g} ms)"), True
+
+
 def _enough(track: Track, name: str) -> Track:
     if track.t.size >= 2:
         return track
