@@ -4,6 +4,7 @@
 
 Same machine, same minute, same messages (JointState, WrenchStamped, TaxelArray):
     driver       the installed driver with its simulated rig
+    replay       the same with a recording for its rig: nothing is simulated, so that this is what sampling and publishing cost
     rclpy timer  a node whose timer publishes, on SingleThreadedExecutor: what a tutorial shows
     bare loop    time.sleep to absolute deadlines, nothing else: what this machine can do
 
@@ -13,9 +14,11 @@ of its busiest thread, which publishes, and of the whole process. The driver's a
 """
 
 import argparse
+import math
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -104,18 +107,30 @@ def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tup
     return 1e-9 * np.diff(sent[skipped:]), 1e-9 * np.array(latency[skipped:]), max(shares), sum(shares)
 
 
+def recording(taxels: int) -> Path:
+    """A table of two seconds at 1 kHz."""
+    with tempfile.NamedTemporaryFile("w", suffix=".tsv", delete=False) as file:
+        print("t_s", "x_mm", "force_n", *(f"taxel_{i}_n" for i in range(taxels)), sep="\t", file=file)
+        for i in range(2000):
+            print(1e-3 * i, *(math.sin(1e-3 * i + j) for j in range(taxels + 2)), sep="\t", file=file)
+    return Path(file.name)
+
+
 def measure(rate: float, taxels: int, seconds: float) -> list[Row]:
-    """The three publishers, one after the other."""
+    """All publishers, one after the other."""
     rows = []
     here = [sys.executable, __file__, "--rates", str(rate), "--taxels", str(taxels)]
     driver = [str(executable("skin_testbed_driver", "driver_node")), "--ros-args", "-p", f"sample_rate:={rate}", "-p", f"taxels:={taxels}"]
-    for name, command in (("driver", driver), ("rclpy timer", [*here, "--timer"])):
+    table = recording(taxels)
+    replay = [*driver, "-p", "rig:=replay", "-p", f"recording:={table}", "-p", "loop:=true"]
+    for name, command in (("driver", driver), ("replay", replay), ("rclpy timer", [*here, "--timer"])):
         with Domain() as domain:
             os.environ.update(domain.environment())
             process = Process(command, domain.environment(), name)
             rows.append(Row(name, *listen(domain, process, rate, seconds)))
             process.end()
     loop = subprocess.run([*here, "--loop", "--seconds", str(seconds)], capture_output=True, check=True)
+    table.unlink()
     rows.append(Row("bare loop", np.frombuffer(loop.stdout), np.empty(0), float("nan"), float("nan")))
     return rows
 
@@ -133,10 +148,12 @@ def show(rate: float, taxels: int, rows: list[Row]) -> None:
             half, most = 1e6 * np.percentile(row.latencies, (50, 99))
             line += f"   {half:12.0f}{most:8.0f}{100.0 * row.thread:8.1f}{100.0 * row.cpu:7.1f}"
         print(line)
-    cpu = [np.array([row.thread, row.cpu]) * row.periods.sum() / row.periods.size for row in rows[:2]]
-    thread, process = cpu[0] / cpu[1]
+    cpu = [np.array([row.thread, row.cpu]) * row.periods.sum() / row.periods.size for row in rows[:3]]
     p99 = [np.percentile(np.abs(r.periods - 1.0 / rate), 99) for r in rows]
-    print(f"driver / bare loop: p99 jitter x {p99[0] / p99[2]:.2f}; driver / timer: CPU per sample x {thread:.2f} (thread), {process:.2f} (process)")
+    for i in (0, 1):
+        thread, process = cpu[i] / cpu[2]
+        ratio = f"p99 jitter x {p99[i] / p99[3]:.2f} of the bare loop; CPU per sample x {thread:.2f} (thread), x {process:.2f} (process) of the timer"
+        print(f"{rows[i].name}: {ratio}")
 
 
 def main() -> None:

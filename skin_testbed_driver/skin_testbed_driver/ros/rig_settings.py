@@ -54,6 +54,10 @@ class RigSettings:
     taxel_noise: float = setting(3e-3, "V, simulated rig: standard deviation", lower=0.0, upper=1.0, fixed=True)
     rest_error: float = setting(5e-6, "m, simulated rig: greatest error of the stage at rest", lower=0.0, upper=1e-3, fixed=True)
     screw_error: float = setting(2.5e-6, "m, simulated rig: amplitude of the screw's error", lower=0.0, upper=1e-3, fixed=True)
+    mount_compliance: float = setting(
+        0.0, "m/N, simulated rig: of mounting plate and load cell; 0 for specimens whose parameters contain it, as the thesis's do",
+        lower=0.0, upper=1e-3, fixed=True,
+    )  # fmt: skip
     quantised: bool = setting(True, "simulated rig: encoder of 1 um and converter of 4.88 mV; false: exact values", fixed=True)
 
     recording: str = setting(
@@ -85,7 +89,9 @@ class RigSettings:
         layout = self._layout(len(model.shares))
         if len(model.shares) not in (1, len(layout)):
             raise SkinError(f"the model has shares for {len(model.shares)} taxels, but the layout has {len(layout)}")
-        real = Imperfections(self.load_cell_noise, self.taxel_noise, self.rest_error, self.screw_error, self.quantised)
+        real = Imperfections(
+            self.load_cell_noise, self.taxel_noise, self.rest_error, self.screw_error, self.quantised, self.mount_compliance
+        )
         start = _SURFACE - self.surface_offset + self.start_depth
         return SimulatedRig(under_plunger(model, layout, kernel_of(model)), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real)
 
