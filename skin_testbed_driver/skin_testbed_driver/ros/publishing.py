@@ -1,11 +1,9 @@
 """Samples as messages, which are serialised once and filled again."""
 
-from array import array
-
 import numpy as np
 import yaml
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, PointStamped, Vector3, WrenchStamped
+from geometry_msgs.msg import Point, PointStamped, WrenchStamped
 from rclpy.lifecycle import LifecycleNode
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
@@ -13,6 +11,7 @@ from skin_testbed_msgs.msg import DriverState, TaxelArray, TaxelLayout
 from std_msgs.msg import String
 
 from skin_models.ros.qos import LATCHED, overridable, stream
+from skin_models.ros.taxel_output import layout_message
 from skin_testbed_driver.calibration import Calibration
 from skin_testbed_driver.rig import Rig
 from skin_testbed_driver.ros import JOINT
@@ -89,11 +88,7 @@ class Publishing:
     def describe(self, stamp: Time) -> None:
         """Publish once what does not change: where the taxels are, the rig's facts, the calibration in use."""
         place, settings = self._rig.layout, self._settings
-        message = TaxelLayout(names=list(place.names), area=floats(place.area))
-        message.header.stamp, message.header.frame_id = stamp, settings.skin_frame
-        message.positions = [Point(x=x, y=y, z=z) for x, y, z in place.positions.tolist()]
-        message.normals = [Vector3(x=x, y=y, z=z) for x, y, z in place.normals.tolist()]
-        self._layout.publish(message)
+        self._layout.publish(layout_message(place, settings.skin_frame, stamp))
         positions = (1e3 * place.positions[:, :2]).round(6).tolist()
         facts = {"sample_rate_hz": settings.sample_rate, **self._rig.facts(), "taxel_positions_mm": positions}
         for name, content in (("rig_description", facts), ("calibration", self._calibration.as_dict(place.names))):
@@ -118,8 +113,3 @@ def state_message(status: Status | None, limits: Limits, sample_rate: float, sta
     for name in ("min_depth", "max_depth", "max_speed", "max_acceleration", "max_force", "retracted_depth"):
         setattr(message, name, getattr(limits, name))
     return message
-
-
-def floats(values: np.ndarray) -> array:
-    """An array of numbers as rclpy takes it at once, without a look at every element."""
-    return array("d", np.ascontiguousarray(values, float).tobytes())

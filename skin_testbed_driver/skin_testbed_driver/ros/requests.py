@@ -12,9 +12,9 @@ from trajectory_msgs.msg import JointTrajectory
 from skin_models.errors import SkinError
 from skin_models.ros.parameters import Parameters
 from skin_models.ros.qos import LATCHED, overridable
+from skin_models.ros.taxel_output import floats
 from skin_testbed_driver.ros.answering import create_answering_service
 from skin_testbed_driver.ros.commands import trajectory_of
-from skin_testbed_driver.ros.publishing import floats
 from skin_testbed_driver.testbed import Testbed
 from skin_testbed_driver.zeroing import Outcome
 
