@@ -21,12 +21,12 @@ T = np.arange(4000) / 100.0
 NOISE = 0.03
 
 
-def session(seed, change=lambda taxels, rng: taxels, declared=Declared(), noise=NOISE):
+def session(seed, change=lambda taxels, rng: taxels, declared=None, noise=NOISE):
     rng = np.random.default_rng(seed)
     depth = np.convolve(np.interp(T, np.linspace(0, T[-1], 90), np.repeat(rng.uniform(0.1e-3, 0.9e-3, 45), 2)), np.hanning(41) / 20, "same")
     out = SKIN.simulate(motion(T, depth))
     force, taxels = (y + noise * rng.standard_normal(y.shape) for y in (out.force, out.taxels))
-    return Recording(f"session_{seed}", T, depth, force, change(taxels, rng), declared=declared)
+    return Recording(f"session_{seed}", T, depth, force, change(taxels, rng), declared=declared or Declared())
 
 
 def diagnosed(change, **more):

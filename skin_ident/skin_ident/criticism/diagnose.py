@@ -23,7 +23,7 @@ from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
-from skin_ident.criticism.telling import tell
+from skin_ident.criticism.telling import believed, tell
 from skin_ident.criticism.twin import with_twins
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
@@ -164,7 +164,9 @@ def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
 def _trace(c: Criticism, s: Session, own: Session, held: bool) -> Trace:
     before, after = simulated(c.baseline.model, s), simulated(c.extended.model, own)
     moved = motion_under(s, c.extended.model.dispersion)
-    return Trace(s.name, held, moved.t, moved.x, moved.v, s.channels, s.raw, before, after)
+    seen = believed(s.name, c)
+    left_out = None if seen is None else 1.0 - np.round(np.interp(moved.t, s.t, seen))
+    return Trace(s.name, held, moved.t, moved.x, moved.v, s.channels, s.raw, before, after, left_out)
 
 
 def _batteries(experiments: Experiments) -> Iterator[tuple[str, str]]:

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from skin_ident.criticism.bounds import excluded_and_untestable
 from skin_ident.criticism.criticise import Criticism, Named
 from skin_ident.criticism.growing import instances
@@ -114,21 +112,6 @@ def _separating(named: Named, experiments: Experiments) -> dict[str, Any]:
     return {"separating_experiment": "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))}
 
 
-def noise_floor(c: Criticism, train: list[Session]) -> dict[str, Any]:
-    """Per channel: RMS of what no cause explains, in the common band, and how strongly neighbouring samples hang together."""
-    floor = {}
-    for i, channel in enumerate(train[0].channels):
-        rows = [(residual(c.extended.model, s)[i])[s.weight[i] > 0] for s in train]
-        e = np.concatenate(rows)
-        floor[channel] = {
-            "rms": float(np.sqrt(np.mean(e**2))),
-            "unit": "N",
-            "lag_one": float(np.corrcoef(e[1:], e[:-1])[0, 1]),
-            "band_hz": float(train[0].band.edge),
-        }
-    return floor
-
-
 def telemetry_words(recordings: list, symptoms: tuple[Symptom, ...], given: bool) -> dict[str, str]:
     """For causes that telemetry decides: empty where it looked, or why it could not."""
     declared = recordings[0].declared
@@ -177,7 +160,6 @@ def as_findings(
         "excluded": excluded,
         "untestable": untestable,
         "extended": described(c.extended.model, c.extended.unknowns, c.extended.std, list(c.train), list(c.held)),
-        "noise_floor": noise_floor(c, list(c.train)),
         "systematic_rest": {
             "fall_of_mean_square": rest.fall,
             "lower_bound": rest.lower,

@@ -37,8 +37,10 @@ class Judged:
     naive: Model  # the baseline as it was when the faults were left out of the fit
 
 
-def judge(c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Judged:
-    """Put the faults into `c`. `whole` are training and held-out sessions with everything left in, in the order of `c.train` and `c.held`."""
+def judge(
+    c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session], list[Session]], given: Model | None, mass: float
+) -> Judged:
+    """Put the faults into `c`. `whole`: training and held-out sessions with everything left in, in the order of `c.train` and `c.held`."""
     clean = c.baseline.model
     if effects := [e for e in effects_of(symptoms) if e.cause in PREDICTS]:
         c = _carrying(c, effects, whole, given, mass)
@@ -52,7 +54,9 @@ def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Sess
     plain = [[without_parting(s, start.dispersion) for s in sessions] for sessions in whole]
     noise = fit_whitener([residual(start, s) for s in plain[0]], [s.weight for s in plain[0]])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
-    train, held = ([replace(s, beyond=own.beyond) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True))
+    train, held = (
+        [replace(s, beyond=own.beyond) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True)
+    )
     model = with_effects(c.extended.model, effects)
     for e in (e for e in effects if e.cause == "quantization"):
         model = _better(model.without(e), model, train)
@@ -83,10 +87,14 @@ def _by_channel(c: Criticism, whole: tuple[list[Session], list[Session]], given:
     return {channel: {**_entry(channel, *rms, sessions), "tested_on": said} for channel in sessions[0].channels}
 
 
-def _tested(c: Criticism, whole: tuple[list[Session], list[Session]], given: bool) -> tuple[str, list[tuple[Session, np.ndarray, np.ndarray]]]:
+def _tested(
+    c: Criticism, whole: tuple[list[Session], list[Session]], given: bool
+) -> tuple[str, list[tuple[Session, np.ndarray, np.ndarray]]]:
     """On what, and for each session of it the residuals of baseline and extended model."""
     if c.held:
-        return ", ".join(s.name for s in c.held), [_pair(c.baseline.model, c.extended.model, *p) for p in zip(c.held, whole[1], strict=True)]
+        return ", ".join(s.name for s in c.held), [
+            _pair(c.baseline.model, c.extended.model, *p) for p in zip(c.held, whole[1], strict=True)
+        ]
     if len(c.train) == 1 or c.baseline.model == c.extended.model:
         said = "the sessions it was fitted to"
         return said, [_pair(c.baseline.model, c.extended.model, *p) for p in zip(c.train, whole[0], strict=True)]
@@ -120,4 +128,10 @@ def _entry(channel: str, rms: np.ndarray, drawn: np.ndarray, sessions: list[Sess
     i = sessions[0].channels.index(channel)
     low, high = np.percentile(drawn[0, i] - drawn[1, i], [2.5, 97.5])
     before, after = map(float, rms[:, i])
-    return {"held_out_rmse_before": before, "held_out_rmse_after": after, "ci95": [float(low), float(high)], "channel": channel, "unit": "N"}
+    return {
+        "held_out_rmse_before": before,
+        "held_out_rmse_after": after,
+        "ci95": [float(low), float(high)],
+        "channel": channel,
+        "unit": "N",
+    }

@@ -19,6 +19,12 @@ class Trace:
     measured: np.ndarray
     baseline: np.ndarray
     extended: np.ndarray
+    left_out: np.ndarray | None = None  # (N,), 1 where the samples were not compared
+
+    @property
+    def compared(self) -> np.ndarray:
+        """Which samples (N,) were compared."""
+        return np.ones(self.t.size, bool) if self.left_out is None else np.asarray(self.left_out) < 0.5
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,5 @@
-"""What the judgement adds to findings.json: gains of telemetry's findings, gains by channel with the noise as their bound, what the baseline's
-numbers had been hiding, and how much of the record was compared."""
+"""What the judgement adds to findings.json: gains of telemetry's findings, gains by channel with the noise as their bound, what the
+baseline's numbers had been hiding, and how much of the record was compared."""
 
 from typing import Any
 
@@ -19,6 +19,7 @@ from skin_ident.criticism.unknowns import unknowns, values
 from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 
+ROUNDING = 1e-9  # N
 MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is said to have moved
 
 
@@ -88,20 +89,25 @@ def left_by_everything(model: Model, noise: Whitener, session: Session, last: Su
     return e - np.tensordot(pursue(A, r, len(own) + RICHEST, forced=len(own)), every, 1)
 
 
+def believed(name: str, c: Criticism) -> np.ndarray | None:
+    """Which samples (n,) of a session, filtered and thinned, were compared; None for a session that is not there."""
+    mine = [s for s in (*c.train, *c.held) if s.name == name or s.name.startswith(f"{name} (")]  # a lone session is in two halves
+    return np.any([s.weight.min(axis=0) > 0.0 for s in mine], axis=0) if mine else None
+
+
 def _compared(name: str, c: Criticism) -> dict[str, Any]:
     """How many samples of a recording (filtered and thinned) were compared, and how many were not."""
-    mine = [s for s in (*c.train, *c.held) if s.name == name or s.name.startswith(f"{name} (")]
-    if not mine:
+    seen = believed(name, c)
+    if seen is None:
         return {}
-    kept = sum(int(np.sum(s.weight.min(axis=0) > 0.0)) for s in mine)
-    n = mine[0].t.size
-    out = n - kept
+    kept, out = int(seen.sum()), int((~seen).sum())
     because = "plunger and skin may have parted or met with a jump, or the record is wrong there"
     return {"compared": {"samples": kept, "left_out": out, **({"because": because} if out else {})}}
 
 
 def _rms(e: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(e**2))) if e.size else 0.0
+    rms = float(np.sqrt(np.mean(e**2))) if e.size else 0.0
+    return rms if rms > ROUNDING else 0.0
 
 
 def _lag_one(e: np.ndarray) -> float:

@@ -76,7 +76,9 @@ def _same_motion(recording, twin, t: np.ndarray) -> None:
         if driven and ours is not None and theirs is not None and np.ptp(ours) > 0.0 and np.ptp(theirs) > 0.0:
             r = float(np.corrcoef(ours, np.interp(recording.t, t, theirs))[0, 1])
             if r < SAME_MOTION:
-                raise DiagnosisError(f"the twin {twin.name} is not of the same motion as {recording.name}: their {what}s correlate by {r:.2f}")
+                raise DiagnosisError(
+                    f"the twin {twin.name} is not of the same motion as {recording.name}: their {what}s correlate by {r:.2f}"
+                )
 
 
 def _surrogate(sessions: list[Session], mass: float, names: list[str]) -> Model:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from skin_ident.report.bars import parameter_table
 from skin_ident.report.markup import Safe, el, join, section, table
-from skin_ident.report.numbers import amount, finite
+from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.reading import recording_name
 from skin_ident.report.tolerant import mapping, sequence, text
 from skin_ident.report.view import View
@@ -41,9 +41,9 @@ def bound(e: dict) -> str:
     if finite(e.get("below")) is None:
         return text(e.get("because")) or "not seen"
     cause, where, name = (text(e.get(k)) for k in ("cause", "where", "parameter"))
-    words = effect_words(cause, where, (name,)).get(name) or spoken(name)
     at = {k: mapping(q) for k, q in mapping(e.get("at")).items()}
-    labels = effect_words(cause, where, tuple(at))
+    labels = effect_words(cause, where, (name, *at))
+    words = labels.get(name) or spoken(name)
     shape = ", ".join(f"{labels.get(k) or spoken(k)} {amount(q.get('value'), text(q.get('unit')))}" for k, q in at.items())
     size = amount(e.get("below"), text(e.get("unit")))
     return size + (f" – {words}{', at ' + shape if shape else ''}" if words else "")
@@ -97,13 +97,17 @@ def _recording(r, said: set[str]) -> Safe:
 
 def _facts(r: dict) -> Iterator[str]:
     """What is known of a recording, in words."""
-    known = {"name", "session", "path", "warnings", "seconds", "samples", "rate_hz", "held_out"}
+    known = {"name", "session", "path", "warnings", "seconds", "samples", "rate_hz", "held_out", "compared"}
     if r.get("seconds") is not None:
         yield amount(r["seconds"], "s")
     if r.get("samples") is not None:
         yield f"{text(r['samples'])} samples" + (f" at {amount(r['rate_hz'], 'Hz')}" if r.get("rate_hz") is not None else "")
     if isinstance(r.get("held_out"), bool):
         yield "not used for fitting" if r["held_out"] else "used for fitting"
+    seen = mapping(r.get("compared"))
+    if finite(seen.get("left_out")):
+        share = percent(seen["left_out"] / (seen["left_out"] + (finite(seen.get("samples")) or 0.0)))
+        yield f"{share} of it not compared ({text(seen.get('because'))})"
     yield from (f"{spoken(k)} {text(x)}" for k, x in r.items() if k not in known and x not in (None, "", [], {}))
 
 

@@ -3,7 +3,7 @@
 from skin_ident.criticism.outcome import Round
 from skin_ident.report.gains import fall
 from skin_ident.report.markup import Safe, el, table
-from skin_ident.report.numbers import UNKNOWN, amount, percent, plain
+from skin_ident.report.numbers import UNKNOWN, amount, percent, plain, span
 from skin_ident.report.story import named_cause
 from skin_ident.report.view import Amount, ChannelError, View
 from skin_ident.report.words import capital, cause_at, channel
@@ -14,8 +14,11 @@ MOST_RANKED = 8
 def error_table(errors: tuple[ChannelError, ...]) -> Safe:
     """Error of every channel before and after, with bars on a scale of their own and the noise floor as a tick."""
     both = any(None not in e.held_out for e in errors)
-    head = ["channel", "before", "after", "change", "noise alone", ""] + ["on training data"] * both
-    return table(head, [_error_row(e)[: len(head)] for e in errors], numeric=(1, 2, 3, 4, 6), class_="errors")
+    head = ["channel", "before", "after", "change", "fall, 95 % interval", "noise alone", ""] + ["on training data"] * both
+    rows = [_error_row(e)[: len(head)] for e in errors]
+    if not any(e.interval for e in errors):
+        head, *rows = [r[:4] + r[5:] for r in (head, *rows)]
+    return table(head, rows, numeric=tuple(i for i, h in enumerate(head) if i and h), class_="errors")
 
 
 def _error_row(e: ChannelError) -> list:
@@ -29,7 +32,8 @@ def _error_row(e: ChannelError) -> list:
     bars = [_bar(v, top, kind) for v, kind in ((before, "before"), (after, "after"))]
     floor = el("u", style=f"left:{100 * e.floor / top:.1f}%", title="noise alone") if top and e.floor else None
     cells = [amount(v, e.unit, like=like) for v in (before, after)]
-    return [channel(e.channel), *cells, change, amount(e.floor, e.unit, like=like), el("div", bars, floor, class_="duel"), training]
+    fell = span(*e.interval, e.unit) if e.interval else UNKNOWN
+    return [channel(e.channel), *cells, change, fell, amount(e.floor, e.unit, like=like), el("div", bars, floor, class_="duel"), training]
 
 
 def _bar(value: float | None, top: float, kind: str) -> Safe | None:

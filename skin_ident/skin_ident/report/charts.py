@@ -1,5 +1,7 @@
 """The charts of a recording in time: measured against simulated, and what is left."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from skin_ident.criticism.outcome import ScanTrace, Trace
@@ -21,7 +23,8 @@ def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], 
 
 def key(trace: Trace | ScanTrace) -> Safe:
     """The legend of measured against simulated."""
-    return legend(("measured", "measured"), *((kind, name) for kind, name, _ in simulations(trace)))
+    out = [("leftout", "not compared")] if isinstance(trace, Trace) and not trace.compared.all() else []
+    return legend(("measured", "measured"), *((kind, name) for kind, name, _ in simulations(trace)), *out)
 
 
 def key_left(trace: Trace | ScanTrace) -> Safe:
@@ -36,16 +39,32 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
     both = [(kind, name, curves[row]) for kind, name, curves in simulations(trace)]
     left = [(kind, _briefly(name), smooth(trace.t, y - s, v.band_hz)[cut]) for kind, name, s in both]
     factor, printed = scale(np.nanmax(np.abs(y[cut]), initial=0.0), unit)
-    small, small_printed = scale(max(float(np.nanmax(np.abs(r), initial=0.0)) for _, _, r in left), unit)
+    small, small_printed = scale(max(float(np.nanmax(np.abs(r[trace.compared[cut]]), initial=0.0)) for _, _, r in left), unit)
     top = [Line(*thinned(t, factor * s[cut], buckets), kind, name) for kind, name, s in (("measured", "measured", y), *both)]
     below = [Line(*thinned(t, small * r, buckets), kind, name) for kind, name, r in left]
-    label = f"measured − simulated{below_band(v)}, {small_printed}"
+    y_top = axis([line.y for line in top], f"{channel(trace.channels[row])}, {printed}")
+    judged = trace.compared[cut]
+    y_below = axis([small * r[judged] for _, _, r in left], f"measured − simulated{below_band(v)}, {small_printed}", zero=True)
+    grey = _not_compared(t, judged)
     return el(
         "div",
-        plot(top, x, axis([line.y for line in top], f"{channel(trace.channels[row])}, {printed}"), "tall bare"),
-        plot(below, x, axis([line.y for line in below], label, zero=True), "low"),
+        plot([*grey(y_top), *top], x, y_top, "tall bare"),
+        plot([*grey(y_below), *below], x, y_below, "low"),
         class_="pair",
     )
+
+
+def _not_compared(t: np.ndarray, judged: np.ndarray) -> Callable[[Axis], list[Line]]:
+    """What shades, over the height of an axis, the stretches that were not compared."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], ~judged, [0]]).astype(int)))
+    pairs = [(t[a], t[min(b, t.size - 1)]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+    def shade(y: Axis) -> list[Line]:
+        across = [np.array([a, a, b, b, np.nan]) for a, b in pairs]
+        down = [np.array([y.low, y.high, y.high, y.low, np.nan])] * len(pairs)
+        return [Line(np.concatenate(across), np.concatenate(down), "leftout band", "")] if pairs else []
+
+    return shade
 
 
 def below_band(v: View) -> str:
@@ -69,7 +88,8 @@ def against_motion(trace: Trace, row: int, unit: str) -> list[Safe]:
 
 def _left(trace: Trace, row: int) -> list[tuple[str, np.ndarray]]:
     """(kind, residual) of each simulation."""
-    return [(kind, trace.measured[row] - curves[row]) for kind, _, curves in simulations(trace)]
+    out = np.where(trace.compared, 0.0, np.nan)
+    return [(kind, trace.measured[row] - curves[row] + out) for kind, _, curves in simulations(trace)]
 
 
 def _against(quantity, pair, found, label: str, factor: float, unit: str, speed) -> Safe | None:

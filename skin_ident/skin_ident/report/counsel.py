@@ -92,14 +92,18 @@ def next_steps(v: View) -> Iterator[str]:
         if f.separating:
             yield sentence(f"To tell {cause_at(f.cause, f.where)} from {_rivals(f)}, run: {f.separating}")
     yield from _advice(v)
-    if v.judged:
-        yield "Load model.yaml, beside this report, into the simulated skin: everything named here is in it."
+    if v.judged or any(f.simulated for f in v.findings):
+        yield f"Load model.yaml, beside this report, into the simulated skin: {_carried(v)} named here is in it."
     if v.verdict in (PARTLY, UNEXPLAINED):
         yield "See below which way the remaining error leans, and record what the untested causes need."
     if v.errors and v.tested in (UNTESTED, STRETCHES):
         yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
     if v.verdict == NOTHING:
         yield "Keep the model." + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")
+
+
+def _carried(v: View) -> str:
+    return "everything" if all(f.simulated or not f.direct for f in v.findings) else "what can be simulated of what is"
 
 
 def _advice(v: View) -> Iterator[str]:

@@ -8,8 +8,10 @@ from skin_ident.report.markup import Safe, el, join, section
 from skin_ident.report.numbers import amount, percent, span
 from skin_ident.report.story import amounts_line
 from skin_ident.report.tolerant import sequence, text
-from skin_ident.report.view import Finding, View
+from skin_ident.report.view import Amount, Finding, View
 from skin_ident.report.words import EVIDENCE, SHARES, advice, capital, cause_at, channel, meaning, sentence, signal, spoken
+
+UNTOLD = ("why", "stuck", "count", "excursions")  # said elsewhere, or for programs
 
 
 def evidence(outcome: Outcome, v: View) -> Safe | None:
@@ -33,13 +35,20 @@ def _card(f: Finding, number: int) -> Safe:
         ("Size", [el("div", line) for line in amounts_line(f.amounts, 12).split("; ") if line]),
         ("Why", sentence(f.why)),
         *_gain_rows(f),
-        *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k != "why"),
+        ("Had been hiding in", [el("div", _bent(*pair)) for pair in f.hid_in]),
+        *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k not in UNTOLD),
         *(("Could also be", join([cause_at(c, w), f" ({why})" if why else ""])) for c, w, why in f.alternatives),
         ("Would tell them apart", sentence(f.separating)),
         ("What to do", sentence(advice(f.cause))),
     ]
     entries = [[el("dt", k), el("dd", value)] for k, value in rows if value]
     return el("article", el("h3", f"{number}. {capital(cause_at(f.cause, f.where))}"), el("dl", entries), class_="card")
+
+
+def _bent(before: Amount, after: Amount) -> str:
+    like = [before.value, after.value]
+    both = " → ".join(amount(a.value, a.unit, like=like) for a in (before, after))
+    return f"{before.words}: {both}"
 
 
 def _gain_rows(f: Finding) -> list[tuple[str, str]]:

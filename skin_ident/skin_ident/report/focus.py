@@ -64,9 +64,9 @@ def rms(y: np.ndarray) -> float:
     return float(np.sqrt(np.mean(y**2))) if y.size else 0.0
 
 
-def by_fall(trace: Trace) -> list[int]:
-    """Rows of the channels, the one whose error fell most (relative to what it was) first."""
-    falls = [_fall(trace, row) for row in range(len(trace.channels))]
+def by_fall(trace: Trace, silent: tuple[str, ...] = ()) -> list[int]:
+    """Rows of the channels, the one whose error fell most (relative to what it was) first, `silent` ones last."""
+    falls = [_fall(trace, row) - 10.0 * (c in silent) for row, c in enumerate(trace.channels)]
     return sorted(range(len(trace.channels)), key=lambda row: -round(falls[row], 3))
 
 
@@ -80,7 +80,7 @@ def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float 
     if width >= 0.9 * n:
         return 0, n
     before, after = (smooth(trace.t, r, band_hz) ** 2 for r in residuals(trace, row))
-    worth = before - after if _fall(trace, row) > LEAST_FALL else after
+    worth = (before - after if _fall(trace, row) > LEAST_FALL else after) * trace.compared
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(worth))])
     held = total[width:] - total[:-width]
     best = np.flatnonzero(held >= held.max() - 5e-3 * abs(held.max()))  # about as good: the middle one shows what comes before and after
@@ -89,7 +89,7 @@ def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float 
 
 
 def _fall(trace: Trace, row: int) -> float:
-    before, after = rms(trace.measured[row] - trace.baseline[row]), rms(trace.measured[row] - trace.extended[row])
+    before, after = (rms((trace.measured[row] - y[row])[trace.compared]) for y in (trace.baseline, trace.extended))
     return 1.0 - after / before if before > 0.0 else 0.0
 
 
@@ -99,5 +99,5 @@ def _removed(trace: Trace) -> float:
 
 def _row(trace: Trace, view: View) -> int:
     """The channel that the first finding names; else the one whose error fell most."""
-    named = [f.gain.channel for f in view.findings if f.gain.channel in trace.channels]
-    return trace.channels.index(named[0]) if named else by_fall(trace)[0]
+    named = [f.gain.channel for f in view.findings if f.gain.channel in trace.channels and f.gain.channel not in view.silent]
+    return trace.channels.index(named[0]) if named else by_fall(trace, view.silent)[0]

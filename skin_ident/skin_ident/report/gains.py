@@ -7,6 +7,8 @@ from skin_ident.report.numbers import amount, percent, span
 from skin_ident.report.view import IN_TURN, ChannelError, View
 from skin_ident.report.words import signal
 
+LEAST = 0.05  # relative fall of a channel's error that is worth saying
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -22,9 +24,13 @@ def better(v: View) -> Figure:
     told = [e for e in v.errors if None not in e.pair and e.pair[0]]
     if not told:
         return Figure("Not measured", "", () if v.errors else ("No simulation was compared with these data.",))
+    alive = [e for e in told if e.channel not in v.silent]
+    if not v.judged and any(fall(e) > LEAST and e.interval and e.interval[0] > 0.0 for e in alive):
+        return _gain(max(alive, key=fall), v)
     if not v.judged:
         return _no_gain(v, told)
     named = v.judged[0].gain.channel
+    told = [e for e in told if e.channel not in v.silent] or told
     return _gain(next((e for e in told if e.channel == named), None) or max(told, key=fall), v)
 
 
@@ -62,10 +68,12 @@ def _gain(e: ChannelError, v: View) -> Figure:
 def _tested_pair(e: ChannelError, v: View) -> tuple[float, float]:
     """Error before and after on data that test it. With sessions held out in turn, only the findings carry it."""
     steps = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.before and f.gain.after is not None]
-    return (steps[0].before, steps[-1].after) if v.tested == IN_TURN and steps else e.pair
+    return (steps[0].before, steps[-1].after) if v.tested == IN_TURN and not v.in_turn and steps else e.pair
 
 
 def _interval(v: View, e: ChannelError) -> str:
+    if e.interval:
+        return f"The fall is {span(*e.interval, e.unit)} with 95 % confidence."
     gains = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
     if not gains:
         return ""
@@ -78,5 +86,5 @@ def _bound(e: ChannelError, after: float, v: View) -> str:
         return ""
     floor = amount(e.floor, e.unit, like=[*e.pair, e.floor])
     if v.verdict in (PARTLY, UNEXPLAINED):
-        return f"What no named cause explains is {floor}: the noise, and what is still missing."
+        return f"Noise alone leaves about {floor}; what is between is still unexplained."
     return f"Noise alone leaves {floor}: " + ("there is nothing more to gain." if after < 1.15 * e.floor else "no model can do better.")

@@ -7,6 +7,8 @@ from skin_ident.report.tolerant import mapping, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
 from skin_ident.report.words import cause_at, effect_words, parameter_words, spoken
 
+LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
+PLACED = ("findings", "excluded", "untestable")
 _KNOWN = {
     "schema",
     "recordings",
@@ -19,18 +21,22 @@ _KNOWN = {
     "verdict",
     "warnings",
     "systematic_rest",
+    "gain_by_channel",
 }
+IN_TURN = "each session in turn"
 
 
 def view(findings: dict[str, Any]) -> View:
     """Read the content of findings.json (schema 1)."""
+    findings = _lone_taxel(findings)
     baseline, extended = mapping(findings.get("baseline")), mapping(findings.get("extended"))
+    gains = {str(c): mapping(g) for c, g in mapping(findings.get("gain_by_channel")).items()}
     return View(
         verdict=text(findings.get("verdict")) or "unknown",
         model=text(baseline.get("model")),
         recordings=tuple(sequence(findings.get("recordings"))),
         findings=tuple(_finding(mapping(f), baseline) for f in sequence(findings.get("findings"))),
-        errors=_errors(mapping(baseline.get("rmse")), mapping(extended.get("rmse")), mapping(findings.get("noise_floor"))),
+        errors=_errors(mapping(baseline.get("rmse")), mapping(extended.get("rmse")), mapping(findings.get("noise_floor")), gains),
         before=_model_amounts(baseline.get("parameters")),
         after=_model_amounts(extended.get("parameters")),
         excluded=tuple(mapping(e) for e in sequence(findings.get("excluded"))),
@@ -40,8 +46,24 @@ def view(findings: dict[str, Any]) -> View:
         band_hz=next(
             (b for f in mapping(findings.get("noise_floor")).values() if (b := finite(mapping(f).get("band_hz"))) is not None), None
         ),
+        in_turn=any(g.get("tested_on") == IN_TURN for g in gains.values()),
         other={k: v for k, v in findings.items() if k not in _KNOWN},
     )
+
+
+def _lone_taxel(findings: dict[str, Any]) -> dict[str, Any]:
+    """Where there is only one taxel, `taxel` means that one, not all alike."""
+    channels = [c for c in mapping(mapping(findings.get("baseline")).get("rmse")) if str(c).startswith("taxel")]
+    return {**findings, **{k: lone(v) for k, v in findings.items() if k in PLACED}} if len(channels) == 1 else findings
+
+
+def lone(thing: Any) -> Any:
+    """The same with every place `taxel` as that of a lone one."""
+    if isinstance(thing, list):
+        return [lone(x) for x in thing]
+    if isinstance(thing, dict):
+        return {k: LONE if k == "where" and v == "taxel" else lone(v) for k, v in thing.items()}
+    return thing
 
 
 def recording_name(r: Any) -> str:
@@ -93,7 +115,14 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         _gain(mapping(f.get("gain")), channels, baseline, mapping(f.get("evidence")).get("held_out")),
         tuple(_alternative(a) for a in sequence(f.get("alternatives"))),
         text(f.get("separating_experiment")),
+        tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
     )
+
+
+def _bent(name: str, entry: dict[str, Any]) -> tuple[Amount, Amount]:
+    values = (finite(entry.get(k)) for k in ("before", "after"))
+    before, after = (Amount(name, parameter_label(name), value, text(entry.get("unit"))) for value in values)
+    return before, after
 
 
 def _gain(g: dict[str, Any], channels: tuple[str, ...], baseline: dict[str, Any], held_out: Any) -> Gain:
@@ -120,12 +149,17 @@ def _alternative(a: Any) -> tuple[str, str, str]:
     return text(a.get("cause")), text(a.get("where")), "; ".join([*said, *([text(rest)] if rest else [])])
 
 
-def _errors(before: dict, after: dict, floor: dict) -> tuple[ChannelError, ...]:
-    return tuple(_error(c, mapping(before.get(c)), mapping(after.get(c)), floor.get(c)) for c in dict.fromkeys([*before, *after]))
+def _errors(before: dict, after: dict, floor: dict, gains: dict) -> tuple[ChannelError, ...]:
+    names = dict.fromkeys([*before, *after])
+    return tuple(_error(c, mapping(before.get(c)), mapping(after.get(c)), floor.get(c), mapping(gains.get(c))) for c in names)
 
 
-def _error(channel: str, before: dict, after: dict, floor: Any) -> ChannelError:
+def _error(channel: str, before: dict, after: dict, floor: Any, gain: dict) -> ChannelError:
     if isinstance(floor, dict):
         floor = next((v for v in (finite(floor.get(k)) for k in ("rms", "value", "rmse", "std")) if v is not None), None)
     pairs = [(finite(before.get(k)), finite(after.get(k))) for k in ("train", "held_out")]
-    return ChannelError(channel, text(before.get("unit") or after.get("unit")) or "N", *pairs, finite(floor))
+    if gain.get("tested_on") == IN_TURN:
+        pairs[1] = (finite(gain.get("held_out_rmse_before")), finite(gain.get("held_out_rmse_after")))
+    low, high = (*map(finite, sequence(gain.get("ci95"))), None, None)[:2]
+    interval = None if low is None or high is None or low == high == 0.0 else (low, high)
+    return ChannelError(channel, text(before.get("unit") or after.get("unit")) or "N", *pairs, finite(floor), interval)

@@ -33,10 +33,15 @@ def measured(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
 
 
 def _error_note(v: View) -> str:
-    where = TESTED[UNTESTED if v.tested == IN_TURN else v.tested]
-    turn = " Each session was held out in turn to judge the causes; those errors are on the cards below." if v.tested == IN_TURN else ""
+    where = TESTED[UNTESTED if _told_on_cards(v) else v.tested]
+    turn = " Each session was held out in turn to judge the causes; those errors are on the cards below." if _told_on_cards(v) else ""
     error = f"Typical error (root mean square of measured minus simulated{below_band(v)}) on {where}."
-    return f"{error} The tick on the bars is what noise alone leaves.{turn}"
+    return f"{error} The tick on the bars is what noise alone leaves; no model can do better.{turn}"
+
+
+def _told_on_cards(v: View) -> bool:
+    """Whether sessions were held out in turn, and errors by channel are those of the fit."""
+    return v.tested == IN_TURN and not v.in_turn
 
 
 def _sessions(outcome: Outcome, v: View, seen: Focus | None) -> list[Safe]:
@@ -52,7 +57,7 @@ def _sessions(outcome: Outcome, v: View, seen: Focus | None) -> list[Safe]:
 
 
 def _session(trace: Trace, v: View, buckets: int, is_open: bool) -> Safe:
-    rows = by_fall(trace)[:MOST_CHANNELS]
+    rows = by_fall(trace, v.silent)[:MOST_CHANNELS]
     role = "not used for fitting" if trace.held_out else "used for fitting"
     head = el("summary", el("b", short(trace.session, 72), title=trace.session), f" – {role}, {plain(trace.t[-1] - trace.t[0])} s")
     charts = [el("h4", capital(channel(trace.channels[r]))) + overlay(trace, r, v, slice(None), buckets) for r in rows]
@@ -71,7 +76,7 @@ def left(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     """What is left: against depth, speed and frequency (time is above)."""
     blocks = []
     if seen is not None:
-        for row in by_fall(seen.trace)[:3]:
+        for row in by_fall(seen.trace, v.silent)[:3]:
             unit = unit_of(v, seen.trace.channels[row])
             panels = [p for p in (*against_motion(seen.trace, row, unit), against_frequency(seen.trace, row, unit)) if p]
             blocks.append(el("h4", capital(channel(seen.trace.channels[row]))))

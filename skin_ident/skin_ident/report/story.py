@@ -1,7 +1,7 @@
 """The first screen in plain words: what is wrong, why we think so, how much better the model is, how sure we are, what to do next."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, n
 from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, plain
-from skin_ident.report.reading import view
+from skin_ident.report.reading import LONE, view
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.tolerant import text
 from skin_ident.report.view import Amount, Finding, View, unit_of
@@ -66,9 +66,19 @@ class Told:
 def tell(outcome: Outcome) -> Told:
     """Read an outcome, pick what to look at first, and put it into words."""
     v = view(outcome.findings)
+    if _has_one_taxel(v):
+        outcome = replace(outcome, rounds=tuple(replace(r, ranked=_lone(r.ranked)) for r in outcome.rounds))
     seen = focus(outcome.traces, v)
     wrong, why = tuple(_wrong(v, seen)), tuple(_why(v, seen, outcome.rounds))
     return Told(outcome, v, seen, Story(_headline(v), wrong, why, better(v), *sure(v), *rebuild_answer(v), tuple(next_steps(v))))
+
+
+def _has_one_taxel(v: View) -> bool:
+    return sum(e.channel.startswith("taxel") for e in v.errors) == 1
+
+
+def _lone(ranked: tuple[tuple[str, str, float], ...]) -> tuple[tuple[str, str, float], ...]:
+    return tuple((c, LONE if w == "taxel" else w, g) for c, w, g in ranked)
 
 
 def _headline(v: View) -> Headline:
@@ -125,7 +135,7 @@ def amounts_line(amounts: tuple[Amount, ...], most: int = MOST_AMOUNTS) -> str:
 
 
 def _in_newtons(seen: Focus, v: View) -> str:
-    change = seen.trace.extended[seen.row] - seen.trace.baseline[seen.row]
+    change = (seen.trace.extended[seen.row] - seen.trace.baseline[seen.row])[seen.trace.compared]
     peak = float(np.nanmax(np.abs(change), initial=0.0))
     top = float(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0))
     unit, name = unit_of(v, seen.channel), signal(seen.channel)
@@ -153,7 +163,7 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
 
 def _stray(seen: Focus, v: View) -> str:
     """How wrong a simulation is that nothing explains."""
-    left = smooth(seen.trace.t, residuals(seen.trace, seen.row)[1], v.band_hz)
+    left = smooth(seen.trace.t, residuals(seen.trace, seen.row)[1], v.band_hz)[seen.trace.compared]
     unit, worst = unit_of(v, seen.channel), float(np.nanmax(np.abs(left), initial=0.0))
     return (
         f"The simulated {signal(seen.channel)} strays from the measured one by up to {amount(worst, unit)}, typically "
@@ -162,7 +172,8 @@ def _stray(seen: Focus, v: View) -> str:
 
 
 def _in_the_picture(seen: Focus, v: View) -> str:
-    cut = slice(seen.start, seen.stop)
+    cut = np.flatnonzero(seen.trace.compared[seen.start : seen.stop]) + seen.start
+    cut = cut if cut.size else np.arange(seen.start, seen.stop)
     worst = [float(np.nanpercentile(np.abs(smooth(seen.trace.t, r, v.band_hz)[cut]), 99.0)) for r in residuals(seen.trace, seen.row)]
     unit = unit_of(v, seen.channel)
     few = "this" if len(v.findings) == 1 else "these"

@@ -51,6 +51,7 @@ class Finding:
     gain: Gain
     alternatives: tuple[tuple[str, str, str], ...]  # cause, where, remark
     separating: str
+    hid_in: tuple[tuple[Amount, Amount], ...] = ()  # parameters of the baseline that it had bent, before and after
 
     @property
     def why(self) -> str:
@@ -58,9 +59,14 @@ class Finding:
         return re.sub(r"taxel_(\d)", r"taxel \1", text(dict(self.evidence).get("why")))
 
     @property
+    def simulated(self) -> bool:
+        """Whether the extended model carries what telemetry saw."""
+        return text(dict(self.evidence).get("simulated")).startswith("yes")
+
+    @property
     def direct(self) -> bool:
-        """Whether it is seen in the record itself, before any model, so that the simulation gains nothing."""
-        return self.cause in DIRECT and not self.gain.fall
+        """Whether it is seen in the record itself, before any model, so that the simulation gains nothing. A silent taxel is no signal."""
+        return self.cause == "dead_taxel" or (self.cause in DIRECT and not self.gain.fall)
 
 
 @dataclass(frozen=True)
@@ -72,6 +78,7 @@ class ChannelError:
     train: tuple[float | None, float | None]
     held_out: tuple[float | None, float | None]
     floor: float | None
+    interval: tuple[float, float] | None = None  # of the fall, at 95 %
 
     @property
     def pair(self) -> tuple[float | None, float | None]:
@@ -95,11 +102,14 @@ class View:
     warnings: tuple[str, ...]
     rest: float | None  # share of what is left that a general model still predicts
     band_hz: float | None  # errors are taken below this frequency
+    in_turn: bool  # the errors are of sessions that were held out in turn
     other: dict[str, Any]
 
     @property
     def tested(self) -> str:
         """How the extended model was put to the test: on a session kept aside, on stretches of the only one, on each in turn, or not."""
+        if self.in_turn:
+            return IN_TURN
         if any(e.held_out[0] is not None for e in self.errors):
             return STRETCHES if len(self.recordings) == 1 and not self.is_scan else HELD_OUT
         return IN_TURN if len(self.recordings) > 1 else UNTESTED
@@ -108,6 +118,11 @@ class View:
     def is_scan(self) -> bool:
         """Whether this is about a static spread scan."""
         return any(f.cause.startswith("spread_") or f.cause == "anisotropy" for f in self.findings) or "gauss" in self.model.lower()
+
+    @property
+    def silent(self) -> tuple[str, ...]:
+        """Channels that carry no signal."""
+        return tuple(c for f in self.findings if f.cause == "dead_taxel" for c in f.channels)
 
     @property
     def judged(self) -> tuple[Finding, ...]:

@@ -14,6 +14,7 @@ PLACES = {
     "rig": "the rig",
     "load_cell": "the load cell",
     "taxel": "all taxels alike",
+    "taxel_alone": "the taxel",
     "clock": "the clock",
     "clock_taxels": "the clock of the taxels",
     "clock_depth": "the clock of the encoder",
@@ -45,6 +46,8 @@ def signal(name: str) -> str:
 
 def cause_at(cause: str, where: str) -> str:
     """`stress relaxation in the skin`, `time shift of the clock`, `dead taxel 3`."""
+    if cause == "dead_taxel" and where == "taxel_alone":
+        return "dead taxel"
     if cause == "dead_taxel" and where.startswith("taxel_"):
         return f"dead {spoken(where)}"
     if cause == "parameters":
@@ -85,7 +88,7 @@ def parameter_words(name: str) -> str:
 
 
 # A symbol of the effect's equation right after the word it stands for: "bias F", "time t0, counted from …".
-_SYMBOL = re.compile(r"(?<!of)(?<!is)(?<!per) (?:[A-Za-z]|tau|v_s|x0|x1|t0)(?=$|[ ,:;])")
+_SYMBOL = re.compile(r"(?<!of)(?<!is)(?<!per)(?<!\d) (?:[A-Za-z]|tau|v_s|x0|x1|t0)(?=$|[ ,:;])")
 
 
 def _without_symbols(doc: str) -> str:
@@ -124,6 +127,8 @@ EVIDENCE = {
     "forms": "Form",
     "explained_share": "Share of the mismatch explained",
     "log_likelihood_ratio": "Log likelihood ratio",
+    "simulated": "In the simulation",
+    "kind": "Kind",
 }
 SHARES = {"held_out_fall_of_mean_square", "explained_share"}
 

@@ -63,7 +63,11 @@ def _unlike(
     if plain and loaded > GROWN * idle:
         share = np.sqrt(loaded**2 - idle**2) / max(float(np.mean(np.abs(y[y >= high]))), 1e-9)
         said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
-        numbers = {"growth": quantity(loaded / idle, "1"), "white": quantity(idle, "N"), "proportional": quantity(min(share, 1.0), "1")}
+        numbers = {
+            "times_under_load": quantity(loaded / idle, "1"),
+            "white": quantity(idle, "N"),
+            "proportional": quantity(min(share, 1.0), "1"),
+        }
         return "growth", f"{said}; {declared}, the same at any load", numbers
     measured = _spread(e)
     ratio = measured / expected
@@ -71,11 +75,11 @@ def _unlike(
     if plain and colour > COLOURED:
         tau = -dt / float(np.log(min(colour, 0.9999)))
         said = f"wanders: neighbouring samples are alike (correlation {colour:.2f}, where white noise has none), over about {tau:.2g} s"
-        numbers = {"correlation": quantity(colour, "1"), "coloured": quantity(measured, "N"), "tau": quantity(tau, "s")}
+        numbers = {"correlation_of_neighbours": quantity(colour, "1"), "coloured": quantity(measured, "N"), "tau": quantity(tau, "s")}
         return "correlation", f"{said}; {declared}", numbers
     if not 1.0 / OTHER_LEVEL < ratio < OTHER_LEVEL:
         steps = f", {expected:.3g} N together with the steps of converter and encoder" if expected > 1.05 * level else ""
-        numbers = {"level": quantity(ratio, "1"), "white": quantity(measured, "N")}
+        numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
         return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {declared}{steps}", numbers
     return None
 
