@@ -27,6 +27,8 @@ setup(
         "console_scripts": [
             "driver_node = skin_testbed_driver.ros.driver_node:main",
             "recorder = skin_testbed_driver.ros.recorder:main",
+            "export_table = skin_testbed_driver.ros.export_table:main",
+            "import_table = skin_testbed_driver.ros.import_table:main",
         ]
     },
 )

@@ -1,5 +1,6 @@
-"""Tab- or comma-separated tables of one recording, with units in the header: `t_s  x_mm  force_n  taxel_0_n  …`."""
+"""Tab- or comma-separated tables of one recording, with units in the header: `t_s  x_mm  force_n  taxel_0_n  …`. Read and written."""
 
+import contextlib
 import csv
 import os
 from pathlib import Path
@@ -26,6 +27,30 @@ def read_table(path: str | os.PathLike) -> Recorded:
         return _recorded(rows)
     except RigError as error:
         raise RigError(f"{path}: {error}") from error
+
+
+def write_table(path: str | os.PathLike, recorded: Recorded) -> int:
+    """Write `recorded` with tabs between its columns, a row for every sample of depth, and return how many rows that is.
+
+    Force and taxels that were sampled at other times are interpolated; nan is what nobody knows. Depths are written to the picometre,
+    forces to the nanonewton. Raises `RigError` where `path` exists or cannot be written; then nothing is left there.
+    """
+    t, path = recorded.depth.t, Path(path)
+    force, taxels = recorded.force.at(t), recorded.taxels.at(t)
+    titles = ["t_s", "x_mm", "force_n", *(f"taxel_{i}_n" for i in range(taxels.shape[1]))]
+    columns = np.round(np.column_stack([t - t[0], 1e3 * recorded.depth.values, force, taxels]), 9)
+    lines = ["\t".join(titles), *("\t".join(map(repr, row)) for row in columns.tolist())]
+    if path.exists():
+        raise RigError(f"{path} exists already: choose another name, nothing is overwritten")
+    partial = path.with_name(f"{path.name}.partial")
+    try:
+        partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        partial.replace(path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            partial.unlink(missing_ok=True)
+        raise RigError(f"cannot write the table {path}: {error.strerror}") from error
+    return t.size
 
 
 def _recorded(rows: list[list[str]]) -> Recorded:

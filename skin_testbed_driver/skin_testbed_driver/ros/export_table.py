@@ -1,0 +1,54 @@
+"""Export a recording as the thesis's testbed stored its own: a tab-delimited table, one row per sample (section 3.2.1).
+
+    ros2 run skin_testbed_driver export_table session_1                 # writes session_1.tsv
+    ros2 run skin_testbed_driver export_table session_1 --out first.tsv
+
+Columns: t_s, x_mm, force_n, taxel_0_n, …; compression is positive, what is not known is nan. `fit`, `diagnose` and rig:=replay read it,
+and import_table makes a bag of it again. The recording's rig.yaml comes with it. Exit status 2 where that is not possible.
+"""
+
+import argparse
+import shutil
+import sys
+from pathlib import Path
+
+from skin_models.errors import SkinError
+from skin_testbed_driver.rig import RigError
+from skin_testbed_driver.rigs.table import write_table
+from skin_testbed_driver.ros.replayed_bag import read_bag
+
+
+def export_table(recording: Path, out: Path) -> int:
+    """Write the table of a bag and return its number of rows. Raises `RigError`; an existing file is not overwritten."""
+    recorded, _ = read_bag(str(recording))
+    rows = write_table(out, recorded)
+    rig = (recording if recording.is_dir() else recording.parent) / "rig.yaml"
+    beside = out.parent / "rig.yaml"
+    if rig.is_file() and not beside.exists():
+        shutil.copyfile(rig, beside)
+    return rows
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(prog="export_table", description="Write a recording as a tab-delimited table.")
+    parser.add_argument("recording", type=Path, help="a rosbag2 directory or an .mcap file")
+    parser.add_argument("--out", type=Path, help="the table; default: the recording's name with .tsv, in this folder")
+    chosen = parser.parse_args()
+    out = chosen.out or Path(chosen.recording.resolve().with_suffix("").name + ".tsv")
+    try:
+        rows = export_table(chosen.recording, out)
+    except SkinError as error:
+        sys.exit(_complain("export_table", error))
+    except OSError as error:
+        sys.exit(_complain("export_table", RigError(f"cannot write {out}: {error.strerror}")))
+    print(f"{out}: {rows} samples")
+
+
+def _complain(program: str, error: Exception) -> int:
+    print(f"{program}: {' '.join(str(error).split())}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""A recording leaves as a tab-delimited table and comes back as a bag, without loss."""
+
+import subprocess
+
+import numpy as np
+import pytest
+
+from skin_testbed_driver.rig import RigError
+from skin_testbed_driver.rigs.replay import Recorded, Track
+from skin_testbed_driver.rigs.table import read_table, write_table
+
+
+def recorded(n: int = 500, taxels: int = 3) -> Recorded:
+    """Encoder steps of 1 um, forces of any value, a taxel that is not known for a while."""
+    rng = np.random.default_rng(1)
+    t = 0.01 * np.arange(n)
+    sensed = rng.normal(size=(n, taxels))
+    sensed[100:110, -1:] = np.nan
+    return Recorded(Track(t, 1e-6 * rng.integers(-2000, 2000, n)), Track(t, rng.normal(size=n)), Track(t, sensed))
+
+
+@pytest.mark.parametrize("taxels", [0, 1, 3])
+def test_a_table_reads_back_as_it_was_written(tmp_path, taxels):
+    before = recorded(taxels=taxels)
+    assert write_table(tmp_path / "run.tsv", before) == 500
+    after = read_table(tmp_path / "run.tsv")
+    for name, atol in (("depth", 1e-15), ("force", 1e-9), ("taxels", 1e-9)):
+        np.testing.assert_allclose(getattr(after, name).t, getattr(before, name).t, atol=1e-9)
+        np.testing.assert_allclose(getattr(after, name).values, getattr(before, name).values, atol=atol, rtol=0.0)
+
+
+def test_the_table_has_tabs_a_header_with_units_and_a_row_per_sample(tmp_path):
+    write_table(tmp_path / "run.tsv", recorded())
+    lines = (tmp_path / "run.tsv").read_text().splitlines()
+    assert lines[0].split("\t") == ["t_s", "x_mm", "force_n", "taxel_0_n", "taxel_1_n", "taxel_2_n"]
+    assert len(lines) == 501 and {line.count("\t") for line in lines} == {5}
+
+
+def test_nothing_is_overwritten_and_nothing_is_left_half_written(tmp_path):
+    (tmp_path / "run.tsv").write_text("mine")
+    with pytest.raises(RigError, match="exists already"):
+        write_table(tmp_path / "run.tsv", recorded())
+    with pytest.raises(RigError, match="cannot write"):
+        write_table(tmp_path / "nowhere" / "run.tsv", recorded())
+    assert [p.name for p in tmp_path.iterdir()] == ["run.tsv"] and (tmp_path / "run.tsv").read_text() == "mine"
+
+
+def run(name: str, *arguments: object) -> subprocess.CompletedProcess:
+    from skin_models.ros.processes import executable
+
+    command = [str(executable("skin_testbed_driver", name)), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_table_to_bag_to_table_is_the_same_table(tmp_path):
+    pytest.importorskip("skin_testbed_msgs")
+    write_table(tmp_path / "run.tsv", recorded())
+    (tmp_path / "rig.yaml").write_text("sample_rate_hz: 100\n")
+    assert run("import_table", tmp_path / "run.tsv", "--out", tmp_path / "bag", "--start", "1700000000.25").returncode == 0
+    assert (tmp_path / "bag" / "rig.yaml").read_text() == "sample_rate_hz: 100\n"
+    (tmp_path / "other").mkdir()
+    exported = run("export_table", tmp_path / "bag", "--out", tmp_path / "other" / "again.tsv")
+    assert exported.returncode == 0 and "500 samples" in exported.stdout
+    assert (tmp_path / "other" / "again.tsv").read_text() == (tmp_path / "run.tsv").read_text()
+    assert (tmp_path / "other" / "rig.yaml").exists()
+
+
+def test_what_cannot_be_used_ends_with_one_sentence_and_status_2(tmp_path):
+    pytest.importorskip("skin_testbed_msgs")
+    (tmp_path / "bad.tsv").write_text("t_s\tx_mm\n0\t0\n1\t1\n")
+    for name, arguments in (("export_table", (tmp_path / "none",)), ("import_table", (tmp_path / "bad.tsv", "--out", tmp_path / "b"))):
+        ended = run(name, *arguments)
+        assert ended.returncode == 2 and len(ended.stderr.strip().splitlines()) == 1, ended
+    assert not (tmp_path / "b").exists()
+
+
+def test_a_recorded_session_is_exported_sample_by_sample(graph, tmp_path):
+    pytest.importorskip("skin_testbed_msgs")
+    graph.driver(taxels=2)
+    parameters = {"directory": str(tmp_path / "s"), "topics": ["encoder", "force", "taxels"]}
+    recorder = graph.processes.start("skin_testbed_driver", "recorder", parameters=parameters)
+    recorder.wait_for_output("every topic", 60.0)
+    graph.command((1.0, 5e-4, 0.0))
+    from skin_testbed_msgs.msg import TaxelArray
+
+    taxels = graph.hear(TaxelArray, "taxels")
+    graph.wait(lambda: len(taxels) > 200, "samples")
+    recorder.end(30.0)
+    assert run("export_table", tmp_path / "s", "--out", tmp_path / "s.tsv").returncode == 0
+    table = read_table(tmp_path / "s.tsv")
+    assert table.depth.t.size > 200 and np.allclose(np.diff(table.depth.t), 0.01)
+    by_time = {round(m.header.stamp.sec * 100 + m.header.stamp.nanosec * 1e-7): m.force[1] for m in taxels}
+    sensed = {round(v, 9) for v in by_time.values()}
+    assert len(sensed & set(table.taxels.values[:, 1].tolist())) > 0.9 * len(sensed)
