@@ -4,7 +4,8 @@
 
 Every contender gets the input, the output and the sampling period. Those that fit a discrete model have its poles and static gain turned
 into the continuous ones. `error` is the worst of alpha_1, alpha_0 and static gain, relative, median over the runs; `covers` is how often
-its own 95 % interval holds the truth, where it gives one. Libraries that are not installed are left out: lmfit, sippy_unipi, sysidentpy.
+its own 95 % interval holds the truth, where it gives one. Libraries that are not installed are left out: lmfit, mujoco[sysid], pysindy,
+sippy_unipi, sysidentpy.
 """
 
 import argparse
@@ -18,6 +19,7 @@ import warnings
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+import rivals
 from scipy.optimize import least_squares
 from scipy.signal import cont2discrete, lfilter, lsim
 
@@ -114,12 +116,15 @@ def _from_discrete(den, gain):
     return np.array([-poles.sum().real, poles.prod().real, gain]), None
 
 
+SLOW = ("scipy least_squares + lsim", "mujoco.sysid")
 CONTENDERS = {
     "ours": ours,
     "ours, white noise assumed": ours_compared,
     "scipy least_squares + lfilter": _by_hand(_lfilter),
     "scipy least_squares + lsim": _by_hand(_lsim),
     "lmfit + lfilter": lmfit_lfilter,
+    "mujoco.sysid": lambda u, y: answer(*rivals.mujoco_sysid(u, y, DT)),
+    "PySINDy": lambda u, y: answer(*rivals.pysindy_linear(u, y, DT)),
     "SIPPY ARX": sippy_arx,
     "SysIdentPy FROLS": sysidentpy_narx,
 }
@@ -151,12 +156,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=20)
     parser.add_argument("--slow", type=int, default=2, help="runs of the contenders that need seconds each")
+    parser.add_argument("--samples", type=int, nargs="+", default=[4000, 60_000])
     chosen = parser.parse_args()
-    for n, rho in ((4000, 0.0), (4000, 0.95), (60_000, 0.0)):
+    for n, rho in [(n, rho) for n in chosen.samples for rho in (0.0, 0.95) if n < 10_000 or rho == 0.0]:
         print(f"\n{n} samples at 100 Hz, 1 % {'white' if rho == 0 else f'AR({rho})'} noise, {chosen.runs} runs")
         print(f"{'':<32} {'error':>11} {'covers':>9} {'time':>13}")
         for name, contender in CONTENDERS.items():
-            print(run(name, contender, n, chosen.slow if "lsim" in name else chosen.runs, rho), flush=True)
+            print(run(name, contender, n, chosen.slow if name in SLOW else chosen.runs, rho), flush=True)
 
 
 if __name__ == "__main__":
