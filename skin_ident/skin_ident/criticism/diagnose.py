@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.array.extending import told
 from skin_ident.criticism.array.joining import array_criticism, joined
 from skin_ident.criticism.array.layout import layout_of
-from skin_ident.criticism.array.proposing import array_directions, for_anybody
+from skin_ident.criticism.array.proposing import array_directions
 from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.criticise import Criticism, criticise
 from skin_ident.criticism.errors import DiagnosisError
@@ -77,10 +78,11 @@ def diagnose(
     c = judged.criticism
     findings = as_findings(c, symptoms, every, *whole, rest, verdict, model is not None, experiments)
     findings = tell(findings, judged, symptoms)
-    findings = joined(findings, array_criticism(c, layout, symptoms, every))
+    array = array_criticism(c, layout, symptoms, every)
+    findings = joined(findings, array)
     kept = {s.name for s in held}
     traces = tuple(_trace(c, s, own, s.name in kept) for s, own in zip(looked.whole, _with_courses(looked.whole, c), strict=True))
-    carried = with_effects(for_anybody(c.extended.model), effects_of(symptoms))
+    carried = with_effects(told(c.extended.model, array, train[0]), effects_of(symptoms))
     return Outcome(findings, c.baseline.model, carried, c.extended.std, traces, (), _rounds(c), dict(_batteries(experiments)))
 
 

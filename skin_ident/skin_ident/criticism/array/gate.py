@@ -9,7 +9,7 @@ import numpy as np
 from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains, with_shares
-from skin_ident.criticism.array.hypotheses import Hypothesis
+from skin_ident.criticism.array.hypotheses import EXACT
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.gate import CARRIES, Gain, bootstrap_fall, rmse_fall
@@ -24,16 +24,17 @@ def held_out_gain(
 ) -> Gain:
     """The gain on the sessions `held` (indices); where there are none, each session in turn is left out of the fit.
 
-    Before, the width alone is free, as far as the best cause's background leaves it so.
+    Before, nothing is free but a width that is only expected, and not known.
     """
     train = [i for i in range(len(sessions)) if i not in held]
     folds = [([i for i in train if i != j] or [j], [j]) for j in train] if not held else [(train, held)]
     said = ", ".join(sessions[i].name for i in held) if held else "each session in turn"
-    nothing, around = Hypothesis("", "", 1.0, {}), best.background
+    around = best.background
+    width = {"width": around.width} if around.width > EXACT else {}
     before, after, judged = [], [], []
     for fit_on, try_on in folds:
-        for errors, h in ((before, nothing), (after, best.hypothesis)):
-            shares = _predicted(layout, measured, fit_on, try_on, around.scatter, around.and_with(h))
+        for errors, free in ((before, width), (after, {**width, **best.hypothesis.free})):
+            shares = _predicted(layout, measured, fit_on, try_on, around.scatter, free)
             errors += [residual(*with_shares(model, sessions[i], row)) for i, row in zip(try_on, shares, strict=True)]
         judged += [sessions[i] for i in try_on]
     return _gain(before, after, judged, noise, said)

@@ -1,0 +1,100 @@
+"""The extended model with what the ratios of the taxels say: the declared layout, and the cause as an effect of the catalogue.
+
+A share is what was measured; the model says it as the declared layout's share with an effect that bends it. Where the contact is then put
+right, or the taxel calibrated again, the effect is taken out and the shares are those of a rig without fault.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.array.analysis import ArrayCriticism
+from skin_ident.criticism.array.bending import Widening
+from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.judgement import Judged
+from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.proposing import for_anybody, is_of_array
+from skin_ident.criticism.array.sentences import shift_of
+from skin_ident.criticism.residual import placed
+from skin_ident.criticism.session import Session
+from skin_models.effect import Effect
+from skin_models.effects.anisotropy import Anisotropy
+from skin_models.effects.crosstalk import Crosstalk
+from skin_models.effects.gain_error import GainError
+from skin_models.effects.off_centre import OffCentre
+from skin_models.effects.spread_depth import SpreadDepth
+from skin_models.effects.spread_shape import SpreadShape
+from skin_models.effects.spread_width import SpreadWidth
+from skin_models.model import Model
+
+SILENT = 1e-3  # of the largest share: below, a share is no ratio of anything
+
+
+def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
+    """The model as it is written down: under the contact of the session `first`, with the positions of its taxels."""
+    if isinstance(a, str):
+        return for_anybody(model)
+    own = a.layout.of([0])
+    width = {"spread_width": {"value": float(a.layout.width), "unit": "m"}}
+    here = replace(
+        for_anybody(model),
+        shares=placed(model, first).shares,
+        positions=tuple((float(x), float(y)) for x, y in own.places[0]),
+        notes={**model.notes, **width},
+    )
+    for e in filter(is_of_array, model.effects):
+        here = _with(here, _known(e), np.ones(len(here.shares)))
+    if not a.named:
+        return here
+    e = _effect(a.judgement.causes[0], own)
+    return _with(here, e, _heard(here, e) if isinstance(e, Crosstalk) else _factors(a.judgement.causes[0], own))
+
+
+def _with(model: Model, e: Effect | None, factors: np.ndarray) -> Model:
+    """The model with an effect that multiplies its shares by `factors`, and the shares without them."""
+    if e is None:
+        return model
+    return replace(model.extended(e), shares=tuple((np.array(model.shares) / factors).tolist()))
+
+
+def _known(e: Any) -> Effect | None:
+    """The effect of the catalogue for one that was made for this layout; None where there is none."""
+    if isinstance(e, Widening):
+        return SpreadDepth("skin", growth=float(np.clip(e.growth, -1e3, 1e4)))
+    return None
+
+
+def _effect(j: Judged, layout: Layout) -> Effect | None:
+    p, cause = j.fit.member, j.hypothesis.cause
+    if cause == "off_centre":
+        dx, dy = shift_of(p, layout)
+        return OffCentre("rig", dx=float(dx), dy=float(dy))
+    if cause == "gain_error":
+        return GainError(j.hypothesis.where, gain=float(p["gain_" + j.hypothesis.where.partition("_")[2]]))
+    if cause == "crosstalk":
+        return None if "leak" not in j.hypothesis.free else Crosstalk("taxel", share=float(p["leak"]))
+    if cause == "spread_width":
+        return SpreadWidth("skin", wider=float(np.expm1(p["width"])))
+    if cause == "spread_shape":
+        return SpreadShape("skin", flatness=float(0.5 * p["power"]))
+    square, axes = np.linalg.eigh([[np.exp(-p["ratio"]), -p["turn"]], [-p["turn"], np.exp(p["ratio"])]])
+    along = axes[:, 0] if axes[0, 0] >= 0.0 else -axes[:, 0]
+    return Anisotropy("skin", stretch=float(0.5 * np.log(square[1] / square[0])), angle=float(np.arctan2(along[1], along[0])))
+
+
+def _heard(model: Model, e: Crosstalk) -> np.ndarray:
+    """What crosstalk multiplies every share by, (T,): its own shares are those that make the measured ones when neighbours are heard."""
+    shares = np.array(model.shares)
+    mixing = e.apply(np.eye(shares.size), None)
+    own = np.maximum(np.linalg.solve(mixing, shares), SILENT**2)
+    return np.maximum(shares, SILENT**2) / own
+
+
+def _factors(j: Judged, layout: Layout) -> np.ndarray:
+    """What the cause multiplies every share by, (T,); 1 where there was nothing to multiply."""
+    family = Family(layout)
+    own = {name: value for name, value in j.fit.member.items() if name in j.hypothesis.free}
+    plain, bent = family.shares({})[0], family.shares(own)[0]
+    told = (plain > SILENT * plain.max()) & (bent > 0.0)
+    return np.where(told, bent / np.where(told, plain, 1.0), 1.0)
