@@ -26,12 +26,12 @@ STYLE = {
 
 
 def png(p: Picture) -> bytes:
-    """Three panels: the trace, force against depth, and the difference, with the effect in red and without it in grey."""
+    """Three panels: the trace, force against depth (or the spread over the distance), and the difference; the effect is in red."""
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, 3, figsize=(10.6, 2.5), width_ratios=(1.55, 1.0, 1.0), layout="constrained")
         _trace(axes[0], p)
-        _loop(axes[1], p)
-        _change(axes[2], p)
+        (_loop if p.profile is None else _profile)(axes[1], p)
+        _difference(axes[2], p)
         out = io.BytesIO()
         figure.savefig(out, format="png", dpi=110)
         plt.close(figure)
@@ -39,12 +39,12 @@ def png(p: Picture) -> bytes:
 
 
 def overview(shown: list[Picture], columns: int = 5) -> bytes:
-    """All effects on one sheet, traces only."""
+    """All effects on one sheet: traces, or the difference where the traces look alike."""
     rows = -(-len(shown) // columns)
     with plt.rc_context({**STYLE, "font.size": 7.0}):
         figure, axes = plt.subplots(rows, columns, figsize=(2.9 * columns, 1.55 * rows), layout="constrained", squeeze=False)
         for axis, p in zip(axes.flat, shown, strict=False):
-            _trace(axis, p, labelled=False)
+            (_difference if p.faint else _trace)(axis, p, labelled=False)
             axis.set_title(title(p), fontsize=7.5, loc="left", color="#111827")
         for axis in axes.flat[len(shown) :]:
             axis.set_axis_off()
@@ -78,11 +78,20 @@ def _loop(axis, p: Picture) -> None:
     axis.set_ylabel("force (N)")
 
 
-def _change(axis, p: Picture) -> None:
+def _profile(axis, p: Picture) -> None:
+    x, without, with_it = p.profile
+    axis.plot(1e3 * x, without, color=WITHOUT, linewidth=1.6)
+    axis.plot(1e3 * x, with_it, color=WITH, linewidth=0.9)
+    axis.set_xlabel("from the place declared, along x (mm)")
+    axis.set_ylabel("share")
+
+
+def _difference(axis, p: Picture, labelled: bool = True) -> None:
     change = p.with_it - p.without
     axis.plot(p.t, change, color=CHANGE, linewidth=0.9)
     axis.axhline(0.0, color="#6b7280", linewidth=0.6)
-    axis.set_xlabel("time (s)")
-    axis.set_ylabel("with − without (N)")
+    if labelled:
+        axis.set_xlabel("time (s)")
+        axis.set_ylabel("with − without (N)")
     if np.ptp(change) < 1e-9:
         axis.set_ylim(-1.0, 1.0)

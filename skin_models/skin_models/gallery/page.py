@@ -24,14 +24,16 @@ th { color: #6b7280 } nav { columns: 4; font-size: .88rem } nav a { display: blo
 
 def page(shown: list[Picture]) -> str:
     """The whole page."""
-    causes = [(cause, list(group)) for cause, group in groupby(sorted(shown, key=lambda p: p.effect.cause), lambda p: p.effect.cause)]
+    shown = sorted(shown, key=lambda p: p.effect.cause)
+    causes = [(cause, list(group)) for cause, group in groupby(shown, lambda p: p.effect.cause)]
     links = "".join(f'<a href="#{cause}">{cause}</a>' for cause, _ in causes)
     sections = "".join(_section(cause, group) for cause, group in causes)
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
         f"<title>Effects</title><style>{STYLE}</style><h1>What every effect does</h1>"
         f'<p class="lead">One press of a 4 mm silicone skin, simulated with an effect of ordinary size (red) and without it (grey). '
-        f"{len(shown)} effects of {len(causes)} causes; the noise is that of a fair sensor, and the same in both.</p>"
+        f"{len(shown)} effects of {len(causes)} causes; the noise is that of a fair sensor, and the same in both. "
+        f"Blue is the difference between the two, shown alone where they look alike.</p>"
         f"<nav>{links}</nav><h2>All at a glance</h2>{_image(overview(shown), 'every effect')}{sections}</html>"
     )
 

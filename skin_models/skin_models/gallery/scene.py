@@ -12,6 +12,8 @@ from skin_models.effects.noise import Noise
 from skin_models.materials import material
 from skin_models.model import Model
 from skin_models.signals import Motion, motion
+from skin_models.spread.bending import Bent
+from skin_models.spread.noted import kernel_of
 
 RATE = 400.0  # Hz
 PATH_MM = (  # time s, depth mm: a slow press and hold, a minor loop, release, a quick jog in the air, cycles, a deeper press
@@ -47,6 +49,13 @@ class Picture:
     without: np.ndarray
     with_it: np.ndarray
     close_up: tuple[float, float]  # s, what the trace shows
+    profile: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None  # of a spread: distance along x (m), share without and with it
+
+    @property
+    def faint(self) -> bool:
+        """Whether the two traces can hardly be told apart."""
+        seen = (self.t >= self.close_up[0]) & (self.t <= self.close_up[1])
+        return float(np.ptp((self.with_it - self.without)[seen])) < 0.06 * float(np.ptp(self.without[seen]))
 
 
 def press() -> Motion:
@@ -62,7 +71,15 @@ def pictures() -> Iterator[Picture]:
     for cls in effects():
         e = _example(cls)
         without, with_it = (_channel(replace(specimen, effects=(one, *NOISE)), e, s) for one in (e.absent(), e))
-        yield Picture(e, _name(e), s.t, s.x, without, with_it, CLOSE_UPS.get(e.cause, (s.t[0], s.t[-1])))
+        profile = _profile(e, specimen) if e.place is Place.SPREAD else None
+        yield Picture(e, _name(e), s.t, s.x, without, with_it, CLOSE_UPS.get(e.cause, (s.t[0], s.t[-1])), profile)
+
+
+def _profile(e: Effect, specimen: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The kernel along x under a contact 1 mm deep, without and with an effect of the spread."""
+    x, kernel = np.linspace(-16e-3, 16e-3, 321), kernel_of(specimen)
+    bent = Bent(kernel, (e,)).at_depth(1e-3)
+    return x, kernel.shape(np.abs(x)), bent.shape(bent.distance(x, np.zeros_like(x)))
 
 
 def _channel(model: Model, e: Effect, s: Motion) -> np.ndarray:
