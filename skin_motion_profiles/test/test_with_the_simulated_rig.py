@@ -73,7 +73,7 @@ def test_a_cancel_while_the_driver_zeroes_leaves_it_ready(hold):
 
 def test_over_force_in_quick_time_ends_the_goal_and_retracts():
     with Session(**FAST) as session:
-        result, encoder, force = session.execute("{type: step, depth_mm: 1.2, speed_mm_s: 1, hold_s: 5}", max_force=5.0)
+        result, encoder, _ = session.execute("{type: step, depth_mm: 1.2, speed_mm_s: 1, hold_s: 5}", max_force=5.0)
     assert result.error_code == Result.OVER_FORCE and "more than the allowed 5 N" in result.error_string
     assert encoder[-1, 1] == pytest.approx(-0.002, abs=1e-5)
     assert encoder[:, 1].max() < 0.001  # it did not go where it would have

@@ -138,7 +138,8 @@ def measure(rate: float, taxels: int, seconds: float) -> list[Row]:
 def show(rate: float, taxels: int, rows: list[Row]) -> None:
     """One block of the table, µs."""
     print(f"\n{rate:g} Hz, {taxels} taxels")
-    print(f"{'':14}{'samples':>8}{'missed':>8}{'p50':>8}{'p99':>8}{'p99.9':>8}   {'latency p50':>12}{'p99':>8}{'thread':>8}{'CPU':>7}   µs, % of a core")
+    words = f"{'samples':>8}{'missed':>8}{'p50':>8}{'p99':>8}{'p99.9':>8}   {'latency p50':>12}{'p99':>8}{'thread':>8}{'CPU':>7}"
+    print(f"{'':14}{words}   µs, % of a core")
     for row in rows:
         jitter = 1e6 * np.abs(row.periods - 1.0 / rate)
         missed = max(round(row.periods.sum() * rate) - row.periods.size, 0)
@@ -152,8 +153,8 @@ def show(rate: float, taxels: int, rows: list[Row]) -> None:
     p99 = [np.percentile(np.abs(r.periods - 1.0 / rate), 99) for r in rows]
     for i in (0, 1):
         thread, process = cpu[i] / cpu[2]
-        ratio = f"p99 jitter x {p99[i] / p99[3]:.2f} of the bare loop; CPU per sample x {thread:.2f} (thread), x {process:.2f} (process) of the timer"
-        print(f"{rows[i].name}: {ratio}")
+        ratio = f"CPU per sample x {thread:.2f} (thread), x {process:.2f} (process) of the timer"
+        print(f"{rows[i].name}: p99 jitter x {p99[i] / p99[3]:.2f} of the bare loop; {ratio}")
 
 
 def main() -> None:

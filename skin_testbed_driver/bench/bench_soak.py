@@ -103,7 +103,8 @@ def show(rate: float, listener: Listener, recorded: dict[str, array], before: in
             print(f"{name:10}{who:>12}{samples:10d}{lost:9d}{disordered:12d}")
     loop = listener.loop
     counts = ", ".join(f"{loop.get(key, '?')} {key}" for key in ("samples", "overruns", "skipped"))
-    print(f"driver: {counts} ({before} of the overruns while settling); last ten seconds: p99 jitter {loop.get('jitter_p99_us', '?')} us, {loop.get('achieved_rate_hz', '?')} Hz")
+    print(f"driver: {counts} ({before} of the overruns while settling)")
+    print(f"last ten seconds: p99 jitter {loop.get('jitter_p99_us', '?')} us, {loop.get('achieved_rate_hz', '?')} Hz")
     p50, p99, p999 = 1e-3 * np.percentile(np.frombuffer(listener.latencies, np.int64), (50, 99, 99.9))
     print(f"latency of force: p50 {p50:.0f}, p99 {p99:.0f}, p99.9 {p999:.0f}, most {1e-3 * max(listener.latencies):.0f} us")
     print(f"motion: {ended}", flush=True)

@@ -72,7 +72,7 @@ class Asking:
         return action.label
 
     def end(self) -> Poll:
-        """End what the driver does on its own. `cancel` leaves it ready; a driver that has no such service is stopped, and needs a reset."""
+        """End what the driver does on its own. `cancel` leaves it ready; a driver without that service is stopped, and needs a reset."""
         return self._call(self.cancelling if self.cancelling.service_is_ready() else self.halt, Trigger.Request())
 
     def _call(self, client: Any, request: Any) -> Poll:

@@ -93,7 +93,9 @@ class RigSettings:
             self.load_cell_noise, self.taxel_noise, self.rest_error, self.screw_error, self.quantised, self.mount_compliance
         )
         start = _SURFACE - self.surface_offset + self.start_depth
-        return SimulatedRig(under_plunger(model, layout, kernel_of(model)), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real)
+        return SimulatedRig(
+            under_plunger(model, layout, kernel_of(model)), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real
+        )
 
     def _replay(self, node: Node) -> Rig:
         if not self.recording:
