@@ -7,6 +7,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from skin_ident.criticism.band import Band
+from skin_ident.recordings.staircase import drawn_again
 from skin_models.dispersion import Dispersion
 from skin_models.signals import Motion, motion
 
@@ -48,7 +49,7 @@ def prepare(recording, bad: np.ndarray | None = None) -> Session:
     """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering)."""
     band = Band(recording.dt)
     drive = band.smooth(recording.force) if recording.depth is None else None
-    moved = recording.depth if drive is None else recording.force / NOMINAL
+    moved = drawn_again(recording.depth) if drive is None else recording.force / NOMINAL
     s = motion(recording.t, band.smooth(moved), band.speed(moved))
     channels, raw = stacked(recording)
     bad = np.zeros(raw.shape, bool) if bad is None else bad

@@ -1,0 +1,41 @@
+"""A path drawn again from coarse readings stays within their cells, and gives back the speed that the staircase hid."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from skin_ident.recordings.staircase import drawn_again
+
+RATE = 100.0
+STEP = 20e-6
+
+
+def read(path: np.ndarray) -> np.ndarray:
+    return np.round(path / STEP) * STEP
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.floats(0.0, 1e-3), min_size=2, max_size=12), st.integers(2, 200))
+def test_no_further_than_half_a_step_from_what_was_read(corners, each):
+    path = np.interp(np.arange(each * (len(corners) - 1)), each * np.arange(len(corners)), corners)
+    again = drawn_again(read(path))
+    assert np.all(np.abs(again - read(path)) <= np.maximum(0.5 * STEP, np.abs(np.gradient(read(path)))) + 1e-12)
+
+
+@pytest.mark.parametrize("speed", [30e-6, 100e-6, 400e-6])
+def test_a_ramp_has_its_speed_again_and_a_rest_is_level(speed):
+    t = np.arange(0.0, 8.0, 1.0 / RATE)
+    path = np.clip(speed * (t - 1.0), 0.0, 3.0 * speed)
+    again = drawn_again(read(path))
+    ramp = (t > 1.0 + 1.5 * STEP / speed) & (t < 4.0 - 1.5 * STEP / speed)
+    staircase = np.std(np.diff(read(path)[ramp]))
+    assert np.std(np.diff(again[ramp])) < 0.3 * staircase
+    np.testing.assert_allclose(np.mean(np.diff(again[ramp])) * RATE, speed, rtol=0.03)
+    assert np.ptp(again[t > 5.0]) == 0.0
+
+
+def test_what_is_not_quantized_stays_as_it_is():
+    path = 1e-3 * np.sin(np.arange(0.0, 6.0, 0.01))
+    np.testing.assert_array_equal(drawn_again(path), path)
+    np.testing.assert_array_equal(drawn_again(np.zeros(50)), np.zeros(50))
