@@ -21,6 +21,7 @@ JUMP = 2.0  # times the largest usual step: how a frozen encoder catches up
 SOFT, HARD = 30.0, 1e6  # N/m, stiffness of a skin under a plunger: outside, a unit is suspected
 FAR_TOO_MUCH = 30.0  # times the applied force: no taxel feels that
 MOST, LEAST = 1.5, 0.01  # of the applied force, felt by all taxels together and by the strongest
+FAR_TOO_LITTLE = 0.002  # of the applied force: so little the strongest feels only in another unit
 SHALLOW = 20e-6  # m: depth that varies by less says little
 
 
@@ -203,6 +204,9 @@ def _impossible(r: Recording) -> str:
     if max(felt, default=0.0) > (HARD if applied is None else FAR_TOO_MUCH * applied):
         against = "per m of depth" if applied is None else f"while the applied force changes by {applied:.3g} N per m of depth"
         return f"a taxel changes by {max(felt):.3g} N {against}: check the units and calibrations"
+    if applied is not None and 0.0 < max(felt, default=0.0) < FAR_TOO_LITTLE * applied:
+        share = f"{100 * max(felt) / applied:.2g} % of the applied force"
+        return f"the strongest taxel feels {share}: its unit is wrong, or the plunger is nowhere near a taxel"
     return ""
 
 

@@ -93,3 +93,21 @@ def test_offsets_of_each_session_are_told_from_the_skin():
     assert [fit.values[n] for n in NAMES] == pytest.approx(SILICONE[4][1:], rel=0.02)
     assert fit.notes["offsets_n"]["force"] == pytest.approx({"s0": 1.0, "s1": 2.0}, abs=0.1)
     assert fit.notes["offsets_n"]["taxel_0"] == pytest.approx({"s0": -0.5, "s1": -0.5}, abs=0.1)
+
+
+@pytest.mark.parametrize("dead", [0, 1, 2])
+def test_a_dead_taxel_keeps_its_number(dead):
+    r = recording(3, shares=(0.5, 1.0, 0.4))
+    r.taxels[dead] = 3.3
+    fit = fit_dispersion([r], SILICONE[4][0])
+    assert fit.verdicts[f"share_{dead}"].word == NOT_IDENTIFIABLE and fit.model.shares[dead] == 0.0
+    scale = max(s for i, s in enumerate((0.5, 1.0, 0.4)) if i != dead)
+    for i in {0, 1, 2} - {dead}:
+        assert fit.values[f"share_{i}"] == pytest.approx((0.5, 1.0, 0.4)[i] / scale, rel=0.01)
+
+
+def test_all_taxels_dead_is_no_material_test():
+    r = recording(3, shares=(1.0, 0.4))
+    r.taxels[:] = 0.0
+    with pytest.raises(FitError, match="no taxel ever changes"):
+        fit_dispersion([r])

@@ -252,3 +252,41 @@ def test_log_times_on_request(tmp_path):
 def frozen_stamp(message):
     message.header.stamp.sec, message.header.stamp.nanosec = 5, 0
     return message
+
+
+def without_taxels(tmp_path, topics):
+    """A bag of force and encoder, and the named topics without a message."""
+    path = tmp_path / "bag"
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        lines = {topic: writer.add_connection(topic, KINDS[topic], typestore=typestore()) for topic in ("/encoder", "/force", *topics)}
+        for topic, log, data in serialised(R):
+            if topic != "/taxels":
+                writer.write(lines[topic], log, data)
+    return path
+
+
+def test_an_empty_topic_makes_no_other_kind_of_test(tmp_path):
+    path = without_taxels(tmp_path, ["/taxels"])
+    with pytest.raises(RecordingError, match=r"/taxels holds no message; .*--topics encoder=/encoder force=/force"):
+        load(path)
+    r = load(path, {"force": "/force", "encoder": "/encoder"})[0]
+    assert r.kind == MATERIAL_TEST and "/taxels holds no message" in " ".join(r.warnings)
+
+
+def test_a_cut_off_file_without_taxels_makes_no_other_kind_of_test(tmp_path):
+    path = next(without_taxels(tmp_path, []).glob("*.mcap"))
+    assert load(path)[0].kind == MATERIAL_TEST
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(RecordingError, match="cut off, and what is left holds no taxels"):
+        load(path)
+
+
+def test_a_taxel_of_no_numbers_keeps_its_place(tmp_path):
+    r = recording(n=300, shares=(1.0, 0.4, 0.3))
+    r.taxels[1] = 0.0
+    lines = write_table(tmp_path / "a.csv", r).read_text().splitlines()
+    holes = [",".join("" if i == 4 else cell for i, cell in enumerate(line.split(","))) for line in lines[1:]]
+    (tmp_path / "a.csv").write_text("\n".join([lines[0], *holes]))
+    read = load(tmp_path / "a.csv")[0]
+    assert read.taxel_names == ("taxel_0", "taxel_1", "taxel_2") and not read.taxels[1].any()
+    assert np.allclose(read.taxels[2], r.taxels[2]) and "taxel_1: most of its samples are no numbers" in " ".join(read.warnings)

@@ -62,7 +62,7 @@ def bootstrap(
     grow = _growth(blocks, regression.coefficients)
     moves = np.array([_drawn(residuals, gains, length, rng) for _ in range(runs)])
     values = np.array([to(beta + grow * move) for move in moves - moves.mean(axis=0)])
-    return Bootstrap((*NAMES, *(f"share_{i}" for i in range(shape.taxels))), values, length * period)
+    return Bootstrap((*NAMES, *(f"share_{i}" for i in shape.live)), values, length * period)
 
 
 def _growth(blocks: list[list[Block]], coefficients: list[np.ndarray]) -> float:

@@ -32,13 +32,19 @@ ROUNDS = 10  # at most, until the samples where skin and plunger touch no longer
 
 @dataclass(frozen=True)
 class Shape:
-    """What the recordings allow: is there a load cell, how many taxels, is the mass estimated or `mass` (kg), offsets per session."""
+    """What the recordings allow: is there a load cell, is the mass estimated or `mass` (kg), offsets per session, which taxels of all."""
 
     force: bool
-    taxels: int
     free: bool
     mass: float
     offsets: bool
+    live: tuple[int, ...]
+    total: int
+
+    @property
+    def taxels(self) -> int:
+        """How many taxels take part."""
+        return len(self.live)
 
 
 def fit_dispersion(
@@ -89,7 +95,7 @@ def shape_of(sessions: list[Session], mass: float | str, offsets: bool) -> Shape
     free = mass == FREE
     if free and not force:
         raise FitError("the mass acts on the load cell alone (eq 27), and there is no load cell in these recordings")
-    return Shape(force, taxels, free, 0.0 if free else float(mass), offsets)
+    return Shape(force, free, 0.0 if free else float(mass), offsets, sessions[0].live, sessions[0].total)
 
 
 def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[list[Block]]]:
@@ -167,9 +173,10 @@ def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.
     m, b1, k1, b2, k2, *shares = (float(value) for value in theta)
     if k1 < 0.0:
         raise FitError(f"the stiffness comes out negative ({k1:.4g} N/m): force and depth do not belong together, or a sign is wrong")
-    notes = [f"taxel_{i}: its share came out at {s:.3g} and was set to 0" for i, s in enumerate(shares) if s < 0.0]
+    notes = [f"taxel_{i}: its share came out at {s:.3g} and was set to 0" for i, s in zip(shape.live, shares, strict=True) if s < 0.0]
     source = ", ".join(s.name for s in sessions)
-    model = Model(Dispersion(m=m, b1=b1, k1=k1, b2=b2, k2=k2), tuple(max(0.0, s) for s in shares), source=source)
+    model = Model(Dispersion(m=m, b1=b1, k1=k1, b2=b2, k2=k2), _placed(shares, shape), source=source)
+    covariance = _with_silent(covariance, shape)
     named = (*parameters_of(model.dispersion), *(Parameter(f"share_{i}", "1", s) for i, s in enumerate(model.shares)))
     residuals = _residuals(sessions, shape, regression)
     notes += [w for name, r in residuals.items() for w in r.complaint(name)]
@@ -190,9 +197,25 @@ def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.
     )
 
 
+def _placed(shares: list[float], shape: Shape) -> tuple[float, ...]:
+    """The shares of all taxels, those that take no part silent; none where there is no taxel to be fitted."""
+    known = dict(zip(shape.live, shares, strict=True))
+    return tuple(max(0.0, known.get(i, 0.0)) for i in range(shape.total)) if shape.live else ()
+
+
+def _with_silent(covariance: np.ndarray, shape: Shape) -> np.ndarray:
+    """The covariance (P, P) with rows of zeros for taxels that take no part."""
+    before = len(covariance) - shape.taxels
+    count = before + (shape.total if shape.live else 0)
+    out = np.zeros((count, count))
+    places = [*range(before), *(before + i for i in shape.live)]
+    out[np.ix_(places, places)] = covariance
+    return out
+
+
 def channel_names(shape: Shape) -> list[str]:
     """Names of the channels in the order of the regression."""
-    return ["force"] * shape.force + [f"taxel_{i}" for i in range(shape.taxels)]
+    return ["force"] * shape.force + [f"taxel_{i}" for i in shape.live]
 
 
 def _residuals(sessions: list[Session], shape: Shape, regression: Regression) -> dict[str, Residual]:

@@ -52,7 +52,7 @@ def profile(recordings: Sequence[Recording], mass: float | str = 0.0, *, offsets
     found = {}
     for name, place in likelihood.places.items():
         ends = [likelihood.end(best, place, side, quantile) for side in (-1.0, 1.0)]
-        extra = quantile**2 * max(0.0, float(more[_index(name)]))
+        extra = quantile**2 * max(0.0, float(more[_index(name, shape)]))
         found[name] = tuple(float(best[place] + np.sign(e - best[place]) * np.hypot(e - best[place], extra**0.5)) for e in ends)
     return found
 
@@ -62,8 +62,8 @@ def _noise_alone(regression: Regression) -> np.ndarray:
     return regression.covariance / np.outer(widened, widened)
 
 
-def _index(name: str) -> int:
-    return DISPERSION.index(name) if name in DISPERSION else 5 + int(name.removeprefix("share_"))
+def _index(name: str, shape: Shape) -> int:
+    return DISPERSION.index(name) if name in DISPERSION else 5 + shape.live.index(int(name.removeprefix("share_")))
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ class Likelihood:
     def start(self, theta: np.ndarray, regression: Regression) -> np.ndarray:
         """All that is free, at the values of least squares."""
         zeros = [c[: self._zeros(i)] for i, c in enumerate(regression.coefficients)]
-        return np.concatenate([*zeros, [theta[_index(name)] for name in self.places]])
+        return np.concatenate([*zeros, [theta[_index(name, self.shape)] for name in self.places]])
 
     def _zeros(self, channel: int) -> int:
         return self.widths[channel] - 2 - (self.shape.free and channel == 0)
@@ -95,7 +95,7 @@ class Likelihood:
         rest = np.array([v.get("b2", 0.0), v.get("k2", 0.0)])
         for channel in range(len(self.widths)):
             taxel, zeros = channel - self.shape.force, self._zeros(channel)
-            pair = first + rest if taxel < 0 else first * v.get(f"share_{taxel}", 1.0)
+            pair = first + rest if taxel < 0 else first * v.get(f"share_{self.shape.live[taxel]}", 1.0)
             mass = [v["m"]] if self.shape.free and taxel < 0 else []
             out.append(np.concatenate([phi[used : used + zeros], mass, pair]))
             used += zeros
@@ -167,7 +167,7 @@ def _likelihood(blocks: list[list[Block]], regression: Regression, shape: Shape,
     widths = tuple(len(p) for p in regression.inverses)
     strongest = int(np.argmax(theta[5:])) if shape.taxels else 0
     names = [*(["m"] if shape.free else []), "b1", "k1", *(["b2", "k2"] if shape.force and shape.taxels else [])]
-    names += [f"share_{i}" for i in range(shape.taxels) if i != strongest]
+    names += [f"share_{i}" for place, i in enumerate(shape.live) if place != strongest]
     begin = sum(widths) - 2 * len(widths) - shape.free
     places = {name: begin + i for i, name in enumerate(names)}
     return Likelihood(scaled.T @ scaled, len(scaled), widths, places, shape)

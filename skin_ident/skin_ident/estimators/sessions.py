@@ -22,7 +22,8 @@ class Session:
     """One recording. `force` (n,) or None and `taxels` (T, n) are rows of the prefilter; `motion` and `felt` are at full rate.
 
     `raw` are force and taxels at full rate, where they were measured. `parts` are the stretches of rows that may be believed; `felt` (N,)
-    says where the load cell (or, without one, the strongest taxel) shows at least `FELT` of its largest force.
+    says where the load cell (or, without one, the strongest taxel) shows at least `FELT` of its largest force. `live`: which of all
+    `total` taxels the rows belong to, those in newtons that ever change.
     """
 
     name: str
@@ -34,6 +35,8 @@ class Session:
     parts: tuple[slice, ...]
     quality: Quality
     raw: tuple[np.ndarray, ...] = ()
+    live: tuple[int, ...] = ()
+    total: int = 0
 
     def columns(self, recovery: float | None = None) -> np.ndarray:
         """Columns (n, 4) that belong to the rows: those of `terms`, low-passed."""
@@ -67,14 +70,24 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
     recordings = [r.warned(*q.warnings) for r, _, q in looked]
     prefilters = _prefilters(recordings)
     warnings = tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings)
-    sessions = [_session(r, prefilters[_rate(r)], good, q) for r, (_, good, q) in zip(recordings, looked, strict=True)]
+    live = _live(recordings)
+    sessions = [_session(r, prefilters[_rate(r)], good, q, live) for r, (_, good, q) in zip(recordings, looked, strict=True)]
     if motions is not None:
         sessions = [replace(s, motion=m) for s, m in zip(sessions, motions, strict=True)]
     return sessions, warnings
 
 
-def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Quality) -> Session:
-    taxels = np.array([y for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"])
+def _live(recordings: Sequence[Recording]) -> tuple[int, ...]:
+    """Taxels in newtons that change in every recording. Raises `FitError` where there are some in newtons and all are dead."""
+    in_newtons = [i for i in range(len(recordings[0].taxels)) if all(r.taxel_units[i] == "N" for r in recordings)]
+    live = tuple(i for i in in_newtons if all(np.ptp(r.taxels[i]) > 0.0 for r in recordings))
+    if in_newtons and not live:
+        raise FitError(f"{recordings[0].name}: no taxel ever changes, so what is sensed is not known; for a material test leave them out")
+    return live
+
+
+def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Quality, live: tuple[int, ...]) -> Session:
+    taxels = r.taxels[list(live)]
     s = _moving(r, prefilter)
     if not np.any(s.x > 0.0):
         raise FitError(f"{r.name}: the plunger never touches the skin (depth > 0 nowhere); set the encoder's zero at the surface")
@@ -85,7 +98,8 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Qual
     force = None if r.force is None else rows(r.force)
     felt = _felt(r, taxels, prefilter)
     raw = (*(() if r.force is None else (r.force,)), *taxels)
-    return Session(r.name, s, force, rows(taxels) if taxels.size else np.empty((0, 0)), felt, prefilter, parts, quality, raw)
+    told = (quality, raw, live, len(r.taxels))
+    return Session(r.name, s, force, rows(taxels) if taxels.size else np.empty((0, 0)), felt, prefilter, parts, *told)
 
 
 def _moving(r: Recording, prefilter: Prefilter) -> Motion:

@@ -45,7 +45,7 @@ def _carried(p: Parameter, parameters: tuple[Parameter, ...], shape, rms: dict[s
     force = {"force": float(size)} if shape.force else {}
     if p.name in ("b2", "k2"):
         return force
-    return force | {f"taxel_{i}": float(values[f"share_{i}"] * size) for i in range(shape.taxels)}
+    return force | {f"taxel_{i}": float(values[f"share_{i}"] * size) for i in shape.live}
 
 
 def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verdict:
@@ -54,6 +54,8 @@ def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verd
     if p.name in ("b2", "k2") and not (shape.force and shape.taxels):
         why = "the load cell is missing" if shape.taxels else "there is no taxel: b1 and k1 stand for the whole skin"
         return Verdict(NOT_IDENTIFIABLE, f"{why}, so what is dispersed cannot be told from what is sensed; set to 0")
+    if p.name.startswith("share_") and int(p.name[6:]) not in shape.live:
+        return Verdict(NOT_IDENTIFIABLE, "this taxel never changes, or is in volts: nothing is known of it, and the model leaves it silent")
     if std == 0.0 and p.name.startswith("share_") and p.value == 1.0:
         return Verdict(FIXED, "1 by definition: shares are relative to the strongest taxel")
     relative = std / abs(p.value) if p.value else np.inf

@@ -13,6 +13,7 @@ from skin_ident.recordings.timing import Track, even, kept
 
 FARTHEST = 0.2  # m: no skin is indented so deep
 STRONGEST = 1e5  # N
+DEAD = "most of its samples are no numbers"
 PROBES = 1000  # samples in which a dead taxel shows
 
 
@@ -39,6 +40,7 @@ def assemble(
     """
     notes: list[str] = [*declared.warnings, *warnings]
     parts = [p for part in parts for p in _calibrated(t, _live(part, notes), declared, notes) if p.names]
+    _some_alive(name, parts, notes)
     _note_unused(declared, parts, notes)
     if not parts:
         raise RecordingError(f"{name} has neither depth nor force nor taxels")
@@ -73,12 +75,19 @@ def _single(name: str, parts: list[Channels], kind: str) -> np.ndarray | None:
 
 
 def _live(part: Channels, notes: list[str]) -> Channels:
-    """Without taxels that hold hardly a number."""
+    """Taxels that hold hardly a number are taken for silent."""
     if part.kind != "taxel" or all_finite(part.rows[:, :: max(1, part.rows.shape[1] // PROBES)]):
         return part
     keep = np.isfinite(part.rows).mean(axis=1) >= 0.5
-    notes += [f"{n} left out: most of its samples are no numbers" for n, k in zip(part.names, keep, strict=True) if not k]
-    return part.only(keep)
+    notes += [f"{n}: {DEAD}; it is taken for dead" for n, k in zip(part.names, keep, strict=True) if not k]
+    return replace(part, rows=np.where(keep[:, None], part.rows, 0.0)) if not keep.all() else part
+
+
+def _some_alive(name: str, parts: Sequence[Channels], notes: list[str]) -> None:
+    """Raises `RecordingError` where no taxel holds numbers."""
+    taxels = sum(len(p.names) for p in parts if p.kind == "taxel")
+    if taxels and sum(DEAD in note for note in notes) >= taxels:
+        raise RecordingError(f"{name}: every taxel is dead ({DEAD}); leave the taxels out")
 
 
 def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[str]) -> list[Channels]:

@@ -25,6 +25,7 @@ KINDS = {"encoder": ("depth", "m"), "force": ("force", "N"), "taxels": ("taxel",
 NAMED_ONLY = ("Float64", "Float32", "Float64MultiArray", "Float32MultiArray")  # too common to be taken for a force unless so called
 PROBES = 100  # instants at which clocks are compared
 EDGES = 0.02  # of the samples: what may lie before the first or after the last of another topic without a word
+NOTHING = "holds no message"
 STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
 
@@ -38,7 +39,10 @@ def read_bag(
     Raises `RecordingError`.
     """
     with Storage(path) as bag:
-        chosen, empty = choose(path.name, bag.topics, _wishes(topics or {}))
+        wishes = _wishes(topics or {})
+        chosen, empty = choose(path.name, bag.topics, wishes)
+        if not wishes:
+            _as_meant(path.name, chosen, empty, bag.cut_off)
         found, names, positions, warnings = _read(bag, chosen, log_time)
         warnings += empty
         attached = bag.attachments.get(FILE_NAME)
@@ -92,7 +96,18 @@ def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) ->
         held = ", ".join(sorted(topics)) or "no topic"
         nothing = f"{', '.join(empty)} hold no message" if empty else f"has no force, encoder or taxels topic; it holds {held}"
         raise RecordingError(f"{name} {nothing}; name them with --topics force=/ft encoder=/x taxels=/skin")
-    return chosen, notes + [f"topic {title} holds no message" for title in empty]
+    return chosen, notes + [f"topic {title} {NOTHING}" for title in empty]
+
+
+def _as_meant(name: str, chosen: Chosen, empty: list[str], cut_off: bool) -> None:
+    """Refuse what would quietly become a test of another kind: a topic that stayed empty, or one that a cut-off file may have held."""
+    how = "name what to read: --topics " + " ".join(f"{role}={topic.name}" for role, (topic, _) in chosen.items())
+    empty = [note for note in empty if note.endswith(NOTHING)]
+    if empty:
+        raise RecordingError(f"{name}: {'; '.join(empty)}; if that is as it should be, {how}")
+    lacking = [role for role in ROLES if role not in chosen]
+    if cut_off and lacking:
+        raise RecordingError(f"{name} is cut off, and what is left holds no {' and no '.join(lacking)}; if there was none, {how}")
 
 
 def _wished(name: str, topics: Mapping[str, Topic], role: str, wish: str) -> tuple[Topic, str]:

@@ -109,6 +109,11 @@ class Storage:
                 out[c.topic] = Topic(c.topic, c.kind, c.definition, c.encoding, count)
         return out
 
+    @property
+    def cut_off(self) -> bool:
+        """Whether one of the files ends before its end."""
+        return any(file.survey is not None and file.survey.cut_at is not None for file in self.files)
+
     def read(self, takers: dict[str, Add]) -> tuple[str, ...]:
         """Hand the messages of the named topics over, file by file; returns warnings."""
         return tuple(w for file in self.files for w in self._read_file(file, takers))
