@@ -134,15 +134,20 @@ def _workers(jobs: int | None, scheduler: str | None) -> Iterator[Executor]:
         yield client.get_executor()
 
 
+def parquet_library() -> tuple[Any, Any]:
+    """pyarrow and its Parquet module. Raises `FitError` where they are not installed: to be asked before a night's work, not after it."""
+    try:
+        return import_module("pyarrow"), import_module("pyarrow.parquet")
+    except ImportError as error:
+        raise FitError("Parquet needs pyarrow: pip install pyarrow, or write --format csv") from error
+
+
 def write_table(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """All rows as CSV or, by the suffix .parquet, as Parquet; whole or not at all. Raises `FitError` without pyarrow for the latter."""
     columns = list(dict.fromkeys(name for row in rows for name in row if name != "key"))
     partial = path.with_name(path.name + ".partial")
     if path.suffix == ".parquet":
-        try:
-            arrow, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
-        except ImportError as error:
-            raise FitError("Parquet needs pyarrow: pip install pyarrow, or write .csv") from error
+        arrow, parquet = parquet_library()
         parquet.write_table(arrow.table({c: [row.get(c) for row in rows] for c in columns}), partial)
     else:
         with partial.open("w", newline="", encoding="utf-8") as file:

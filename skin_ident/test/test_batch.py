@@ -2,11 +2,13 @@
 
 import csv
 import json
+import sys
 
 import pytest
-from making import SILICONE, recording, write_table
+from making import SILICONE, recording, write_mcap, write_table
 
-from skin_ident.batch import JOURNAL, run_batch, write_table as write_rows
+from skin_ident.batch import JOURNAL, run_batch
+from skin_ident.batch import write_table as write_rows
 from skin_ident.cli.fit import main
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.fit import Options
@@ -54,6 +56,36 @@ def test_on_a_command_line(folder, tmp_path, capsys):
     said = capsys.readouterr()
     assert "6 sessions fitted, 1 failed" in said.out and "broken.csv" in said.out and "[7/7]" in said.err
     assert len((tmp_path / "out" / "fits.csv").read_text().splitlines()) == 8
+
+
+def test_parquet_holds_what_csv_holds(folder, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    arguments = [str(folder), "--each", "--jobs", "2", "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--format", "parquet"]) == 0 and main(arguments) == 0  # the second reads the journal of the first
+    table = parquet.read_table(tmp_path / "out" / "fits.parquet")
+    rows = list(csv.DictReader((tmp_path / "out" / "fits.csv").open()))
+    assert table.column_names == list(rows[0]) and table.num_rows == len(rows) == 7
+    for typed, text in zip(table.to_pylist(), rows, strict=True):
+        assert {k: "" if v is None else str(v) for k, v in typed.items()} == text
+    assert not list((tmp_path / "out").glob("*.partial"))
+
+
+def test_parquet_without_its_library_is_refused_before_any_work(folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    assert main([str(folder), "--each", "--out", str(tmp_path / "out"), "--format", "parquet"]) == 2
+    assert "pip install pyarrow" in capsys.readouterr().err and not (tmp_path / "out").exists()
+
+
+def test_log_times_reach_the_batch(tmp_path):
+    """Stamps that stand still: refused by themselves, fitted by the times of recording."""
+
+    def frozen(store, i, message):
+        message.header.stamp.sec, message.header.stamp.nanosec = 5, 0
+        return message
+
+    bag = write_mcap(tmp_path / "a.mcap", recording(n=800), log_delay_ns=0, change=frozen)
+    (by_stamp,), (by_log,) = (run_batch([bag], tmp_path, jobs=1, log_time=log) for log in (False, True))
+    assert "--log-time" in by_stamp["why"] and by_log["status"] == "ok"
 
 
 def test_nothing_fitted_is_an_error(folder, tmp_path, capsys):

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from skin_ident.batch import run_batch, write_table
+from skin_ident.batch import parquet_library, run_batch, write_table
 from skin_ident.cli import common
 from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
@@ -82,6 +82,8 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
     """Every session by itself; failures are rows of the table, and the status is 0 unless nothing could be fitted."""
     if not chosen.out:
         raise FitError("--each needs --out DIR: one table of all sessions is written there")
+    if chosen.format == "parquet":
+        parquet_library()
     paths = [file for path in chosen.recordings for file in find(Path(path))]
     folder = common.output_folder(chosen.out)
     how = {"jobs": chosen.jobs, "scheduler": chosen.scheduler, "log_time": chosen.log_time, "keep": chosen.keep_stamps}
