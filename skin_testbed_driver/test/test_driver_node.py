@@ -1,6 +1,7 @@
 """The installed driver over real DDS."""
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -141,6 +142,20 @@ def test_deactivating_brakes_and_says_so(graph):
     assert graph.call(ChangeState, DRIVER + "change_state", request).success
     graph.wait(lambda: graph.state() == DriverState.STOPPED, "the stop")
     assert "deactivated" in graph.states[-1].reason
+
+
+def test_stamps_are_those_of_the_clock_also_after_a_pause(graph):
+    graph.driver(time_scale=1.0)
+    arrivals = []
+    graph.node.create_subscription(JointState, "encoder", lambda m: arrivals.append((time.time(), stamps([m])[0] * 1e-9)), 1000)
+    graph.wait(lambda: len(arrivals) > 100, "samples")
+    for transition in (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_ACTIVATE):
+        request = ChangeState.Request(transition=Transition(id=transition))
+        assert graph.call(ChangeState, DRIVER + "change_state", request).success
+    count = len(arrivals)
+    graph.wait(lambda: len(arrivals) > count + 100, "samples after the pause")
+    for part in (arrivals[:count], arrivals[count + 10 :]):
+        assert 0.0 <= min(came - stamp for came, stamp in part) < 0.04
 
 
 def test_without_autostart_a_manager_leads_through_the_states(graph):

@@ -107,6 +107,8 @@ class DriverNode(LifecycleNode):
 
     def _activate(self) -> None:
         settings = self._settings.now
+        if settings.time_scale == 1.0:  # in real time the first sample is now, however long configuring took or the node was inactive
+            self._stamp_ns = max(self._stamp_ns, self._clock_ns())
         owned = self._stamp_ns if self._testbed.rig.owns_time else None
         self._thread = SamplingThread(self._tick, self._clock_ns, 1.0 / settings.sample_rate, self._statistics, owned, settings.time_scale)
         self._thread.start()
