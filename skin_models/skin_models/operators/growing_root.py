@@ -20,8 +20,19 @@ def growing_root(
     doubles the distance from `low` at least. Where f jumps across zero, the place just below the jump; where it stays negative beyond
     `highest`, the first place tried there. The last call of `f` is the one at the x that is returned.
     """
-    low, high, x, width = low, np.full(start.shape, FAR), start, FAR
-    value = f(x)
+    value = f(start)
+    shot = start - value / slope
+    if not (shot > low).all():
+        return _search(f, low, start, value, slope, size, highest)
+    found = f(shot)
+    if (np.abs(found) <= ALIKE * size).all():  # most often the slope is that of the last sample, and this is all
+        return shot, slope
+    return _search(f, low, shot, found, slope, size, highest)
+
+
+def _search(f: Callable, low, x, value, slope, size: np.ndarray, highest: float) -> tuple[np.ndarray, np.ndarray]:
+    """The same from `x` with f(x) = `value`, for functions that bend or jump."""
+    high, width = np.full(x.shape, FAR), FAR
     for i in range(ROUNDS):
         below = value < 0.0
         low, high, reach = np.where(below, np.maximum(low, x), low), np.where(below, high, np.minimum(high, x)), x - low
