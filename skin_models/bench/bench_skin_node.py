@@ -1,7 +1,7 @@
 """What the skin node costs: share of one core for 1,000 taxels at 1 kHz under four moving contacts, what it achieves and what arrives.
 
-Once with the plain material, whose forces pass a filter, and once with relaxation and hysteresis in the skin, where every contact's depth is
-looked for. On a machine without a core to spare the achieved rate falls short, and the share with it: it is also given per 1,000 samples.
+Once with the plain material, whose forces pass a filter, and once with relaxation and hysteresis in the skin, where every contact's
+depth is looked for. On a machine without a core to spare the achieved rate falls short, and the share with it: it is also given per 1,000 samples.
 
 The rival is the same node with every array handed to rclpy as a list of floats, as most Python nodes do: one message of the two is filled
 and published alone, in this process, both ways.
@@ -44,7 +44,7 @@ def press(publisher, i: int) -> None:
 
 
 def node_cost(listen: bool, model: str = "silicone_4mm") -> tuple[float, float, float]:
-    """Share of a core, samples per second that the node says it made, and messages per second that arrive here (if this process listens)."""
+    """Share of a core, samples per second that the node says it made, messages per second that arrive here (if this process listens)."""
     with Domain() as domain:
         os.environ.update(domain.environment())
         with Processes(dict(os.environ)) as processes:
