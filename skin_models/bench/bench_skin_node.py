@@ -1,7 +1,8 @@
 """What the skin node costs: share of one core for 1,000 taxels at 1 kHz under four moving contacts, what it achieves and what arrives.
 
 Once with the plain material, whose forces pass a filter, and once with relaxation and hysteresis in the skin, where every contact's
-depth is looked for. On a machine without a core to spare the achieved rate falls short, and the share with it: it is also given per 1,000 samples.
+depth is looked for. On a machine without a core to spare the achieved rate falls short, and the share with it: it is also given per
+1,000 samples.
 
 The rival is the same node with every array handed to rclpy as a list of floats, as most Python nodes do: one message of the two is filled
 and published alone, in this process, both ways.
