@@ -33,6 +33,7 @@ setup(
             "hide = skin_ident.cli.hide:main",
             "challenge = skin_ident.cli.challenge:main",
             "identify = skin_ident.cli.identify:main",
+            "thesis = skin_ident.cli.thesis:main",
         ]
     },
 )

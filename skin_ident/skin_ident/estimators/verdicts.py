@@ -80,8 +80,14 @@ def _of_mass(sessions, shape, m: Parameter, std: float) -> Verdict:
         NOT_IDENTIFIABLE,
         f"its column is constant gravity: -m g carries {constant:.3g} N, acceleration only {inertial:.2g} N rms, so this number stands "
         f"for a constant force of {-m.value * GRAVITY:.3g} N (wrong zero of depth or force, preload, or curvature of the spring), not "
-        f"for inertia; acceleration by itself says m = {alone:.2g} ± {alone_std:.2g} kg",
+        f"for inertia; {_said_by_acceleration(alone, alone_std)}",
     )
+
+
+def _said_by_acceleration(mass: float, std: float) -> str:
+    if not np.isfinite(std):
+        return "acceleration by itself says nothing: on one sine it is depth over again, less a constant"
+    return f"acceleration by itself says m = {mass:.2g} ± {std:.2g} kg"
 
 
 def _by_acceleration(sessions) -> tuple[float, float]:

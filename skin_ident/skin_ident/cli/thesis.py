@@ -1,0 +1,116 @@
+"""`thesis`: the experiments of the thesis repeated on its rig in simulation, and what its tables say when they are read closely."""
+
+import argparse
+import textwrap
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from skin_ident import thesis_repeat as again
+from skin_ident.cli import common
+from skin_ident.thesis_dispersion import FreeMass, free_masses, speed_exponents
+from skin_models.thesis.tables import estimates
+
+MG = 1e6  # kg to mg
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit status."""
+    return common.run(_main, arguments)
+
+
+def _main(arguments: Sequence[str] | None) -> int:
+    parser = argparse.ArgumentParser(prog="thesis", description=__doc__)
+    parser.add_argument("--out", metavar="DIR", help="where thesis.json goes; left out: nothing is written")
+    parser.add_argument("--runs", type=int, default=10, help="of the validation, per thickness")
+    chosen = parser.parse_args(arguments)
+    cases, found = free_masses(), {}
+    for title, section in (("table_4_5", _fixed), ("table_4_4", _free), ("validation", _validation), ("frubber", _frubber)):
+        found[title] = section(cases, max(1, chosen.runs))
+    if chosen.out:
+        path = common.output_folder(chosen.out) / "thesis.json"
+        common.write_json(path, found)
+        common.say(f"wrote {path}")
+    return 0
+
+
+def _fixed(cases: Sequence[FreeMass], runs: int) -> dict[str, Any]:
+    print(f"Table 4-5, mass fixed: specimen, and what {again.TRIALS} sines on chapter 3's rig give back (± 95 %)")
+    print(f"  {'':<6}" + "".join(f"{name + ' ' + unit:>24}" for name, unit in zip(again.NAMES, ("N*s/m", "N/m") * 2, strict=True)))
+    out: dict[str, Any] = {}
+    for case in cases:
+        fit, printed = again.recovered(case), estimates("4-5", f"{case.thickness_mm}mm")
+        cells = [f"{printed[n].value:>9.5g} {fit.values[n]:>8.5g} ±{_half(fit, n):>4.1g}" for n in again.NAMES]
+        print(f"  {case.thickness_mm} mm  " + "".join(f"{cell:>24}" for cell in cells))
+        rows = {n: {"specimen": printed[n].value, "value": fit.values[n], "std": fit.std[n]} for n in again.NAMES}
+        out[f"{case.thickness_mm}mm"] = rows
+    _say("k2 is what is left of the whole after k1: the load cell's own nonlinearity and hysteresis, tenths of a percent of the whole, end "
+         "up in it, and no interval from the scatter of one rig can know.")  # fmt: skip
+    return out
+
+
+def _half(fit: Any, name: str) -> float:
+    low, high = fit.interval(name)
+    return (high - low) / 2
+
+
+def _free(cases: Sequence[FreeMass], runs: int) -> dict[str, Any]:
+    print("\nTable 4-4, mass free: the same data fitted with the mass free, and with it fixed")
+    out: dict[str, Any] = {}
+    for case in cases:
+        free, fixed = again.free_and_fixed(case)
+        printed = [estimates(t, f"{case.thickness_mm}mm") for t in ("4-4", "4-5")]
+        fall, told = free.values["k2"] - fixed.values["k2"], printed[0]["k2"].value - printed[1]["k2"].value
+        verdict = free.verdicts["m"]
+        print(f"  {case.thickness_mm} mm: m = {free.values['m']:.3g} kg (thesis {printed[0]['m'].value:.3g}), the skin's own "
+              f"{MG * case.known:.3g} mg; k2 falls by {fall:.0f} N/m when it is fixed (thesis {told:.0f})")  # fmt: skip
+        print(textwrap.fill(f"m {verdict.word}: {verdict.sentence}", 110, initial_indent=" " * 8, subsequent_indent=" " * 8))
+        out[f"{case.thickness_mm}mm"] = {
+            "mass_kg": free.values["m"], "mass_of_the_skin_kg": case.known, "verdict": verdict.word, "because": verdict.sentence,
+            "constant_force_n": -case.force, "fall_of_k2": fall, "fall_of_k2_in_the_thesis": told,
+        }  # fmt: skip
+    depths = ", ".join(f"{1e3 * case.amplitude:.2f}" for case in cases)
+    _say(f"A fall of m g C / (C² + A²/2) is what a sine with A = C of {depths} mm gives: so deep the thesis must have pressed, which it "
+         "does not say.")  # fmt: skip
+    return out
+
+
+def _validation(cases: Sequence[FreeMass], runs: int) -> dict[str, Any]:
+    print(f"\nValidation on pseudo-random moves, relative mean squared error of the sensed force: median (least … most) of {runs} runs")
+    out: dict[str, Any] = {}
+    for case in cases:
+        own, mean, printed = again.validation(case, runs), again.averages(case, runs), again.PRINTED[case.thickness_mm]
+        head = f"  {case.thickness_mm} mm: identified on the same sample {_spread(own)}"
+        print(f"{head}; averages of Table 4-5 {_spread(mean)}; thesis {100 * printed:.2f} %")
+        out[f"{case.thickness_mm}mm"] = {"same_sample": own, "averages": mean, "in_the_thesis": printed}
+    _say("The first is what hysteresis and drift of a FlexiForce leave. The second is what the thesis did: its averages against a sample "
+         "that scatters as Table 4-5 says, on another FlexiForce. Its own numbers are of that kind and size.")  # fmt: skip
+    return out
+
+
+def _spread(errors: np.ndarray) -> str:
+    low, middle, high = (100 * float(v) for v in np.percentile(errors, [0, 50, 100]))
+    return f"{middle:.2g} % ({low:.2g} … {high:.2g})"
+
+
+def _say(text: str) -> None:
+    print(textwrap.fill(text, 110, initial_indent="  ", subsequent_indent="  "))
+
+
+def _frubber(cases: Sequence[FreeMass], runs: int) -> dict[str, Any]:
+    print("\nFrubber, Table 4-7: the coefficients of eq 32 from 0.25 to 1 mm/s")
+    powers = speed_exponents()
+    for i, e in enumerate(powers):
+        print(f"  experiment 1 to {i + 2}: dampings grow as speed^{e.damping:.2f}, stiffnesses as speed^{e.stiffness:.2f}, while the "
+              f"share k1 / (k1 + k2) goes from {e.shares[0]:.2f} to {e.shares[1]:.2f}")  # fmt: skip
+    f = again.frubber()
+    _say("Material constants would not change with speed; a response that depends on the path and not on the time taken changes so. "
+         f"Predicting experiment 3 (1 mm/s) on random moves misses by a relative mean squared error of {100 * f.same_speed:.2g} % with "
+         f"experiment 2 (1 mm/s), {100 * f.slower:.2g} % with experiment 1 (0.25 mm/s), {100 * f.average:.2g} % with their average, which "
+         "the thesis took. Its 15.5 % is thus no matter of the speed it averaged over, but of what no such filter has.")  # fmt: skip
+    return {"speed_exponents": [vars(e) for e in powers], "relative_mse": vars(f), "in_the_thesis": again.PRINTED_FRUBBER}
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
