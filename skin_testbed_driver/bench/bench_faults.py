@@ -1,6 +1,6 @@
 """What happens when something dies: a table of faults, each caused many times by ending or cutting real processes.
 
-    ./skin bench faults [--trials 10]
+    bench_faults.py [--trials 10]        (./skin bench faults: as it stands)
 
 Times are from the fault to the first sample from which on the plunger rests (moves less than 5 um in 100 ms), by the driver's stamps.
 """
@@ -16,9 +16,11 @@ import numpy as np
 import rclpy
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import WrenchStamped
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
-from skin_testbed_msgs.msg import DriverState
+from skin_testbed_msgs.msg import DriverState, TaxelArray
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -49,15 +51,19 @@ class Bench:
         self.node = rclpy.create_node("faults", context=self.context)
         self.executor = rclpy.executors.SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
-        self.samples, self.forces, self.state = [], [], None
+        self.samples, self.forces, self.state, self.taxels, self.axis = [], [], None, [], []
         self.node.create_subscription(JointState, "encoder", self._on_encoder, 1000)
         self.node.create_subscription(WrenchStamped, "force", self._on_force, 1000)
         self.node.create_subscription(DriverState, "driver_state", self._on_state, LATCHED)
+        self.node.create_subscription(TaxelArray, "taxels", self._on_taxels, 1000)
+        self.node.create_subscription(JointState, "joint_states", lambda m: self.axis.append((stamp(m), m.position[1])), 1000)
+        self.changing = self.node.create_client(ChangeState, "testbed_driver/change_state")
         self.commands = self.node.create_publisher(JointTrajectory, "command", 10)
         self.resetting = self.node.create_client(Trigger, "testbed_driver/reset")
         if hardware:
             self.parts = {name: self.run([str(HARDWARE), name, kind]) for name, kind in hardware_parts()}
-        self.processes.start("skin_testbed_driver", "driver_node", parameters=parameters, remap=REMAP if hardware else None)
+        remap = REMAP if hardware else None
+        self.driver = self.processes.start("skin_testbed_driver", "driver_node", parameters=parameters, remap=remap)
         self.wait(lambda: self.state and self.state.state == DriverState.READY and self.samples)
         self.wait(self.commands.get_subscription_count)
 
@@ -90,6 +96,11 @@ class Bench:
         self.go(-5e-4, 2.0)
         self.wait(lambda: abs(self.samples[-1][1] + 5e-4) < 1e-5 and self.state.state == DriverState.READY)
 
+    def call(self, transition: int) -> None:
+        """Lead the node to another state."""
+        future = self.changing.call_async(ChangeState.Request(transition=Transition(id=transition)))
+        self.wait(future.done)
+
     def wait_for(self, seconds: float) -> None:
         """Let time pass."""
         end = time.monotonic() + seconds
@@ -113,13 +124,21 @@ class Bench:
         self.domain.__exit__()
 
     def _on_encoder(self, m: JointState) -> None:
-        self.samples.append((m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec, m.position[0]))
+        self.samples.append((stamp(m), m.position[0]))
 
     def _on_force(self, m: WrenchStamped) -> None:
-        self.forces.append((m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec, -m.wrench.force.z))
+        self.forces.append((stamp(m), -m.wrench.force.z))
+
+    def _on_taxels(self, m: TaxelArray) -> None:
+        self.taxels.append((stamp(m), m.force[0]))
 
     def _on_state(self, m: DriverState) -> None:
         self.state = m
+
+
+def stamp(message: object) -> float:
+    """s."""
+    return message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
 
 
 def hardware_parts() -> tuple[tuple[str, str], ...]:
@@ -178,11 +197,90 @@ def killed_part(name: str, trials: int) -> list[tuple[float, str]]:
     return results
 
 
+def killed_server(trials: int) -> list[tuple[float, str]]:
+    """The profile server is killed in the middle of a sine."""
+    sine, results = "{type: sine, amplitude_mm: 0.4, frequency_hz: 0.5, offset_mm: 0.5, periods: 30}", []
+    with Bench({}) as bench:
+        for _ in range(trials):
+            bench.back()
+            server = bench.processes.start("skin_motion_profiles", "profile_server")
+            client = bench.processes.start("skin_motion_profiles", "execute", [sine])
+            bench.wait(lambda: bench.samples[-1][1] > 3e-4)
+            server.kill()
+            results.append(stopped(bench, time.time()))
+            client.kill()
+    return results
+
+
+def refused(trials: int) -> list[tuple[float, str]]:
+    """While the plunger moves a command comes that no limit allows: 3 mm in 10 ms."""
+    results = []
+    with Bench({}) as bench:
+        for _ in range(trials):
+            bench.back()
+            bench.go(1e-3, 4.0)
+            bench.wait(lambda: bench.samples[-1][1] > 2e-4)
+            bench.go(3e-3, 0.01)
+            results.append(stopped(bench, time.time()))
+    return results
+
+
+def deactivated(trials: int) -> list[tuple[float, str]]:
+    """The node is deactivated while the plunger moves. Its samples end when it rests: the time is that of the last one."""
+    results = []
+    with Bench({}) as bench:
+        for _ in range(trials):
+            bench.back()
+            bench.go(1e-3, 4.0)
+            bench.wait(lambda: bench.samples[-1][1] > 2e-4)
+            fault = time.time()
+            bench.call(Transition.TRANSITION_DEACTIVATE)
+            bench.wait(lambda: bench.state.state == DriverState.INACTIVE)
+            (t1, x1), (t2, x2) = bench.samples[-2:]
+            if abs(x2 - x1) > 2e-6:
+                raise SystemExit("bench_faults: the plunger still moved when the driver became inactive")
+            bench.call(Transition.TRANSITION_ACTIVATE)
+            bench.wait(lambda: bench.state.state == DriverState.STOPPED)
+            results.append((t2 - fault, bench.state.reason))
+    return results
+
+
+def killed_taxels(trials: int) -> list[tuple[float, str]]:
+    """The taxels' driver is killed while the plunger presses: to the first NaN. The motion goes on."""
+    results = []
+    for _ in range(trials):
+        with Bench(TOPICS, hardware=True) as bench:
+            bench.go(3e-3, 20.0)
+            bench.wait(lambda b=bench: b.samples[-1][1] > 2e-4 and b.taxels[-1][1] > 0.0)
+            bench.parts["taxels"].kill()
+            fault = time.time()
+            bench.wait(lambda b=bench: math.isnan(b.taxels[-1][1]))
+            first = next(t for t, f in bench.taxels if t > fault and math.isnan(f))
+            depth = bench.samples[-1][1]
+            bench.wait(lambda b=bench, x=depth: b.samples[-1][1] > x + 1e-4)
+            results.append((first - fault, "NaN with the status STALE; the plunger went on"))
+    return results
+
+
+def killed_driver(trials: int) -> list[tuple[float, str]]:
+    """The driver itself is killed while a foreign axis moves: to the axis's rest, by its own words."""
+    results = []
+    for _ in range(trials):
+        with Bench(TOPICS, hardware=True) as bench:
+            bench.go(3e-3, 20.0)
+            bench.wait(lambda b=bench: b.samples[-1][1] > 2e-4)
+            bench.driver.kill()
+            fault = time.time()
+            bench.wait_for(1.0)
+            moved = [t for (t, x), (_, before) in zip(bench.axis[1:], bench.axis, strict=False) if x != before]
+            results.append((max(moved[-1] - fault, 0.0), "the axis stays at the last point it was given"))
+    return results
+
+
 def to_the_stop(bench: Bench, fault: float) -> tuple[float, str]:
     """Seconds from the fault to the driver's stop: nobody tells where the plunger is."""
     bench.wait(lambda: bench.state.state == DriverState.STOPPED)
-    stamp = bench.state.header.stamp
-    return stamp.sec + 1e-9 * stamp.nanosec - fault, bench.state.reason
+    return stamp(bench.state) - fault, bench.state.reason
 
 
 def commander() -> None:
@@ -217,9 +315,14 @@ def main() -> None:
     n = chosen.trials
     faults = (
         ("commander killed (lookahead 0.5 s)", lambda: killed_commander(n)),
+        ("profile server killed in a sine", lambda: killed_server(n)),
         ("over-force, to the first sample back", lambda: over_force(n)),
+        ("a command beyond the limits", lambda: refused(n)),
+        ("driver deactivated", lambda: deactivated(n)),
         ("load cell's driver killed (stale after 0.5 s)", lambda: killed_part("load_cell", n)),
         ("axis's driver killed, to the stop (0.5 s)", lambda: killed_part("axis", n)),
+        ("taxels' driver killed, to NaN (0.5 s)", lambda: killed_taxels(n)),
+        ("driver killed, to the foreign axis's rest", lambda: killed_driver(n)),
     )
     print(f"{'fault':46}{'trials':>7}{'stopped':>8}{'median':>9}{'slowest':>9}   ms")
     for name, cause in faults:

@@ -32,7 +32,8 @@ class Axis(Node):
         self.create_timer(PERIOD, self.tell)
 
     def on_trajectory(self, message: JointTrajectory) -> None:
-        if message.points:
+        """As joint_trajectory_controller of Jazzy: what is empty is discarded, what ends with speed is refused."""
+        if message.points and not any(message.points[-1].velocities):
             self.position = message.points[-1].positions[0]
 
     def on_array(self, message: Float64MultiArray) -> None:

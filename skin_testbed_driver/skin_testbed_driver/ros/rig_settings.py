@@ -76,6 +76,9 @@ class RigSettings:
     command_type: str = setting(
         "JointTrajectory", "topics rig: type of axis_command", choices=("JointTrajectory", "Float64MultiArray"), fixed=True
     )
+    axis_speeds: bool = setting(
+        False, "topics rig: say in axis_command with what speed to arrive; controllers that allow no speed at the end refuse it", fixed=True
+    )
     taxels_type: str = setting("TaxelArray", "topics rig: type of taxels_in", choices=("TaxelArray", "Float64MultiArray"), fixed=True)
 
     def make_rig(self, node: Node) -> tuple[Rig, Calibration]:
@@ -111,7 +114,7 @@ class RigSettings:
             raise SkinError("rig:=topics runs in the time of its drivers: leave time_scale at 1.0")
         settings = TopicsSettings(
             self.joint, math.copysign(1.0, self.axis_sign), math.copysign(1.0, self.force_sign), self.stale_after,
-            self.command_type, self.taxels_type,
+            self.command_type, self.taxels_type, self.axis_speeds,
         )  # fmt: skip
         return TopicsRig(node, settings, self._layout(1))
 

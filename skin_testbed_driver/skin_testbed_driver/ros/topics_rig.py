@@ -8,6 +8,10 @@ and others), any WrenchStamped sensor, any taxels. Names are remapped as usual:
 
 A signal that has been silent for `stale_after` is NaN: the driver then stops. Time is that of arrival, because the clocks of others are
 not ours.
+
+A JointTrajectory has one point, one sample ahead, and no speed: joint_trajectory_controller of Jazzy refuses a trajectory that ends with
+speed (allow_nonzero_velocity_at_trajectory_end is false by default), and goes in a straight line to a point without. Whoever allows it
+sets `axis_speeds`. Silence of the driver leaves the axis at its last point.
 """
 
 import math
@@ -42,6 +46,7 @@ class TopicsSettings:
     stale_after: float  # s
     command_type: str
     taxels_type: str
+    speeds: bool = False  # say with what speed to be there
 
 
 class TopicsRig(Rig):
@@ -81,13 +86,14 @@ class TopicsRig(Rig):
         self._halted = False
         sign = self._settings.axis_sign
         if self._settings.command_type == "JointTrajectory":
-            point = JointTrajectoryPoint(positions=[sign * position], velocities=[sign * velocity], time_from_start=self._period)
+            speeds = [sign * velocity] if self._settings.speeds else []
+            point = JointTrajectoryPoint(positions=[sign * position], velocities=speeds, time_from_start=self._period)
             self._commands.publish(JointTrajectory(joint_names=[self._settings.joint], points=[point]))
         else:
             self._commands.publish(Float64MultiArray(data=array("d", (sign * position,))))
 
     def halt(self) -> None:
-        """Say nothing more; a trajectory controller is also told to hold, by an empty trajectory."""
+        """Say nothing more; controllers from before Jazzy are also told to hold, by an empty trajectory, which newer ones discard."""
         if not self._halted and self._settings.command_type == "JointTrajectory":
             self._commands.publish(JointTrajectory(joint_names=[self._settings.joint]))
         self._halted = True
