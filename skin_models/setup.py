@@ -28,6 +28,7 @@ setup(
             "skin_node = skin_models.ros.skin_node:main",
             "mujoco_finger = skin_models.ros.mujoco_finger:main",
             "effects_gallery = skin_models.gallery.__main__:main",
+            "skin_acuity = skin_models.acuity.__main__:main",
         ]
     },
 )

@@ -1,0 +1,66 @@
+"""The numbers behind the picture: bound on the position and smallest force, over a patch."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from skin_models.design import Design, detectable_force, localisation_bound
+from skin_models.errors import ModelError
+from skin_models.layout import Layout
+from skin_models.spread.kernels import Gaussian
+
+SIDE = 121  # places along the longer side of the patch
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """What is designed: taxels under a skin of the spread `kernel`, noise of a reading (N), and the contact to be located (N).
+
+    `share` of the force is what an A201 taxel right under it feels. Raises `ModelError` for a force that is not positive.
+    """
+
+    layout: Layout
+    kernel: Gaussian
+    noise: float
+    force: float
+    share: float
+    name: str
+    design: Design = field(init=False)  # a single row cannot tell one side from the other: it locates along x alone
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.force) and self.force > 0.0):
+            raise ModelError(f"the contact to be located must press with a positive force in N, not {self.force}")
+        flat = np.ptp(self.layout.positions[:, 1]) < 1e-9
+        design = Design(self.layout, self.kernel, self.noise, self.share, along="x" if flat else "xy")
+        object.__setattr__(self, "design", design)
+
+
+@dataclass(frozen=True, eq=False)
+class Map:
+    """Error (m, infinite where the place cannot be told) and smallest force (N) at places x (X,), y (Y,), m: arrays (Y, X)."""
+
+    x: np.ndarray
+    y: np.ndarray
+    error: np.ndarray
+    force: np.ndarray
+
+    def sentence(self) -> str:
+        """The patch in one line. The patch is what lies between the outer taxels."""
+        told = np.isfinite(self.error)
+        error = f"located to {1e3 * np.median(self.error[told]):.3g} mm in the middle of all places" if told.any() else "located nowhere"
+        worst = f"{1e3 * self.error.max():.3g} mm at the worst" if told.all() else f"not at all in {100 * np.mean(~told):.0f} % of them"
+        return f"{error}, {worst}; forces from {self.force.min():.3g} N are felt at the best place, from {self.force.max():.3g} N at any"
+
+
+def looked_at(patch: Patch) -> Map:
+    """Both maps over the patch; a single taxel and a row get half a spread around them."""
+    p, margin = patch.layout.positions[:, :2], 0.5 * patch.kernel.width
+    low, high = p.min(axis=0), p.max(axis=0)
+    thin = high - low < margin
+    low, high = np.where(thin, low - margin, low), np.where(thin, high + margin, high)
+    step = (high - low).max() / (SIDE - 1)
+    x, y = (np.linspace(a, b, max(round((b - a) / step) + 1, 2)) for a, b in zip(low, high, strict=True))
+    places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    shape = (y.size, x.size)
+    error = localisation_bound(patch.design, places, patch.force).reshape(shape)
+    return Map(x, y, error, detectable_force(patch.design, places).reshape(shape))
