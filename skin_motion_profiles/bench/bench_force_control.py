@@ -1,7 +1,8 @@
 """Incremental force control (thesis, section 3.2.2) beside the explicit one (its future work): a step from contact to 5 N.
 
 Overshoot is beyond 5 N, settled is for good within 5 % (0.25 N; the load cell's own step is 0.07 N), chatter is the standard deviation
-over the last three seconds. Each control presses on the same simulated skins. --picture FILE draws the forces.
+over the last three seconds, rise is the time from contact to the first force within 5 %. Each control presses on the same simulated skins.
+--picture FILE draws the forces.
 """
 
 import argparse
@@ -40,12 +41,13 @@ def controls(skin: str) -> dict[str, dict]:
     }
 
 
-def measures(t: np.ndarray, force: np.ndarray) -> tuple[float, float, float, float]:
-    """Overshoot (N), time from contact to settled (s; NaN: not a second before the end), error and deviation of the last 3 s (N)."""
+def measures(t: np.ndarray, force: np.ndarray) -> tuple[float, float, float, float, float]:
+    """Overshoot (N), rise (s), time from contact to settled (s; NaN: not a second before the end), error and deviation of the last 3 s (N)."""
     outside = t[np.abs(force - FORCE) > BAND]
     settled = outside[-1] if outside[-1] < t[-1] - 1.0 else float("nan")
     late = force[t > t[-1] - 3.0]
-    return max(float(force.max()) - FORCE, 0.0), settled, float(late.mean()) - FORCE, float(late.std())
+    rise = t[np.argmax(np.abs(force - FORCE) <= BAND)]
+    return max(float(force.max()) - FORCE, 0.0), float(rise), settled, float(late.mean()) - FORCE, float(late.std())
 
 
 def press(session: Session, goal: dict) -> tuple[np.ndarray, np.ndarray]:
@@ -70,17 +72,23 @@ def model_file(skin: str, folder: Path) -> str:
 
 
 def draw(runs: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]], path: Path) -> None:
-    """One panel per skin."""
+    """A column per skin: incremental control above, explicit control below."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(16, 4.5), layout="constrained")
-    for axes, skin in zip(figure.subplots(1, len(MODELS), sharey=True), MODELS, strict=True):
-        for (of, name), (t, force) in runs.items():
-            if of == skin:
-                axes.plot(t, force, lw=0.8, label=name)
-        axes.axhspan(FORCE - BAND, FORCE + BAND, color="#dddddd", zorder=0)
-        axes.set(title=f"silicone {skin}", xlabel="time / s", ylabel="force / N")
-    axes.legend(fontsize=7)
+    figure = Figure(figsize=(15, 7), layout="constrained")
+    grid = figure.subplots(2, len(MODELS), sharex=True, sharey=True)
+    for row, kind in zip(grid, ("incremental", "explicit"), strict=True):
+        for axes, skin in zip(row, MODELS, strict=True):
+            mine = [(name, run) for (of, name), run in runs.items() if of == skin and name.startswith(kind)]
+            for (name, (t, force)), color in zip(mine, ("#0b5c8a", "#e08a2e", "#3a9b5c"), strict=True):
+                axes.plot(t, force, lw=0.8, color=color, label=name)
+            axes.axhspan(FORCE - BAND, FORCE + BAND, color="#dddddd", zorder=0)
+            axes.set_title(f"{kind}, silicone {skin}", fontsize=10, loc="left")
+            axes.grid(lw=0.3)
+        row[0].set_ylabel("force / N")
+        row[-1].legend(fontsize=8, loc="lower right")
+    for axes in grid[-1]:
+        axes.set(xlabel="time from contact / s", xlim=(-0.5, 6.0))
     figure.savefig(path, dpi=100)
 
 
@@ -92,14 +100,14 @@ def main() -> None:
     parser.add_argument("--picture", type=Path)
     options = parser.parse_args()
     runs = {}
-    print(f"{'skin':5s} {'control':38s} {'overshoot':>9s} {'settled':>9s} {'error':>8s} {'chatter':>8s}")
+    print(f"{'skin':5s} {'control':38s} {'overshoot':>9s} {'rise':>9s} {'settled':>9s} {'error':>8s} {'chatter':>8s}")
     with tempfile.TemporaryDirectory() as folder:
         for skin in MODELS:
             with Session(driver={"model": model_file(skin, Path(folder))}) as session:
                 for name, goal in controls(skin).items():
                     t, force = runs[skin, name] = press(session, goal)
-                    over, settled, error, chatter = measures(t, force)
-                    print(f"{skin:5s} {name:38s} {over:7.2f} N {settled:7.2f} s {error:6.2f} N {chatter:6.2f} N", flush=True)
+                    over, rise, settled, error, chatter = measures(t, force)
+                    print(f"{skin:5s} {name:38s} {over:7.2f} N {rise:7.2f} s {settled:7.2f} s {error:6.2f} N {chatter:6.2f} N", flush=True)
     if options.picture:
         draw(runs, options.picture)
 

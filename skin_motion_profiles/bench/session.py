@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import PointStamped, WrenchStamped
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
@@ -34,6 +34,8 @@ class Session:
         self.encoder: list[tuple[float, float]] = []
         self.force: list[tuple[float, float]] = []
         self.feedback: list[tuple[float, ExecuteProfile.Feedback]] = []  # with the time (s) of its arrival
+        self.place: list[tuple[float, float]] = []  # x of the point under the plunger (m)
+        self.node.create_subscription(PointStamped, "stage_position", lambda m: self.place.append((_time(m), m.point.x)), 10)
         self.node.create_subscription(JointState, "encoder", lambda m: self.encoder.append((_time(m), m.position[0])), LISTENING)
         self.node.create_subscription(WrenchStamped, "force", lambda m: self.force.append((_time(m), -m.wrench.force.z)), LISTENING)
         self.until(lambda: self.client.server_is_ready() and self.encoder, "driver and server")

@@ -77,7 +77,8 @@ class Bench:
         deadline = time.monotonic() + timeout
         while not condition():
             if time.monotonic() > deadline:
-                raise SystemExit("bench_faults: waited in vain; the machine is too busy, or the driver has an error")
+                said = f"the driver's last word: {self.state.reason}" if self.state else "no driver was heard"
+                raise SystemExit(f"bench_faults: waited in vain; the machine is too busy, or the driver has an error ({said})")
             self.executor.spin_once(timeout_sec=0.05)
 
     def go(self, depth: float, seconds: float) -> None:
@@ -236,7 +237,7 @@ def deactivated(trials: int) -> list[tuple[float, str]]:
             fault = time.time()
             bench.call(Transition.TRANSITION_DEACTIVATE)
             bench.wait(lambda: bench.state.state == DriverState.INACTIVE)
-            (t1, x1), (t2, x2) = bench.samples[-2:]
+            (_, x1), (t2, x2) = bench.samples[-2:]
             if abs(x2 - x1) > 2e-6:
                 raise SystemExit("bench_faults: the plunger still moved when the driver became inactive")
             bench.call(Transition.TRANSITION_ACTIVATE)
