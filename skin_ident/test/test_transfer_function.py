@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from making import noise, recording
+from making import SILICONE, noise, recording
 from scipy.signal import cont2discrete, lsim
 
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import IDENTIFIABLE
+from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE
 from skin_ident.estimators.force_to_force import fit_force_to_force
 from skin_ident.estimators.transfer_data import Pair
 from skin_ident.estimators.transfer_fit import _system, output_error, riv, svf
@@ -126,3 +126,48 @@ def test_state_variable_filter_is_near_without_noise_and_biased_with_it():
     noisy = pair(THESIS[2], level=0.3)
     far = [np.max(np.abs(f.theta / THESIS[2].theta - 1)) for f in (svf([noisy], 60.0), riv([noisy]))]
     assert far[1] < far[0]
+
+
+SHARE = dict(zip(("share", "lead", "lag"), (9619 / 12385, 939.5 / 9619, 1568.7 / 12385), strict=True))
+
+
+def forces(seed, rho=0.0, **motion):
+    """A session without its depth; both sensors are noisy, and nothing weighs."""
+    r = recording(seed, truth=(0.0, *SILICONE[4][1:]), rho=rho, **motion)
+    return Recording("f", r.t, None, r.force, r.taxels)
+
+
+def test_noise_of_the_load_cell_pulls_no_lead_to_zero():
+    """On a slow sine output error at full band gives a lead of 2.5 ± 1.6 ms for 98 ms."""
+    fits = [fit_force_to_force([forces(seed)]) for seed in range(12)]
+    for name, truth in SHARE.items():
+        z = np.array([(f.values[name] - truth) / f.std[name] for f in fits])
+        assert abs(z.mean()) < 1.0 and np.abs(z).max() < 4.0, (name, z)
+
+
+def test_a_lead_that_the_noise_hides_is_not_claimed():
+    fit = fit_force_to_force([forces(1, rho=0.7)])
+    assert fit.verdicts["lead"].word == NOT_IDENTIFIABLE and fit.verdicts["share"].word == IDENTIFIABLE
+
+
+def test_an_order_that_the_data_do_not_determine_is_refused_or_doubted():
+    for seed in range(4):
+        try:
+            fit = fit_force_to_force([forces(seed)], order=2)
+        except FitError as error:
+            assert "lower" in str(error) or "no stable" in str(error) or "cannot be told apart" in str(error)
+        else:
+            assert NOT_IDENTIFIABLE in {v.word for v in fit.verdicts.values()}
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("motion", [{}, {"hz": 0.5, "n": 2000}, {"rho": 0.7}])
+def test_force_to_force_intervals_cover(motion, capsys):
+    hits = dict.fromkeys(SHARE, 0)
+    for seed in range(200):
+        fit = fit_force_to_force([forces(seed, **motion)])
+        for name, truth in SHARE.items():
+            hits[name] += fit.interval(name)[0] <= truth <= fit.interval(name)[1]
+    with capsys.disabled():
+        print(f"\nforce to force, {motion}: { {n: h / 200 for n, h in hits.items()} }")
+    assert min(hits.values()) >= 0.9 * 200

@@ -12,9 +12,10 @@ import numpy as np
 
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK, Estimate, Residual, Verdict
+from skin_ident.estimators.force_band import fit_in_band
 from skin_ident.estimators.split import jacobian
 from skin_ident.estimators.transfer_data import Pair
-from skin_ident.estimators.transfer_fit import TransferFit, output_error
+from skin_ident.estimators.transfer_fit import TransferFit
 from skin_ident.estimators.verdicts import SURE, VAGUE
 from skin_ident.recordings.recording import Recording
 from skin_models.parameter import Parameter
@@ -44,7 +45,7 @@ def fit_force_to_force(recordings: Sequence[Recording], order: int = 1, taxel: i
         raise FitError(f"there is no taxel {index} in every recording")
     pairs = [Pair(r.name, np.ascontiguousarray(r.force), np.ascontiguousarray(r.taxels[index]), r.dt) for r in recordings]
     unit = recordings[0].taxel_units[index]
-    fit = output_error(pairs, 1, order, offset=unit == "V" if offset is None else offset)
+    fit = fit_in_band(pairs, order, unit == "V" if offset is None else offset)
     return _estimate(fit, pairs, order, index, unit, tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings))
 
 
@@ -70,7 +71,7 @@ def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, u
     named = tuple(Parameter(n, u, float(v), doc=doc) for (n, u, doc), v in zip(FIRST if order == 1 else SECOND, values, strict=True))
     channel, scale = f"taxel_{index}", np.sqrt(np.diag(fit.covariance))
     scaled = fit.covariance / np.outer(scale, scale) if np.all(scale > 0) else np.eye(scale.size)
-    residual = _residual(fit, pairs, unit)
+    residual = _residual(fit, unit)
     left = "" if fit.converged else "the search did not settle: these numbers are not a minimum"
     return Estimate(
         method=f"transfer function of order {order}, output error",
@@ -88,8 +89,8 @@ def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, u
     )
 
 
-def _residual(fit: TransferFit, pairs: Sequence[Pair], unit: str) -> Residual:
-    y, e = np.concatenate([p.y for p in pairs]), np.concatenate(fit.residuals)
+def _residual(fit: TransferFit, unit: str) -> Residual:
+    y, e = np.concatenate(fit.measured), np.concatenate(fit.residuals)
     mse, power = float(np.mean(e**2)), float(np.mean(y**2))
     r2 = 1.0 - mse / max(float(np.var(y)), 1e-300)
     return Residual(mse**0.5, r2, mse / max(power, 1e-300), tuple(map(float, fit.ar)), fit.noise, unit)

@@ -85,6 +85,15 @@ def prefilter_for(depths: Sequence[tuple[np.ndarray, float]]) -> Prefilter:
     return Prefilter(dt, min(max(HEADROOM * fastest, slowest), 0.2 / dt))
 
 
+def prefilters_for(signals: Sequence[tuple[np.ndarray, float]]) -> list[Prefilter]:
+    """One low-pass for each signal (x (N,), dt s), all with the highest cut-off that any of them needs and all allow."""
+    rates = [float(f"{dt:.3g}") for _, dt in signals]
+    groups = {rate: [s for s, r in zip(signals, rates, strict=True) if r == rate] for rate in rates}
+    each = {rate: prefilter_for(group) for rate, group in groups.items()}
+    edge = min(max(p.edge for p in each.values()), min(0.2 / p.dt for p in each.values()))
+    return [Prefilter(each[rate].dt, edge) for rate in rates]
+
+
 def _highest_frequency(x: np.ndarray, dt: float) -> float:
     """Hz below which lies 99.9 % of the speed's power, once the floor of the encoder's noise is taken off."""
     f, power = welch(np.diff(x) / dt, 1.0 / dt, nperseg=min(max(16, x.size // 8), 1024), detrend="constant")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.prefilter import Prefilter, prefilter_for
+from skin_ident.estimators.prefilter import Prefilter, prefilters_for
 from skin_ident.quality import Quality, inspected
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.timing import counted
@@ -68,10 +68,11 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
         if q.impossible:
             raise FitError(f"{r.name}: {q.impossible}")
     recordings = [r.warned(*q.warnings) for r, _, q in looked]
-    prefilters = _prefilters(recordings)
+    prefilters = prefilters_for([(r.depth, r.dt) for r in recordings])
     warnings = tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings)
     live = _live(recordings)
-    sessions = [_session(r, prefilters[_rate(r)], good, q, live) for r, (_, good, q) in zip(recordings, looked, strict=True)]
+    each = zip(recordings, prefilters, looked, strict=True)
+    sessions = [_session(r, prefilter, good, q, live) for r, prefilter, (_, good, q) in each]
     if motions is not None:
         sessions = [replace(s, motion=m) for s, m in zip(sessions, motions, strict=True)]
     return sessions, warnings
@@ -133,15 +134,3 @@ def _same_channels(recordings: Sequence[Recording]) -> None:
                 f"{first.name} has {counted(len(first.taxels), 'taxel')}{' and force' if first.force is not None else ''}, {r.name} has "
                 f"{counted(len(r.taxels), 'taxel')}{' and force' if r.force is not None else ''}: fit them apart"
             )
-
-
-def _rate(r: Recording) -> float:
-    return float(f"{r.dt:.3g}")
-
-
-def _prefilters(recordings: Sequence[Recording]) -> dict[float, Prefilter]:
-    """One low-pass per sampling rate, all with the highest cut-off that any of the sessions needs and all allow."""
-    rates = {rate: [r for r in recordings if _rate(r) == rate] for rate in map(_rate, recordings)}
-    each = {rate: prefilter_for([(r.depth, r.dt) for r in rs]) for rate, rs in rates.items()}
-    edge = min(max(p.edge for p in each.values()), min(0.2 / p.dt for p in each.values()))
-    return {rate: Prefilter(p.dt, edge) for rate, p in each.items()}

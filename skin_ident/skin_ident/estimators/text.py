@@ -21,7 +21,8 @@ def as_table(estimate: Estimate) -> str:
     notes = [f"note: {w}" for w in estimate.warnings]
     title = f"  {'':<9} {'value':>12} {'± 95 %':>11}  {'unit':<7} verdict"
     folded = [_folded(line) for line in why + notes]
-    return "\n".join([head, *_telemetry(estimate), title, *rows, *_asked_for(estimate), "what the fit leaves:", *left, "why:", *folded])
+    asked = [*_asked_for(estimate), *_entangled(estimate)]
+    return "\n".join([head, *_telemetry(estimate), title, *rows, *asked, "what the fit leaves:", *left, "why:", *folded])
 
 
 def _telemetry(estimate: Estimate) -> list[str]:
@@ -39,6 +40,17 @@ def _telemetry(estimate: Estimate) -> list[str]:
     ]
     lines += [f"  latency behind the depth, ms: {', '.join(late)}"] if late else []
     return lines
+
+
+def _entangled(estimate: Estimate) -> list[str]:
+    """How well the motion tells the terms apart: the condition of the normal matrix, and the two parameters most alike."""
+    free = [i for i, p in enumerate(estimate.parameters) if estimate.std[p.name] > 0.0]
+    head = f"condition of the normal matrix {estimate.condition:.3g}"
+    if len(free) < 2:
+        return [head]
+    size, i, j = max((abs(estimate.correlations[i, j]), i, j) for i in free for j in free if i < j)
+    sign = "-" if estimate.correlations[i, j] < 0 else ""
+    return [f"{head}; strongest correlation {sign}{size:.2f}, of {estimate.parameters[i].name} and {estimate.parameters[j].name}"]
 
 
 def _asked_for(estimate: Estimate) -> list[str]:

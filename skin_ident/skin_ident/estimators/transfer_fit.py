@@ -26,7 +26,7 @@ UNBOUNDED = (-np.inf, np.inf)
 
 @dataclass(frozen=True, eq=False)
 class TransferFit:
-    """A fitted transfer function. `covariance` (P, P) of theta; residuals per session; noise model (ar, std); rounds it took."""
+    """A fitted transfer function. `covariance` (P, P) of theta; residuals per session; noise model (ar, std); rounds it took; outputs."""
 
     function: TransferFunction
     covariance: np.ndarray
@@ -36,6 +36,7 @@ class TransferFit:
     dof: float
     rounds: int
     converged: bool
+    measured: list[np.ndarray]
 
     @property
     def std(self) -> np.ndarray:
@@ -69,9 +70,17 @@ def output_error(
         rounds += more
     normal, cost, _ = _system(pairs, f, offset, ar)
     n = sum(p.y.size for p in pairs)
+    ys = [p.y for p in pairs]
     dof = max(1.0, n - f.theta.size - len(pairs) * (poles + offset))
     inverse = _inverse(normal)
-    return TransferFit(f, inverse * cost / dof, residuals, ar, float(np.sqrt(cost / dof)), effective_samples(ar, n), rounds, converged)
+    return TransferFit(f, inverse * cost / dof, residuals, ar, float(np.sqrt(cost / dof)), effective_samples(ar, n), rounds, converged, ys)
+
+
+def unweighted(pairs: Sequence[Pair], zeros: int, poles: int, offset: bool) -> tuple[TransferFunction, int, bool]:
+    """`output_error` without bounds, weights or covariance: the function, the rounds it took, whether it converged. Raises `FitError`."""
+    start = riv(pairs, zeros, poles, offset=offset, close=1e-2)
+    f, _, rounds, converged = _minimised(pairs, start, _bounds(start, None, None), offset, np.empty(0))
+    return f, rounds, converged
 
 
 def _bounds(f: TransferFunction, lower, upper) -> tuple[np.ndarray, np.ndarray]:
@@ -108,6 +117,8 @@ def _minimised(pairs, f: TransferFunction, bounds, offset: bool, ar: np.ndarray)
 
 def _step(normal: np.ndarray, slope: np.ndarray, free: np.ndarray, damping: float) -> np.ndarray:
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    if not (np.isfinite(normal).all() and np.isfinite(slope).all() and scale.max() < 1e150):
+        raise FitError("these data do not determine a transfer function of this order: take a lower one, or faster and richer motion")
     unit = normal / np.outer(scale, scale) + damping * np.eye(scale.size)
     step = np.zeros(scale.size)
     step[free] = np.linalg.lstsq(unit[np.ix_(free, free)], (slope / scale)[free], rcond=1e-14)[0] / scale[free]
@@ -235,6 +246,8 @@ def _instrumental(pairs, f: TransferFunction, offset: bool, instruments: bool) -
         of_u, of_y, of_x = (_selecting(powers, i, len(rows)) for i in (0, 1, 2 if instruments else 1))
         regressors, z = np.concatenate([of_u[-m:], -of_y[1:]]), np.concatenate([of_u[-m:], -of_x[1:]])
         left, right = left + z @ products @ regressors.T, right + z @ products @ of_y[0]
+    if not (np.isfinite(left).all() and np.isfinite(right).all()):
+        return None
     scale = np.sqrt(np.abs(np.diag(left))) + 1e-300
     theta = np.linalg.lstsq(left / np.outer(scale, scale), right / scale, rcond=1e-14)[0] / scale
     return theta if np.isfinite(theta).all() else None
