@@ -21,7 +21,9 @@ from skin_ident.criticism.record import inspect
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, meeting, motion_under
+from skin_ident.criticism.size import check_size
 from skin_ident.criticism.telemetry.noise_level import find_noise
+from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling import believed, tell
@@ -31,7 +33,8 @@ from skin_ident.spread_scan import SpreadScan
 from skin_models.model import Model
 
 MASS_PER_THICKNESS = 0.108  # kg/m
-BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out
+BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out;
+FEWEST_BLOCKS = 9  # shorter ones in a session that would have fewer
 
 
 def diagnose(
@@ -57,6 +60,7 @@ def diagnose(
     belong_together(every, model)
     layout = layout_of(every, model)
     every = with_spread(every, layout)
+    check_size(every[: len(recordings)])
     progress("inspecting the recordings")
     looked = inspect(every)
     if twins:
@@ -67,7 +71,7 @@ def diagnose(
     c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
-    symptoms = (*looked.symptoms, *_noise(c, every, after))
+    symptoms = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after))
     rest = systematic_rest(c.last, list(c.train), list(c.held), _encoder_step(every))
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = _verdict(bool(c.named or symptoms), rest.is_systematic(explained))
@@ -151,7 +155,8 @@ def _split(sessions: list[Session], training: int) -> tuple[list[Session], list[
 
 def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
     """One session as two that believe alternate blocks of it."""
-    block = np.floor((session.t - session.t[0]) / BLOCK_S).astype(int) % 3
+    length = min(BLOCK_S, float(np.ptp(session.t)) / FEWEST_BLOCKS)
+    block = np.floor((session.t - session.t[0]) / length).astype(int) % 3
     fitted = replace(session, name=f"{session.name} (two blocks in three)", weight=session.weight * (block != 2))
     kept = replace(session, name=f"{session.name} (every third block)", weight=session.weight * (block == 2))
     return [fitted], [kept]

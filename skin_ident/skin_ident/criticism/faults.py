@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.effect import Effect
+from skin_models.effects.adhesion import Adhesion
 from skin_models.effects.dead_taxel import DeadTaxel
 from skin_models.effects.interference import Interference
 from skin_models.effects.noise import Noise
@@ -26,7 +27,7 @@ SENSORS = ("load_cell", "taxel")
 
 def effect_of(s: Symptom) -> Effect | None:
     """The effect that simulates what was seen; None where the catalogue has none."""
-    if not s.where.startswith(SENSORS) or s.cause not in _MAKERS:
+    if not s.where.startswith(SENSORS + ("skin",)) or s.cause not in _MAKERS:
         return None
     return _MAKERS[s.cause](s, {name: q["value"] for name, q in s.parameters.items()})
 
@@ -55,6 +56,7 @@ def _noise(s: Symptom, v: dict[str, float]) -> Effect:
 
 
 _MAKERS = {
+    "adhesion": lambda s, v: Adhesion(s.where, **v),
     "saturation": lambda s, v: Saturation(s.where, level=v["level"]),
     "quantization": lambda s, v: SensorQuantization(s.where, step_force=v["step"]),
     "interference": lambda s, v: Interference(s.where, sine=v["amplitude"], frequency=v["frequency"]),

@@ -1,0 +1,88 @@
+"""Adhesion: the skin pulls at the plunger as it leaves.
+
+Moments at which the plunger leaves the skin say little about the rest of a model, and are left out of its comparison. One thing they say
+beyond doubt: without adhesion no contact pulls, whatever the skin's recovery. A reading that falls, at one leaving after the other, below
+what the sensor says in the air and below what the model says is a pull.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.session import Session, motion_under
+from skin_ident.criticism.telemetry.quantization import step_of
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+from skin_models.model import Model
+
+BEFORE_S, AFTER_S = 0.25, 0.4  # about the moment when the model says that the plunger leaves
+NEAR_S = 8.0  # of air around it, by which the sensor's zero is judged
+CLEAR = 2.5  # widths of what the model leaves, at each of most leavings
+AGREE = 0.6  # of the leavings that must show it, in the sessions together
+FEWEST = 4  # leavings
+SMOOTH = 3  # samples that a pull must last
+
+
+@dataclass(frozen=True)
+class Leaving:
+    """One leaving: how far each channel (C,) falls below air and model, N (negative), and the depth there, m."""
+
+    dips: np.ndarray
+    depth: float
+
+
+def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
+    """A pull on release, from what is measured (`raw`) about every leaving, against `model` and the air around."""
+    if any(s.drive is not None for s in sessions) or any(e.cause == "adhesion" for e in model.effects):
+        return []
+    rest = [s.raw - simulated(model, s) for s in sessions]
+    step = [max(step_of(s.raw[c]) or 0.0 for s in sessions) for c in range(len(rest[0]))]
+    width = np.maximum(1.4826 * np.median(np.abs(np.concatenate(rest, axis=1)), axis=1), step)
+    leavings = [one for s, e in zip(sessions, rest, strict=True) for one in _leavings(model, s, e)]
+    if len(leavings) < FEWEST:
+        return []
+    dips = np.array([one.dips for one in leavings])
+    pulled = dips < -CLEAR * width
+    carried = np.flatnonzero(pulled.mean(axis=0) >= AGREE)
+    if carried.size == 0:
+        return []
+    shown = pulled[:, carried].any(axis=1)
+    depths = [one.depth for one, yes in zip(leavings, shown, strict=True) if yes]
+    return [_symptom(model, sessions[0], dips[shown], carried, depths, len(leavings))]
+
+
+def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
+    moved = motion_under(s, model.dispersion)
+    touched = model.dispersion.contact(moved)
+    air = ~touched & (moved.x < 0.0)
+    before, after, near = (round(seconds / moved.dt) for seconds in (BEFORE_S, AFTER_S, NEAR_S))
+    for i in np.flatnonzero(touched[:-1] & ~touched[1:]):
+        window = np.arange(max(i - before, 0), min(i + after, moved.x.size))
+        window = window[moved.v[window] < 0.0]
+        around = np.arange(max(i - near, 0), min(i + near, moved.x.size))
+        around = around[air[around] & ~np.isin(around, window)]
+        if window.size < SMOOTH or around.size < 2 * SMOOTH or moved.x[window].min() > 0.0:
+            continue
+        zero = np.median(s.raw[:, around], axis=1, keepdims=True)
+        below = np.maximum(s.raw[:, window] - zero, rest[:, window])
+        even = np.apply_along_axis(np.convolve, 1, below, np.ones(SMOOTH) / SMOOTH, "valid")
+        lowest = np.argmin(even, axis=1)
+        yield Leaving(even[np.arange(len(even)), lowest], float(moved.x[window[lowest[0] + SMOOTH // 2]]))
+
+
+def _symptom(model: Model, session: Session, dips: np.ndarray, carried: np.ndarray, depths: list[float], of: int) -> Symptom:
+    names = [session.channels[c] for c in carried]
+    pull = -np.median(dips, axis=0)
+    taxels = [c for c in carried if session.channels[c] != "force"]
+    share = max(model.shares, default=1.0)
+    sensed = float(max((pull[c] for c in taxels), default=0.0) / share)
+    whole = float(pull[session.channels.index("force")]) if "force" in session.channels else sensed
+    parameters = {
+        "pull_sensed": quantity(sensed if model.shares else 0.0, "N"),
+        "pull_dispersed": quantity(max(whole - sensed, 0.0) if model.shares else whole, "N"),
+        "reach": quantity(max(float(np.percentile(np.abs(depths), 90)), 1e-5), "m"),
+    }
+    sizes = ", ".join(f"{pull[c]:.3g} N in {name}" for c, name in zip(carried, names, strict=True))
+    why = f"at {len(dips)} of {of} leavings the reading falls below what it is in the air, by {sizes}: no contact pulls without adhesion"
+    return Symptom("adhesion", "skin", tuple(names), parameters, {"why": why, "leavings": of, "pulled": len(dips)})
