@@ -10,6 +10,7 @@ from typing import Any
 from skin_ident.cli import common
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.outcome import Outcome
+from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.load import load
 from skin_models.model_file import load_model, save_model
 
@@ -32,15 +33,21 @@ def _main(arguments: Sequence[str] | None) -> int:
     model = load_model(chosen.model) if chosen.model else None
     say = progress_line()
     say("reading recordings")
-    recordings, held = load(chosen.recordings, topics), load(chosen.hold_out, topics) if chosen.hold_out else []
-    twins = load(chosen.twin, topics) if chosen.twin else None
+    recordings, held, twins = (_loaded(paths, topics, chosen.taxels) for paths in (chosen.recordings, chosen.hold_out, chosen.twin))
     folder = common.output_folder(chosen.out)
     outcome = diagnose(recordings, held, model, say, twins)
+    if chosen.taxels:
+        outcome.findings["taxels"] = {f"taxel_{i}": name for i, name in enumerate(recordings[0].taxel_names)}
     say("writing the report")
     write(outcome, folder)
     print(summary(outcome.findings))
     print(f"\nreport: {folder / 'report.html'}")
     return 0
+
+
+def _loaded(paths: list[str], topics: dict[str, str], taxels: list[str]) -> list:
+    recordings = load(paths, topics) if paths else []
+    return only_taxels(recordings, taxels) if taxels else recordings
 
 
 def write(outcome: Outcome, folder: Path) -> None:
@@ -60,6 +67,7 @@ def write(outcome: Outcome, folder: Path) -> None:
 def summary(findings: dict[str, Any]) -> str:
     """The findings as a person wants them in a terminal."""
     lines = [VERDICTS[findings["verdict"]]]
+    lines += [f"  ({', '.join(f'{i} is {name}' for i, name in findings['taxels'].items())})"] if "taxels" in findings else []
     for f in findings["findings"]:
         lines.append(f"\n  {f['cause']} in the {f['where']}: {f['means']}")
         lines += [f"    {name} = {p['value']:.4g} {p['unit']}" for name, p in f["parameters"].items()]
@@ -98,6 +106,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--hold-out", nargs="+", default=[], metavar="RECORDING", help="sessions never used to fit; left out: each session in turn"
     )
+    parser.add_argument("--taxels", nargs="+", default=[], metavar="NAME", help="only these, by name or number; findings count them anew")
     parser.add_argument("--out", required=True, metavar="DIR", help="where findings.json, model.yaml and report.html go")
     return parser
 

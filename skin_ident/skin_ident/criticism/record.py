@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.residual import residual, simulated
@@ -22,6 +23,7 @@ from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.criticism.whitening import fit_whitener
 from skin_models.model import Model
 
+TREND = 25  # samples of the running median that is taken for what a force really did
 HARMLESS = 3  # samples of depth that a straight line replaces to well within the band's noise
 
 
@@ -56,6 +58,7 @@ def inspect(recordings: list) -> Inspected:
         *find_dead_taxels(recordings),
         *coarse,
         *find_encoder_faults(recordings),
+        *_in_the_drive(recordings),
     ]
     mended = [_mended(r, early) for r in recordings]
     sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
@@ -73,6 +76,17 @@ def inspect(recordings: list) -> Inspected:
 def _stuck(symptoms) -> dict[str, float]:
     """Taxels that are silent from the first sample on, and their readings, N."""
     return {s.channels[0]: s.parameters["level"]["value"] for s in symptoms if s.cause == "dead_taxel" and not s.bad}
+
+
+def _in_the_drive(recordings: list) -> list[Symptom]:
+    """Spikes of the force that drives a test without depth, against its own running median: no simulation predicts it."""
+    if recordings[0].depth is not None:
+        return []
+    rows = [r.force[None] for r in recordings]
+    rest = [y - median_filter(y, (1, TREND)) for y in rows]
+    at_rest = [np.ones(len(r), bool) for r in recordings]  # a force that is held is no frozen one
+    names, n = [r.name for r in recordings], len(recordings[0].taxels)
+    return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt)
 
 
 def _in_residuals(recordings: list, sessions: list[Session]) -> list[Symptom]:

@@ -7,6 +7,9 @@ from skin_models.dispersion import Dispersion
 from skin_models.model import Model
 
 
+MOST = 100.0  # of the applied force that a taxel may read: more than one where units or calibrations are not those of the force
+
+
 def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
     """Regress every channel on depth and speed in contact, over all sessions, in the common band."""
     H = np.concatenate([s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0)) for s in sessions], axis=1).T
@@ -45,7 +48,7 @@ def _ratios(sessions: list[Session], mass: float) -> Model:
     F = np.concatenate([s.band.thin(s.drive) for s in sessions])
     y = np.concatenate([s.measured * s.weight for s in sessions], axis=1)
     shares = np.maximum(y @ F / (F @ F), 1e-6)
-    reference = float(np.clip(shares.max(), 0.01, 0.99))
+    reference = float(np.clip(shares.max(), 0.01, MOST))
     k1 = NOMINAL * reference
     tau = 0.1  # s, as silicone has it
     return Model(Dispersion(m=mass, b1=tau * k1, k1=k1, b2=tau * (NOMINAL - k1), k2=NOMINAL - k1), shares=tuple(shares / shares.max()))

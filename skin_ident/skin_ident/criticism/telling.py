@@ -37,7 +37,19 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
         entry["hid_in"] = hid_in(named, c)
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
-    return {**findings, "recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds}
+    warnings = [*findings["warnings"], *_more_than_applied(c)]
+    return {**findings, "recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "warnings": warnings}
+
+
+def _more_than_applied(c: Criticism) -> list[str]:
+    """Where a taxel reads more than what presses on it, force and taxel are not in one unit: ratios hold, shares do not."""
+    share = c.baseline.model.dispersion.sensed_share
+    if c.train[0].drive is None or share <= 1.0:
+        return []
+    return [
+        f"the strongest taxel reads {share:.3g} times the force that is applied: one of the two is in another unit, or wrongly "
+        "calibrated; causes are judged all the same, but stiffnesses and damping mean nothing"
+    ]
 
 
 def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:

@@ -74,6 +74,14 @@ def _frozen(y: np.ndarray, e: np.ndarray, limit: float, step: float, resting: np
     return mask
 
 
+def _away(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """How far the residual lies, in the samples of the mask, from the straight lines between the good samples around them."""
+    if not mask.any() or mask.all():
+        return np.zeros(0)
+    good = np.flatnonzero(~mask)
+    return e[mask] - np.interp(np.flatnonzero(mask), good, e[good])
+
+
 def _symptom(
     names: list[str], channel: str, away: list[np.ndarray], still: list[np.ndarray], e: list[np.ndarray], n_taxels: int, dt: float
 ) -> Symptom | None:
@@ -81,12 +89,12 @@ def _symptom(
     count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
     if not any(a.any() for a in away) and sum(runs(m)[0].size for m in still) < FEWEST:
         return None
-    largest = max(float(np.max(np.abs(row[m]), initial=0.0)) for row, m in zip(e, masks, strict=True))
+    wrong = np.concatenate([_away(row, m) for row, m in zip(e, masks, strict=True)])
+    largest = float(np.max(np.abs(wrong)))
     stood, ran = sum(runs(s)[0].size for s in still), sum(runs(a)[0].size for a in away)
     what = [f"{ran} excursions that jump away and back" if ran else "", f"{stood} frozen runs that miss a movement" if stood else ""]
     belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
-    why = f"{belong}, up to {largest:.3g} N from what the load explains"
+    why = f"{belong}, up to {largest:.3g} N from where the samples around them lead"
     bad = {(name, channel): m for name, m in zip(names, masks, strict=True) if m.any()}
-    wrong = np.concatenate([row[m] for row, m in zip(e, masks, strict=True)])
     parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(np.sqrt(np.mean(wrong**2)), "N")}
     return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, {"why": why, "count": count, "excursions": ran}, bad)
