@@ -26,6 +26,7 @@ from skin_models.model import Model
 from skin_models.signals import Sample
 from skin_models.spread.bending import Bending, Bent
 from skin_models.spread.compiled import compiles
+from skin_models.spread.contacts import ContactError
 from skin_models.spread.field import SpreadField
 from skin_models.spread.footprint import Footprint, Places
 from skin_models.spread.kernels import Kernel
@@ -39,13 +40,26 @@ __all__ = ["MEMORY", "Presses", "Reading", "SimulatedSkin", "SkinState", "spread
 
 @dataclass(frozen=True, eq=False)
 class Presses:
-    """Everything that touches at one instant: `key` tells contacts apart from one sample to the next."""
+    """Everything that touches at one instant: `key` tells contacts apart from one sample to the next.
+
+    Forces and depths that are negative do not press. Raises `ContactError` for arrays of different lengths, and for a contact without a finite place, or with neither a force nor a depth.
+    """
 
     key: tuple[str, ...] = ()
     position: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))  # m
     force: np.ndarray = field(default_factory=lambda: np.empty(0))  # N; NaN: the depth counts
     depth: np.ndarray = field(default_factory=lambda: np.empty(0))  # m; NaN: unknown
     radius: np.ndarray = field(default_factory=lambda: np.empty(0))  # m
+
+    def __post_init__(self) -> None:
+        count = len(self.key)
+        if np.shape(self.position) != (count, 3) or not np.shape(self.force) == np.shape(self.depth) == np.shape(self.radius) == (count,):
+            raise ContactError(f"{count} contacts need as many positions (x, y, z), forces, depths and radii")
+        if not np.isfinite(self.position).all() or not (self.radius >= 0.0).all():
+            raise ContactError("every contact needs a finite position, and a radius that is not negative")
+        driven = np.where(np.isnan(self.force), self.depth, self.force)
+        if not np.isfinite(driven).all():
+            raise ContactError("every contact needs a finite force, or a finite depth")
 
     @property
     def patches(self) -> Patches:
@@ -121,7 +135,7 @@ class SimulatedSkin:
         """Columns after the sample, those in the air first; applied force and sensed force (C,) of every contact."""
         pressed, touching = np.flatnonzero(~by_filter), set(presses.key)
         keys = tuple(key for key in state.columns.keys if key not in touching)[-MEMORY:]
-        applied, sensed, air = np.where(by_filter, presses.force, 0.0), np.zeros(len(presses.key)), len(keys)
+        applied, sensed, air = np.where(by_filter, np.maximum(presses.force, 0.0), 0.0), np.zeros(len(presses.key)), len(keys)
         keys += tuple(presses.key[i] for i in pressed)
         if not keys:
             return NOTHING, applied, sensed

@@ -3,6 +3,8 @@
 import math
 import os
 import time
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -196,6 +198,11 @@ def test_another_model_is_loaded_without_restart(graph, tmp_path):
     assert answer.results[0].successful
     assert settled() == pytest.approx([10 * 25042 / (25042 + 1603)], rel=0.01) and len(layouts) >= 3
 
+    save_model(replace(SILICONE, shares=(1.0, 0.2, 0.2)), path)  # another number of taxels: the layout says so first
+    value.string_value = str(path)
+    graph.call(SetParameters, "skin_node/set_parameters", SetParameters.Request(parameters=[Parameter(name="model", value=value)]))
+    assert len(settled()) == 3 and len(taxels[-1].status) == 3 and len(layouts[-1].names) == 3
+
 
 def test_it_can_be_looked_at_and_says_how_it_fares(graph):
     views = {kind: graph.hear(kind, topic) for kind, topic in ((MarkerArray, "markers"), (Image, "heat_map"), (PointCloud2, "points"))}
@@ -226,9 +233,20 @@ def test_it_can_be_looked_at_and_says_how_it_fares(graph):
         ({"rate": 0.0}, "rate must lie between"),
         ({"layout": "spiral"}, "must be one of"),
         ({"spread_kernel": "heavy_tail", "spread_power": 1.0}, "above 1"),
+        ({"model": "rubber"}, "cannot read the model"),
+        ({"model": "soft.yaml"}, "k1 = -9619 N/m is outside"),
+        ({"layout": "file", "layout_file": "twice.csv"}, "same place"),
+        ({"layout": "file", "layout_file": "nan.csv"}, "not finite"),
+        ({"layout": "file", "layout_file": "empty.csv"}, "one or more"),
+        ({"layout": "grid", "columns": 0}, "columns"),
     ],
 )
-def test_bad_parameters_end_with_one_sentence(graph, parameters, says):
+def test_bad_parameters_end_with_one_sentence(graph, tmp_path, monkeypatch, parameters, says):
+    monkeypatch.chdir(tmp_path)
+    save_model(SILICONE, "good.yaml")
+    Path("soft.yaml").write_text(Path("good.yaml").read_text().replace("9619", "-9619"))
+    for name, rows in (("twice", "1,2\n1,2\n"), ("nan", "1,nan\n"), ("empty", "")):
+        Path(f"{name}.csv").write_text(f"x_mm,y_mm\n{rows}")
     node = graph.processes.start("skin_models", "skin_node", parameters=parameters)
     assert node.wait(WAIT) == 2
     lines = node.output().strip().splitlines()

@@ -87,6 +87,8 @@ class SkinNode(Node):
         if "spread_width" not in model.notes and not settings.spread_width and len(layout) > 1:
             said = f"{model.name} does not say how wide it spreads a force"
             self.get_logger().warning(f"{said}: taken as {1e3 * THESIS_WIDTH:g} mm, that of 4 mm silicone (parameter spread_width)")
+        if model.dispersion.k2 < 0.0 and not self._encoder:
+            self.get_logger().warning(f"{model.name} disperses a negative force (k2 < 0): taxels feel no more than presses all the same")
         self._about = f"{model.name} ({effects}), {len(layout)} taxels, driven by {settings.drive}"
         self._output.layout(layout, self.get_clock().now().to_msg())
         if self._viewing:
