@@ -6,7 +6,6 @@ from skin_ident.criticism.session import NOMINAL, Session
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
 
-
 MOST = 100.0  # of the applied force that a taxel may read: more than one where units or calibrations are not those of the force
 
 
