@@ -42,7 +42,8 @@ __all__ = ["MEMORY", "Presses", "Reading", "SimulatedSkin", "SkinState", "spread
 class Presses:
     """Everything that touches at one instant: `key` tells contacts apart from one sample to the next.
 
-    Forces and depths that are negative do not press. Raises `ContactError` for arrays of different lengths, and for a contact without a finite place, or with neither a force nor a depth.
+    Forces and depths that are negative do not press. Raises `ContactError` for arrays of different lengths, and for a contact without a
+    finite place, or with neither a force nor a depth.
     """
 
     key: tuple[str, ...] = ()
