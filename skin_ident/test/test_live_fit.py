@@ -65,3 +65,15 @@ def test_a_topic_that_is_discovered_late_is_taken_in(late):
         if i % 10 == 9:
             fit.update()
     assert fit.live.values == pytest.approx(TRUTH, rel=0.02)
+
+
+def test_a_dead_taxel_stops_nobody():
+    fit = LiveFit(30.0, 5.0, SILICONE[4][0])
+    for i in range(len(R)):
+        stamp = round(R.t[i] * 1e9) + 10**12
+        fit.offer("encoder", stamp, R.depth[i : i + 1])
+        fit.offer("force", stamp, R.force[i : i + 1])
+        fit.offer("taxels", stamp, np.array([R.taxels[0, i], np.nan]))
+        if i % 50 == 49:
+            fit.update()
+    assert fit.live.values == pytest.approx([*SILICONE[4][1:], 1.0, 0.0], rel=0.02) and fit.health.silent == 1

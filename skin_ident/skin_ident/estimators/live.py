@@ -14,7 +14,9 @@ LOST = 10.5  # periods: a longer pause starts the filter anew
 
 @dataclass(frozen=True)
 class Health:
-    """Since the last look: rate (Hz), jitter of the stamps (s, std), samples used, without a partner, not finite; pauses. And used ever."""
+    """Since the last look: rate (Hz), jitter of the stamps (s, std), samples used, without a partner, not finite; pauses; taxels that send
+    no numbers. And samples used ever.
+    """
 
     rate: float = 0.0
     jitter: float = 0.0
@@ -22,6 +24,7 @@ class Health:
     alone: int = 0
     invalid: int = 0
     pauses: int = 0
+    silent: int = 0
     used_ever: int = 0
 
 
@@ -111,6 +114,9 @@ class LiveFit:
     def _absorb(self, rows: list[tuple[int, np.ndarray]]) -> None:
         stamps = np.array([stamp for stamp, _ in rows])
         values = np.array([row for _, row in rows]).T
+        silent = ~np.isfinite(values).any(axis=1)
+        silent[: 1 + self.memory.force] = False
+        values[silent] = 0.0  # one dead taxel must not stop the others
         finite = np.isfinite(values).all(axis=0)
         pauses = 0
         for stamp, value in zip(stamps[finite], values.T[finite], strict=True):
@@ -124,6 +130,7 @@ class LiveFit:
             used=int(finite.sum()),
             invalid=int((~finite).sum()),
             pauses=pauses,
+            silent=int(silent.sum()),
             used_ever=self.health.used_ever + int(finite.sum()),
         )
 

@@ -62,6 +62,7 @@ def diagnostics(fit: LiveFit, stamp: Time, name: str) -> DiagnosticArray:
         "samples without a partner": h.alone,
         "samples that are no numbers": h.invalid,
         "pauses": h.pauses,
+        "taxels that send no numbers": h.silent,
         "speed in contact (mm/s rms)": f"{1e3 * live.speed:.3g}" if live else "",
         "depth in contact (mm rms)": f"{1e3 * live.depth:.3g}" if live else "",
         "residual of force (N rms)": f"{live.residual[0]:.3g}" if live else "",
@@ -82,4 +83,6 @@ def _level(fit: LiveFit) -> tuple[bytes, str]:
         return DiagnosticStatus.OK, "not enough motion in the skin yet"
     if fit.health.alone + fit.health.invalid > 0.05 * max(1, fit.health.used):
         return DiagnosticStatus.WARN, "samples are lost or no numbers"
+    if fit.health.silent:
+        return DiagnosticStatus.WARN, f"estimating; {fit.health.silent} of the taxels send no numbers and are taken for silent"
     return DiagnosticStatus.OK, "estimating"
