@@ -3,6 +3,7 @@
     material("silicone_4mm").model             the mean specimen
     population("silicone_4mm", 100, seed=1)    a hundred specimens
     silicone(5e-3)                             a thickness between the measured ones, with its uncertainty
+    free_mass("silicone_4mm")                  as fitted with the mass left free
     frubber_transmission(1e-3, dt)             Frubber from applied to sensed force, as a filter
 
 A file in `data/materials` is a model file (`skin_models.model_file`) whose parameters carry the printed `std`, and whose notes give
@@ -23,7 +24,7 @@ from skin_models.dispersion import Dispersion
 from skin_models.errors import ModelError
 from skin_models.model import Model
 from skin_models.model_file import load_model
-from skin_models.thesis.tables import transfer_functions
+from skin_models.thesis.tables import estimates, transfer_functions
 from skin_models.transmission import Transmission
 
 SILICONE = ("silicone_2mm", "silicone_4mm", "silicone_6mm")
@@ -64,6 +65,20 @@ def material(name: str) -> Material:
         unit_to_unit=_values(notes.get("unit_to_unit", {})),
         spread_width=notes.get("spread_width", {}).get("value", math.nan),
     )
+
+
+def free_mass(name: str) -> Material:
+    """A silicone as the thesis first fitted it, with the mass left free (Table 4-4); `material` has the mass of the block of skin.
+
+    Its 0.2 to 0.27 kg are no mass of skin: their weight, which is constant, stands for a force that is not proportional to depth, and k2
+    makes up for it. b1 and k1 are the same. Raises `ModelError` for anything but the three silicones.
+    """
+    if name not in SILICONE:
+        raise ModelError(f"the mass was left free for {', '.join(SILICONE)}, not for {name!r}")
+    fixed, found = material(name), estimates("4-4", name.removeprefix("silicone_"))
+    dispersion = Dispersion(**{p: e.value for p, e in found.items()})
+    model = replace(fixed.model, dispersion=dispersion, name=f"{fixed.model.name}, mass free", source="thesis Table 4-4")
+    return replace(fixed, name=f"{name}, mass free", model=model, std={p: e.std for p, e in found.items()}, unit_to_unit={})
 
 
 def _folder() -> Any:

@@ -3,7 +3,7 @@ import pytest
 from scipy.signal import lsim
 
 from skin_models.errors import ModelError
-from skin_models.materials import SCALED, SILICONE, frubber_transmission, material, names, population, silicone
+from skin_models.materials import SCALED, SILICONE, free_mass, frubber_transmission, material, names, population, silicone
 from skin_models.thesis.tables import estimates, table
 
 
@@ -95,3 +95,12 @@ def test_frubber_force_to_force_is_the_filter_of_table_4_7(speed, rows):
 def test_frubber_at_other_speeds_is_refused():
     with pytest.raises(ModelError, match=r"0.25 and at 1 mm/s, not at 0.5 mm/s"):
         frubber_transmission(0.5e-3, 0.01)
+
+
+@pytest.mark.parametrize("name", SILICONE)
+def test_with_its_mass_left_free_it_senses_the_same_and_weighs_too_much(name):
+    free, fixed = free_mass(name), material(name)
+    assert (free.model.dispersion.b1, free.model.dispersion.k1) == (fixed.model.dispersion.b1, fixed.model.dispersion.k1)
+    assert free.model.dispersion.m >= 0.2 and free.std["m"] > 0.0 and free.spread_width == pytest.approx(fixed.spread_width, nan_ok=True)
+    with pytest.raises(ModelError, match="left free for"):
+        free_mass("frubber_4mm")
