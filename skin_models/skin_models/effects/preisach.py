@@ -9,7 +9,7 @@ and Prandtl-Ishlinskii is the case that does not depend on a: loops of one size 
 and sum (Kuhnen) g becomes piecewise linear in a, and so covers every Preisach operator as closely as one likes. What one skin needs of that
 freedom is loops that grow with depth. Here the density grows with a as the depth does, and half widths are spread evenly up to R:
 
-    f = k / (2 l n) sum over i of (x^2 - P_i^2),        r_i = R (i - 1/2) / n,  i = 1 … n = 6,  l = 1 mm
+    f = k / (2 l n) sum over i of (x^2 - P_i^2),        r_i = R (i - 1/2) / n,  i = 1 … n = 5,  l = 1 mm
 
 After a turning point at depth x it is a spring of stiffness k x / l. Exact for any path that is monotone between samples; it dissipates.
 Simulated, not proposed: the sum of elastic-plastic elements that `hysteresis` in the skin spans is what a recording tells from relaxation.
@@ -29,7 +29,7 @@ from skin_models.operators.play import play, play_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
-PLAYS = 6
+PLAYS = 5
 REFERENCE = 1e-3  # m, the depth l
 
 
