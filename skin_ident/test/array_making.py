@@ -8,24 +8,44 @@ from world import make_sessions, write_table
 from world.effect import Effect
 from world.rig import Rig
 
-from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.array.analysis import ArrayCriticism, analyse
+from skin_ident.criticism.array.layout import layout_of
+from skin_ident.criticism.array.spreading import with_spread
+from skin_ident.criticism.diagnose import diagnose, skin_mass
+from skin_ident.criticism.fitting import fit
+from skin_ident.criticism.residual import residual
+from skin_ident.criticism.session import prepare, without_parting
+from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.whitening import fit_whitener
 from skin_ident.recordings.load import load
 
 CAREFUL = 0.005  # relative uncertainty of calibrations that were checked one against the other
 
 
-class Scatter(Effect):
-    """Calibrations that are off by a few per cent, each by its own amount, as they are in any batch."""
+class Spread(Effect):
+    """A spread of another width, top or outline than declared: `a` is by how much, relative."""
 
-    def __init__(self, factors):
-        self.factors = factors
+    def __init__(self, kind):
+        self.kind = kind
 
     def sense(self, fine, a, rng):
-        fine.taxels *= self.factors[:, None]
+        x, y = fine.skin.positions.T[:, :, None]
+        c, power = fine.skin.width, 2.0
+        if self.kind == "wider":
+            c = c * (1.0 + a)
+        if self.kind == "flat":
+            power += 2.0 * a
+        if self.kind == "oval":
+            x, y = x * np.exp(-0.5 * a), y * np.exp(0.5 * a)
+        if self.kind == "deepening":
+            c = c * (1.0 + a * np.maximum(fine.u, 0.0) / fine.skin.depth_max)
+        fine.taxels *= np.exp(-((np.hypot(x, y) / c) ** power)) / fine.skin.shares()[:, None]
 
 
 def record(folder: Path, cause=None, form=None, where=None, size=1.0, seed=0, taxels=3, careful=False, scatter=0.0, **how) -> list:
-    """Three sessions under one contact, read back from tables; `careful` declares the width of the spread and the calibrations."""
+    """Three sessions under one contact, read back from tables; `careful` declares the width of the spread and the calibrations;
+    `scatter` is by how much calibrations are off, each by its own amount, as they are in any batch.
+    """
     sessions, truth = make_sessions(cause, where, form, size, seed, n_sessions=3, n_taxels=taxels, **how)
     factors = 1.0 + scatter * np.random.default_rng([seed, 11]).standard_normal(taxels)
     said = {"spread_width_mm": 1e3 * truth.skin.width, "taxel_gain_uncertainty": CAREFUL} if careful else {}
@@ -34,13 +54,15 @@ def record(folder: Path, cause=None, form=None, where=None, size=1.0, seed=0, ta
     return load(folder)
 
 
-def record_at(folder: Path, contacts_mm, cause=None, form=None, where=None, size=1.0, seed=0, taxels=3, careful=False, **how) -> list:
+def record_at(
+    folder: Path, contacts_mm, cause=None, form=None, where=None, size=1.0, seed=0, taxels=3, careful=False, also=(), **how
+) -> list:
     """One session under each contact (x, y), in the frame in which the first contact is the origin.
 
-    The effect is that of the first contact, as large under the others as the same amplitude makes it.
+    The effect is that of the first contact, as large under the others as the same amplitude makes it; `also` are [(effect, amplitude)].
     """
     _, truth = make_sessions(cause, where, form, size, seed, n_sessions=1, n_taxels=taxels, **how)
-    base, hidden = truth.rig, [(h.effect, h.amplitude) for h in truth.hidden]
+    base, hidden = truth.rig, [*((h.effect, h.amplitude) for h in truth.hidden), *also]
     said = {"spread_width_mm": 1e3 * truth.skin.width, "taxel_gain_uncertainty": CAREFUL} if careful else {}
     for i, contact in enumerate(np.array(contacts_mm, float)):
         skin = replace(base.skin, positions=base.skin.positions - 1e-3 * contact)
@@ -56,6 +78,19 @@ class _Session:
 
     def __init__(self, m, rig):
         self.t, self.x, self.force, self.taxels, self.rig = m.t, m.x, m.force, m.taxels, rig
+
+
+def analysed(recordings: list) -> ArrayCriticism:
+    """The ratios alone, the last session held out, under a dispersion model that is fitted with nothing else in it."""
+    layout = layout_of(recordings)
+    sessions = [prepare(r) for r in with_spread(recordings, layout)]
+    model = dispersion_start(sessions[:-1], skin_mass(recordings[0]))
+    sessions = [without_parting(s, model.dispersion) for s in sessions]
+    for steps in (6, 4):
+        noise = fit_whitener([residual(model, s) for s in sessions[:-1]], [s.weight for s in sessions[:-1]])
+        model = fit(model, sessions[:-1], noise, steps).model
+    last, thickness = len(sessions) - 1, recordings[0].declared.skin_thickness_mm
+    return analyse(model, layout, sessions, [last], noise, [], thickness)
 
 
 def found(recordings: list) -> dict:

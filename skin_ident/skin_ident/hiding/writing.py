@@ -42,9 +42,11 @@ def _table(r: Recording, path: Path) -> Path:
 
 def _rig(declared: Declared) -> str:
     known = {f.name: getattr(declared, f.name) for f in fields(declared) if f.name not in ("warnings", "calibration")}
-    plain = {name: _listed(value) for name, value in known.items() if value not in (None, ())}
+    plain = {name: _listed(value) for name, value in known.items() if value not in (None, (), {})}
     return yaml.safe_dump(plain, sort_keys=False) if plain else "{}\n"
 
 
 def _listed(value):
+    if isinstance(value, dict):
+        return {key: _listed(v) for key, v in value.items()}
     return [_listed(v) for v in value] if isinstance(value, tuple) else value

@@ -78,7 +78,8 @@ def _effect(j: Judged, layout: Layout) -> Effect | None:
         return SpreadWidth("skin", wider=float(np.expm1(p["width"])))
     if cause == "spread_shape":
         return SpreadShape("skin", flatness=float(0.5 * p["power"]))
-    square, axes = np.linalg.eigh([[np.exp(-p["ratio"]), -p["turn"]], [-p["turn"], np.exp(p["ratio"])]])
+    turn = p.get("turn", 0.0)
+    square, axes = np.linalg.eigh([[np.exp(-p["ratio"]), -turn], [-turn, np.exp(p["ratio"])]])
     along = axes[:, 0] if axes[0, 0] >= 0.0 else -axes[:, 0]
     return Anisotropy("skin", stretch=float(0.5 * np.log(square[1] / square[0])), angle=float(np.arctan2(along[1], along[0])))
 

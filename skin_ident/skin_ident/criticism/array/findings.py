@@ -67,10 +67,8 @@ def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
     if j.hypothesis.cause == "spread_shape":
         return {"shape_power": _quantity(2.0 + p["power"], "1", std["power"])}
     if j.hypothesis.cause == "anisotropy":
-        return {
-            "width_ratio": _quantity(np.exp(p["ratio"]), "1", np.exp(p["ratio"]) * std["ratio"]),
-            "turn": _quantity(p["turn"], "1", std["turn"]),
-        }
+        turned = {"turn": _quantity(p["turn"], "1", std["turn"])} if "turn" in p else {}
+        return {"width_ratio": _quantity(np.exp(p["ratio"]), "1", np.exp(p["ratio"]) * std["ratio"]), **turned}
     (name,) = j.hypothesis.free
     return {name.partition("_")[0] if name.startswith("gain") else "share": _quantity(p[name], "1", std[name])}
 

@@ -52,7 +52,7 @@ def hypotheses(layout: Layout, suspects: list[int]) -> tuple[Hypothesis, ...]:
     if layout.width_declared:
         listed.append(Hypothesis("spread_width", "skin", 0.05, {"width": WIDTH}))
     if len(layout.axes) > 1:
-        listed.append(Hypothesis("anisotropy", "skin", 0.02, {"ratio": RATIO, "turn": RATIO}))
+        listed += [Hypothesis("anisotropy", "skin", 0.01, free) for free in ({"ratio": RATIO}, {"ratio": RATIO, "turn": RATIO})]
     return tuple(listed)
 
 

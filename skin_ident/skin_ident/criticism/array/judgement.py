@@ -10,7 +10,7 @@ from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.hypotheses import Background, Hypothesis, backgrounds, hypotheses
 from skin_ident.criticism.array.layout import Layout
 
-SURE = 0.9  # probability that something is wrong, from which it is said so
+SURE = 0.95  # probability that something is wrong, from which it is said so
 REACH = 3.0  # log odds within which a rival cannot be told from the best
 MOST_SUSPECTS = 6
 

@@ -44,7 +44,7 @@ def _what(j: Judged, layout: Layout) -> str:
         return f"the spread is {1e3 * layout.width * np.exp(p['width']):.3g} mm wide, not {1e3 * layout.width:.3g} mm"
     if j.hypothesis.cause == "spread_shape":
         return f"the spread falls as exp(-(r/c)^{2.0 + p['power']:.2g}), not as a Gaussian"
-    return f"the spread is {np.exp(p['ratio']):.2g} times as wide along x as along y, turned by {p['turn']:.2g}"
+    return f"the spread is {np.exp(p['ratio']):.2g} times as wide along x as along y"
 
 
 def shift_of(p: dict[str, float], layout: Layout) -> np.ndarray:

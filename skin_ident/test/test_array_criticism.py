@@ -1,0 +1,102 @@
+"""What lies in the ratios of an array's taxels is found in whole recordings of the world of hidden effects."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from array_making import Spread, analysed, found, names, names_or_rivals, record, record_at
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_models.model_file import load_model, save_model
+from skin_models.signals import motion
+
+ALONG = ((0, 0), (4, 0), (-4, 0))
+SHORT = {"protocol": "pyramid", "noise": "white", "thickness_mm": 4, "layout": "row_5mm"}
+
+
+def test_a_contact_that_leans_with_depth_is_off_centre_and_no_saturation(tmp_path):
+    findings = found(record(tmp_path, "off_centre", "lean", seed=0, layout="row_5mm", noise="white"))
+    assert names(findings) == [("off_centre", "rig")]
+
+
+def test_sessions_at_several_places_name_the_contact_and_the_written_model_says_the_same(tmp_path):
+    recordings = record_at(tmp_path, ALONG, "off_centre", "shift", seed=0, **SHORT)
+    outcome = diagnose(recordings[:-1], recordings[-1:])
+    assert names(outcome.findings) == [("off_centre", "rig")]
+    finding = outcome.findings["findings"][0]
+    assert finding["gain"]["held_out_rmse_after"] < finding["gain"]["held_out_rmse_before"]
+    save_model(outcome.model, tmp_path / "model.yaml", outcome.std)
+    model, trace = load_model(tmp_path / "model.yaml"), outcome.traces[0]
+    again = model.simulate(motion(trace.t, trace.depth, trace.speed)).taxels
+    assert np.allclose(again, trace.extended[1:], atol=1e-3 * np.abs(trace.extended).max())
+
+
+def test_nothing_is_named_where_nothing_is_hidden_and_bounds_are_given(tmp_path):
+    findings = found(record(tmp_path, seed=4, **SHORT))
+    assert not names(findings) and findings["verdict"] == "nothing_wrong"
+    bounds = {(e["cause"], e.get("where"), e.get("parameter")) for e in findings["excluded"]}
+    assert {("off_centre", "rig", "x"), ("crosstalk", "taxel", "share")} <= bounds
+    assert "spread_width" in {u["cause"] for u in findings["untestable"]}
+
+
+def test_without_positions_an_array_cannot_be_judged_and_the_findings_say_so(tmp_path):
+    recordings = record(tmp_path, "off_centre", "shift", seed=0, taxels=2, **SHORT)
+    for r in recordings:
+        object.__setattr__(r, "declared", r.declared.__class__())
+    because = {u["cause"]: u["because"] for u in found(recordings)["untestable"]}
+    assert "taxel_positions_mm" in because["off_centre"] and "taxel_positions_mm" in because["anisotropy"]
+
+
+@pytest.mark.parametrize(
+    ("cause", "form", "where", "key"),
+    [
+        ("off_centre", "shift", None, ("off_centre", "rig")),
+        ("gain_error", "static", "taxel_0", ("gain_error", "taxel_0")),
+        ("crosstalk", "neighbour", "taxel", ("crosstalk", "taxel")),
+        ("crosstalk", "common", "taxel", ("crosstalk", "taxel")),
+    ],
+)
+def test_the_cause_in_static_ratios_is_named_from_several_contacts(tmp_path, cause, form, where, key):
+    a = analysed(record_at(tmp_path, (*ALONG, (2, 0)), cause, form, where, seed=2, careful=where == "taxel_0", **SHORT))
+    assert a.named and a.judgement.causes[0].key == key
+
+
+@pytest.mark.parametrize(("kind", "amount", "cause"), [("wider", 0.1, "spread_width"), ("flat", 0.15, "spread_shape")])
+def test_a_spread_other_than_declared_is_named_from_several_contacts(tmp_path, kind, amount, cause):
+    a = analysed(record_at(tmp_path, (*ALONG, (2, 0)), seed=2, careful=True, also=[(Spread(kind), amount)], **SHORT))
+    assert a.named and a.judgement.causes[0].key == (cause, "skin")
+
+
+@pytest.mark.parametrize("taxels", [3, 4])
+def test_scattered_calibrations_are_no_cause(tmp_path, taxels):
+    for seed in range(3):
+        assert not analysed(record(tmp_path / str(seed), seed=seed, taxels=taxels, scatter=0.02, **SHORT)).named
+
+
+@pytest.mark.campaign
+def test_campaign_over_arrays(tmp_path, capsys):
+    """Every cause of an array, under one contact and under four: rates with their counts."""
+    cases = [(None, None, None), *(("off_centre", f, None) for f in ("shift", "walk", "lean")), ("gain_error", "static", "taxel_0")]
+    cases += [("crosstalk", f, "taxel") for f in ("neighbour", "common", "smeared")]
+    counts: dict[tuple, Counter] = {}
+    for i, (cause, form, where) in enumerate(cases):
+        for seed in range(6):
+            one, four = tmp_path / f"one_{i}_{seed}", tmp_path / f"four_{i}_{seed}"
+            made = {
+                "one": record(one, cause, form, where, seed=seed),
+                "four": record_at(four, (*ALONG, (2, 0)), cause, form, where, seed=seed),
+            }
+            for contacts, recordings in made.items():
+                counts.setdefault((cause, form, contacts), Counter())[_verdict(found(recordings), cause, where or "rig")] += 1
+    with capsys.disabled():
+        for key, count in counts.items():
+            print(*key, dict(count))
+    assert not any(count["wrong"] for (cause, *_), count in counts.items() if cause is None)
+
+
+def _verdict(findings: dict, cause: str | None, where: str) -> str:
+    if not names(findings):
+        return "silent"
+    if (cause, where) in names(findings):
+        return "right"
+    return "alternative" if (cause, where) in names_or_rivals(findings) else "wrong"

@@ -1,0 +1,161 @@
+"""The parts of the array analysis, each against something independent of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+from world.specimen import draw_specimen
+
+from skin_ident.criticism.array.bending import Leaning, Walking, Widening
+from skin_ident.criticism.array.evidence import fitted
+from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.gains import Gains
+from skin_ident.criticism.array.judgement import judge
+from skin_ident.criticism.array.layout import Layout, layout_of
+from skin_ident.criticism.array.sentences import separating
+from skin_ident.criticism.array.smeared import Smeared
+from skin_ident.recordings.declared import Declared, declared_from
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.recording import Recording
+from skin_models.signals import motion
+
+T = np.arange(400) / 100.0
+MOTION = motion(T, 5e-4 * (1.0 - np.cos(3.0 * T)))
+ROW = ((-3e-3, 1e-3), (2e-3, 1e-3), (7e-3, 1e-3))
+BENDS = [
+    Leaning("rig", ROW, (1.0, 0.0), 5e-3, 1e-3, shift=3e-4),
+    Walking("rig", ROW, (0.6, 0.8), 5e-3, 4.0, shift=3e-4),
+    Widening("skin", ROW, 5e-3, growth=200.0),
+    Smeared("taxel", share=0.05, tau=0.1),
+]
+
+
+def recording(declared: Declared, taxels: int = 3, **how) -> Recording:
+    return Recording("made", T, MOTION.x, MOTION.x * 1e4, np.ones((taxels, 1)) * MOTION.x, declared=declared, **how)
+
+
+def array(n: int, seed: int, contacts=((0.0, 0.0), (0.0, 0.0)), declared: bool = True):
+    """A specimen of the world and its layout under contacts (m)."""
+    skin = draw_specimen(np.random.default_rng(seed), 4, n, "row_5mm")
+    return skin, Layout(skin.positions, np.array(contacts), skin.width, declared)
+
+
+def measured(shares, seed: int, error: float = 5e-4) -> Gains:
+    """Shares as a good recording gives them."""
+    shares = np.array(shares)
+    covariance = np.tile((error * shares.max()) ** 2 * np.eye(shares.shape[1]), (len(shares), 1, 1))
+    return Gains(shares + error * shares.max() * np.random.default_rng(seed).standard_normal(shares.shape), covariance)
+
+
+@pytest.mark.parametrize(
+    ("declared", "taxels", "units", "word"),
+    [
+        (Declared(), 1, (), "one taxel"),
+        (Declared(), 3, (), "does not declare"),
+        (Declared(taxel_positions_mm=((0, 0), (5, 0))), 3, (), "does not declare"),
+        (Declared(taxel_positions_mm=((0, 0), (0, 0))), 2, (), "at one place"),
+        (Declared(taxel_positions_mm=((0, 0), (5, 0))), 2, ("V", "N"), "not calibrated"),
+    ],
+)
+def test_what_keeps_ratios_from_being_judged_is_said(declared, taxels, units, word):
+    assert word in layout_of([recording(declared, taxels, taxel_units=units)])
+
+
+def test_places_are_counted_from_the_contact_of_each_recording():
+    said = declared_from(
+        "{taxel_positions_mm: [[0, 0], [5, 0]], contact_position_mm: {made: [2, 1]}, spread_width_mm: 4, taxel_gain_uncertainty: 0.02}"
+    )
+    layout = layout_of([recording(said, 2), replace(recording(said, 2), name="other")])
+    assert np.allclose(layout.places, 1e-3 * np.array([[[-2, -1], [3, -1]], [[0, 0], [5, 0]]]))
+    assert layout.several_contacts and layout.width_declared and (layout.width, layout.gain_std) == (0.004, 0.02)
+    assert declared_from("contact_position_mm: [1, 2]").contact_of("any") == (1.0, 2.0)
+    with pytest.raises(RecordingError, match="contact_position_mm"):
+        declared_from("contact_position_mm: [1, 2, 3, 4]")
+
+
+def test_a_row_has_one_axis_and_a_cross_of_contacts_two():
+    _, layout = array(3, 0)
+    assert np.allclose(np.abs(layout.axes), [[1.0, 0.0]], atol=1e-6)
+    assert len(replace(layout, contacts=np.array([[0.0, 0.0], [0.0, 4e-3]])).axes) == 2
+
+
+@pytest.mark.parametrize("e", BENDS, ids=lambda e: type(e).__name__)
+def test_stepping_through_an_effect_is_the_same_as_the_whole(e):
+    y = np.linspace(0.2, 1.0, 3)[:, None] * (1.0 + MOTION.x / 1e-3)
+    state, stepped = e.initial(), []
+    for i in range(len(MOTION)):
+        state, row = e.step(state, y[:, i], MOTION[i], MOTION.dt)
+        stepped.append(row)
+    assert np.allclose(np.array(stepped).T, e.batch(y, MOTION), rtol=1e-9)
+    assert np.allclose(e.absent().batch(y, MOTION), y)
+
+
+def test_leaning_and_widening_are_the_gaussian_elsewhere_or_wider():
+    places, c = np.array(ROW), 5e-3
+    plain = np.exp(-((np.hypot(*places.T) / c) ** 2))
+    moved = np.exp(-((np.hypot(*(places - [3e-4, 0.0]).T) / c) ** 2))
+    deepest = motion(T, np.full(T.size, 1e-3))
+    leaning, _, widening, _ = BENDS
+    assert np.allclose(leaning.batch(plain[:, None] * np.ones(T.size), deepest)[:, 0], moved)
+    wide = np.exp(-((np.hypot(*places.T) / (1.2 * c)) ** 2)) / 1.2**2
+    assert np.allclose(widening.batch(plain[:, None] * np.ones(T.size), deepest)[:, 0], wide)
+
+
+def test_the_family_has_the_shares_of_the_world_under_a_moved_contact():
+    skin, layout = array(4, 3)
+    sign = layout.axes[0, 0]
+    assert np.allclose(Family(layout).shares({"shift_0": 4e-4 * sign})[0], skin.shares((4e-4, 0.0)))
+
+
+def test_the_evidence_of_a_linear_hypothesis_is_the_exact_marginal_likelihood():
+    """With shares linear in one taxel's gain, and the scale's prior known, the integral is a Gaussian's."""
+    skin, layout = array(3, 1, contacts=((0.0, 0.0),))
+    found = measured([skin.shares()], 5, 0.01)
+    scale = 3.0  # its logarithm is nearly linear over the little that the data leave of it
+    plain, own = skin.shares(), skin.shares() * np.eye(3)[0]
+    covariance = found.covariance[0] + 0.15**2 * np.outer(own, own)
+    for scatter in (0.0, 0.02):
+        more = covariance + scatter**2 * np.diag(found.value[0] ** 2) + scale**2 * np.outer(plain, plain)
+        exact = multivariate_normal(plain, more).logpdf(found.value[0]) + 1.5 * np.log(2.0 * np.pi)
+        assert fitted(Family(layout), found, scatter, {"gain_0": 0.15}).log_evidence == pytest.approx(exact, abs=0.3)
+
+
+@pytest.mark.parametrize("n", [3, 4])
+def test_shares_as_declared_or_scattered_by_calibrations_are_nobodys_fault(n):
+    for seed in range(6):
+        skin, layout = array(n, seed)
+        for scatter in (0.0, 0.02):
+            factors = 1.0 + scatter * np.random.default_rng(seed).standard_normal(n)
+            assert judge(layout, measured([skin.shares() * factors] * 2, seed)).named is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_several_contacts_tell_a_wrong_place_from_a_wrong_calibration_and_from_crosstalk(seed):
+    contacts = 1e-3 * np.array([[0.0, 0.0], [4.0, 0.0], [-4.0, 0.0]])
+    skin, layout = array(3, seed, contacts)
+    moved = np.array([skin.shares(q + np.array([2e-4, 0.0])) for q in contacts])
+    plain = np.array([skin.shares(q) for q in contacts])
+    leaking = np.eye(3) + 0.04 * (np.eye(3, k=1) + np.eye(3, k=-1))
+    cases = {("off_centre", "rig"): moved, ("gain_error", "taxel_1"): plain * [1.0, 1.06, 1.0], ("crosstalk", "taxel"): plain @ leaking}
+    for key, shares in cases.items():
+        judgement = judge(layout, measured(shares, seed))
+        assert judgement.named is not None and judgement.named.key == key and not judgement.rivals
+    found = judge(layout, measured(moved, seed)).causes[0].fit
+    assert found.member["shift_0"] * layout.axes[0, 0] == pytest.approx(2e-4, abs=4.0 * found.std["shift_0"])
+
+
+def test_one_contact_leaves_rivals_and_says_what_would_separate_them():
+    skin, layout = array(3, 2, declared=False)
+    shares = skin.shares() * [1.0, 1.0, 1.5]
+    judgement = judge(layout, measured([shares] * 2, 0), 4.0)
+    keys = {judgement.named.key, *(r.key for r in judgement.rivals)}
+    assert {("off_centre", "rig"), ("gain_error", "taxel_2")} <= keys
+    assert "press at three or more places" in separating(["off_centre", "gain_error"])
+
+
+def test_a_declared_uncertainty_decides_whether_a_gain_is_wrong():
+    skin, layout = array(4, 1)
+    found = measured([skin.shares() * [1.06, 1.0, 1.0, 1.0]] * 2, 0)
+    assert judge(replace(layout, gain_std=0.005), found).named.key == ("gain_error", "taxel_0")
+    assert judge(replace(layout, gain_std=0.05), found).named is None
