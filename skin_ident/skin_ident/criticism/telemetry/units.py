@@ -66,7 +66,9 @@ def _by_grid(recordings: list, channel: str) -> list[Symptom]:
 
 
 def _by_slope(recordings: list, channel: str) -> list[Symptom]:
-    """A session whose slope against the load differs from the others' by a factor that only a unit has."""
+    """A session whose slope against the load differs from the others' by a factor that only a unit has, or another place of the contact."""
+    if recordings[0].spread is not None and channel != "force":
+        return []
     slopes = np.array([_slope(r, channel) for r in recordings])
     if len(slopes) < 2 or not np.all(np.isfinite(slopes)) or np.any(np.abs(slopes) < 1e-9):
         return []
