@@ -42,7 +42,7 @@ def controls(skin: str) -> dict[str, dict]:
 
 
 def measures(t: np.ndarray, force: np.ndarray) -> tuple[float, float, float, float, float]:
-    """Overshoot (N), rise (s), time from contact to settled (s; NaN: not a second before the end), error and deviation of the last 3 s (N)."""
+    """Overshoot (N), rise (s), time to settled (s; NaN: not a second before the end), error and deviation of the last 3 s (N)."""
     outside = t[np.abs(force - FORCE) > BAND]
     settled = outside[-1] if outside[-1] < t[-1] - 1.0 else float("nan")
     late = force[t > t[-1] - 3.0]
