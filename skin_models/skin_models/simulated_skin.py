@@ -67,6 +67,13 @@ class Presses:
         """Where they are."""
         return Patches(self.position, self.radius, self.depth)
 
+    @classmethod
+    def of_forces(cls, position: np.ndarray, force: np.ndarray, key: tuple[str, ...] = ()) -> "Presses":
+        """Points at (C, 3) m pressed with forces (C,) N; without keys, told apart by their order."""
+        count = len(force)
+        keys = tuple(key) or tuple(map(str, range(count)))
+        return cls(keys, np.array(position, float).reshape(-1, 3), np.array(force, float), np.full(count, np.nan), np.zeros(count))
+
     def faded(self, factor: float) -> "Presses":
         """The same contacts with force and depth scaled."""
         return replace(self, force=self.force * factor, depth=self.depth * factor)

@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -161,3 +163,10 @@ def test_width_comes_from_the_models_notes():
     assert spread_width(SILICONE) == 5.25e-3 and spread_width(Model(SILICONE.dispersion)) == 5.25e-3
     with pytest.raises(ModelError, match="spread_width"):
         spread_width(Model(SILICONE.dispersion, notes={"spread_width": {"value": 5.25, "unit": "mm"}}))
+
+
+def test_the_example_of_the_readme_runs():
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    names: dict = {}
+    exec(text.split("```python")[1].split("```")[0], names)
+    assert names["reading"].truth.sum() + names["reading"].dispersed == pytest.approx(5.0) and names["reading"].taxels.size == 81
