@@ -4,7 +4,8 @@
 
 Same machine, same minute, same messages (JointState, WrenchStamped, TaxelArray):
     driver       the installed driver with its simulated rig
-    replay       the same with a recording for its rig: nothing is simulated, so that this is what sampling and publishing cost
+    real-time    the same with a real-time priority, where this user may have one
+    replay       the first with a recording for its rig: nothing is simulated, so that this is what sampling and publishing cost
     rclpy timer  a node whose timer publishes, on SingleThreadedExecutor: what a tutorial shows
     bare loop    time.sleep to absolute deadlines, nothing else: what this machine can do
 
@@ -123,7 +124,8 @@ def measure(rate: float, taxels: int, seconds: float) -> list[Row]:
     driver = [str(executable("skin_testbed_driver", "driver_node")), "--ros-args", "-p", f"sample_rate:={rate}", "-p", f"taxels:={taxels}"]
     table = recording(taxels)
     replay = [*driver, "-p", "rig:=replay", "-p", f"recording:={table}", "-p", "loop:=true"]
-    for name, command in (("driver", driver), ("replay", replay), ("rclpy timer", [*here, "--timer"])):
+    urgent = [*driver, "-p", "realtime_priority:=40"]
+    for name, command in (("driver", driver), ("real-time", urgent), ("replay", replay), ("rclpy timer", [*here, "--timer"])):
         with Domain() as domain:
             os.environ.update(domain.environment())
             process = Process(command, domain.environment(), name)
@@ -149,12 +151,12 @@ def show(rate: float, taxels: int, rows: list[Row]) -> None:
             half, most = 1e6 * np.percentile(row.latencies, (50, 99))
             line += f"   {half:12.0f}{most:8.0f}{100.0 * row.thread:8.1f}{100.0 * row.cpu:7.1f}"
         print(line)
-    cpu = [np.array([row.thread, row.cpu]) * row.periods.sum() / row.periods.size for row in rows[:3]]
+    cpu = [np.array([row.thread, row.cpu]) * row.periods.sum() / row.periods.size for row in rows[:4]]
     p99 = [np.percentile(np.abs(r.periods - 1.0 / rate), 99) for r in rows]
-    for i in (0, 1):
-        thread, process = cpu[i] / cpu[2]
+    for i in range(3):
+        thread, process = cpu[i] / cpu[3]
         ratio = f"CPU per sample x {thread:.2f} (thread), x {process:.2f} (process) of the timer"
-        print(f"{rows[i].name}: p99 jitter x {p99[i] / p99[3]:.2f} of the bare loop; {ratio}")
+        print(f"{rows[i].name}: p99 jitter x {p99[i] / p99[4]:.2f} of the bare loop; {ratio}")
 
 
 def main() -> None:

@@ -110,12 +110,13 @@ def show(rate: float, listener: Listener, recorded: dict[str, array], before: in
     print(f"motion: {ended}", flush=True)
 
 
-def soak(rate: float, taxels: int, seconds: float, motion: bool) -> None:
+def soak(rate: float, taxels: int, seconds: float, motion: bool, priority: int) -> None:
     """One session."""
     load = Path("/proc/loadavg").read_text().split()[1]
     print(f"\n{time.strftime('%H:%M:%S')} {rate:g} Hz, {taxels} taxels, {seconds:g} s, load of the machine {load}", flush=True)
     with Domain() as domain, Processes(domain.environment()) as processes, tempfile.TemporaryDirectory() as folder:
-        driver = processes.start("skin_testbed_driver", "driver_node", parameters={"sample_rate": float(rate), "taxels": taxels})
+        parameters = {"sample_rate": float(rate), "taxels": taxels, "realtime_priority": priority}
+        driver = processes.start("skin_testbed_driver", "driver_node", parameters=parameters)
         driver.wait_for_output("sampling at", 60.0)
         bag = Path(folder) / "bag"
         topics = [*TOPICS, "driver_state"]
@@ -144,8 +145,9 @@ def main() -> None:
     parser.add_argument("--taxels", type=int, default=4)
     parser.add_argument("--seconds", type=float, default=20.0, help="after settling")
     parser.add_argument("--motion", action="store_true", help="press all the time")
+    parser.add_argument("--priority", type=int, default=0, help="real-time priority of sampling, 1 to 90")
     chosen = parser.parse_args()
-    soak(chosen.rate, chosen.taxels, chosen.seconds, chosen.motion)
+    soak(chosen.rate, chosen.taxels, chosen.seconds, chosen.motion, chosen.priority)
 
 
 if __name__ == "__main__":

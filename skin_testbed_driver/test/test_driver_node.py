@@ -1,7 +1,9 @@
 """The installed driver over real DDS."""
 
 import math
+import os
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -181,6 +183,14 @@ def test_diagnostics_tell_rate_drops_and_faults(graph):
     assert {"achieved_rate_hz", "jitter_p99_us", "overruns", "skipped"} <= keys
     assert "the service stop was called" in motion.message
     assert sensors.level == b"\x00"
+
+
+def test_real_time_priority_is_had_or_its_lack_is_said(graph):
+    process = graph.driver(realtime_priority=10)
+    encoder = graph.hear(JointState, "encoder")
+    graph.wait(lambda: len(encoder) > 50, "samples")
+    policies = {os.sched_getscheduler(int(task.name)) for task in Path(f"/proc/{process.pid}/task").iterdir()}
+    assert os.SCHED_FIFO in policies or "no real-time priority for sampling" in process.output()
 
 
 def test_parameters_are_described_ranged_and_checked_on_set(graph):

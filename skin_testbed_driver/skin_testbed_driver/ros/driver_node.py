@@ -110,7 +110,10 @@ class DriverNode(LifecycleNode):
         if settings.time_scale == 1.0:  # in real time the first sample is now, however long configuring took or the node was inactive
             self._stamp_ns = max(self._stamp_ns, self._clock_ns())
         owned = self._stamp_ns if self._testbed.rig.owns_time else None
-        self._thread = SamplingThread(self._tick, self._clock_ns, 1.0 / settings.sample_rate, self._statistics, owned, settings.time_scale)
+        self._thread = SamplingThread(
+            self._tick, self._clock_ns, 1.0 / settings.sample_rate, self._statistics, owned, settings.time_scale,
+            settings.realtime_priority, self.get_logger().warning,
+        )  # fmt: skip
         self._thread.start()
         self._requests.heeded = True
         self.get_logger().info(f"sampling at {settings.sample_rate:g} Hz, rig {settings.rig}")

@@ -14,6 +14,9 @@ class DriverSettings(RigSettings):
     """Every parameter. Those that the running loop cannot change are fixed."""
 
     autostart: bool = setting(True, "configure and activate at start, without a lifecycle manager", fixed=True)
+    realtime_priority: int = setting(
+        0, "1 to 90: real-time priority of sampling (SCHED_FIFO), where this user may have one; 0: none", lower=0, upper=90, fixed=True
+    )
     speed_samples: int = setting(
         2, "samples in the least-squares line whose slope is the published speed; 2: finite difference", lower=2, upper=100, fixed=True
     )

@@ -1,5 +1,6 @@
 """The thread that samples: absolute deadlines, so that lateness never adds up."""
 
+import os
 import threading
 import time
 from collections.abc import Callable
@@ -23,15 +24,22 @@ class SamplingThread(threading.Thread):
         statistics: LoopStatistics,
         owned: int | None = None,
         time_scale: float = 1.0,
+        priority: int = 0,
+        complain: Callable[[str], object] = print,
     ) -> None:
-        """`clock()` in ns. `owned`: stamp (ns) of the first sample of a rig that owns its time, else None."""
+        """`clock()` in ns. `owned`: stamp (ns) of the first sample of a rig that owns its time, else None.
+
+        `priority` > 0 asks for real-time scheduling; `complain(sentence)` hears where that is not to be had.
+        """
         super().__init__(name="sampling", daemon=True)
         self._tick, self._clock, self._statistics = tick, clock, statistics
         self._period, self._wall_period, self._owned = period, period / time_scale, owned
         self._real_time = time_scale == 1.0
+        self._priority, self._complain = priority, complain
         self._ending = False
 
     def run(self) -> None:
+        self._hurry()
         deadline = time.monotonic()
         while not self._ending:
             delay = deadline - time.monotonic()
@@ -46,6 +54,14 @@ class SamplingThread(threading.Thread):
         self._ending = True
         if self.is_alive() and threading.current_thread() is not self:
             self.join()
+
+    def _hurry(self) -> None:
+        if not self._priority:
+            return
+        try:
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(self._priority))  # 0: this thread
+        except (AttributeError, OSError) as error:
+            self._complain(f"no real-time priority for sampling ({error}): it needs CAP_SYS_NICE or an rtprio limit; going on without")
 
     def _stamp(self) -> int:
         if self._owned is None:
