@@ -20,7 +20,7 @@ def test_a_contact_that_leans_with_depth_is_off_centre_and_no_saturation(tmp_pat
 
 
 def test_sessions_at_several_places_name_the_contact_and_the_written_model_says_the_same(tmp_path):
-    recordings = record_at(tmp_path, ALONG, "off_centre", "shift", seed=0, **SHORT)
+    recordings = record_at(tmp_path, ALONG, "off_centre", "shift", size=8.0, seed=0, **SHORT)
     outcome = diagnose(recordings[:-1], recordings[-1:])
     assert names(outcome.findings) == [("off_centre", "rig")]
     finding = outcome.findings["findings"][0]

@@ -19,7 +19,7 @@ from skin_ident.criticism.array.gains import Gains
 
 STEPS = 25
 DIFFERENCE = 1e-4  # of the prior's standard deviation
-SCALE = 3.0  # prior standard deviation of the log scale of a session: says nothing
+ALWAYS = {"level": 3.0, "scale": 0.02}  # prior standard deviations of logarithms: a stiffness nobody knows, and one skin at two places
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +37,9 @@ def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float])
 
     `scatter` is the relative standard error of calibrations: one unknown factor per taxel, the same in all sessions, is integrated out.
     """
-    names = [n for n in family.names if n in free or n.startswith("scale_")]
-    size = np.array([free.get(n, SCALE) for n in names])
-    begin = first_scales(family, gains)
-    z = np.array([begin.get(n, 0.0) for n in names]) / size
+    names = [n for n in family.names if n in free or n.partition("_")[0] in ALWAYS]
+    size = np.array([free.get(n, ALWAYS.get(n.partition("_")[0])) for n in names], float)
+    z = np.where(np.array(names) == "level", first_level(family, gains), 0.0) / size
     root, log_root = _root(gains, scatter)
 
     def misfit(z: np.ndarray) -> np.ndarray:
@@ -72,11 +71,10 @@ def _root(gains: Gains, scatter: float) -> tuple[np.ndarray, float]:
     return np.linalg.inv(factor), -float(np.log(np.diag(factor)).sum())
 
 
-def first_scales(family: Family, gains: Gains) -> dict[str, float]:
-    """Log scales that fit the declared layout to the measured shares of every session."""
+def first_level(family: Family, gains: Gains) -> float:
+    """The log level at which the declared layout fits the measured shares."""
     plain = family.shares({})
-    ratio = np.maximum(np.sum(plain * gains.value, axis=1) / np.maximum(np.sum(plain**2, axis=1), 1e-300), 1e-9)
-    return {f"scale_{s}": float(v) for s, v in enumerate(np.log(ratio))}
+    return float(np.log(max(np.sum(plain * gains.value) / max(np.sum(plain**2), 1e-300), 1e-9)))
 
 
 def _descend(misfit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,12 +1,13 @@
 """Every set of static shares that this analysis can imagine: the thesis's Gaussian under a declared contact as its plainest member.
 
-    share[s, i] = scale[s] (y[i] + leak (y[i-1] + y[i+1]) + common mean(y)),      y[i] = (1 + gain[i]) exp(-(r^2 / width^2)^(power / 2))
+    share[s, i] = e^(level + scale[s]) (y[i] + leak (y[i-1] + y[i+1]) + common mean(y)),
+    y[i] = (1 + gain[i]) exp(-(r^2 / width^2)^(power / 2))
 
 with r from the contact of session s, moved by `shift` along the layout's axes, and for an elliptic spread
 
     r^2 -> exp(-ratio) x^2 + exp(ratio) y^2 - 2 turn x y.
 
-A member is a vector: one log scale per session, then the quantities below.
+A member is a vector: the logarithm of a level that all sessions share, what each departs from it, then the quantities below.
 """
 
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ class Family:
         scales = tuple(f"scale_{s}" for s in range(len(layout.contacts)))
         shifts = tuple(f"shift_{a}" for a in range(len(layout.axes)))
         gains = tuple(f"gain_{i}" for i in range(len(layout.taxels)))
-        return (*scales, *shifts, *gains, "leak", "common", "width", "power", "ratio", "turn")
+        return ("level", *scales, *shifts, *gains, "leak", "common", "width", "power", "ratio", "turn")
 
     def shares(self, p: dict[str, float]) -> np.ndarray:
         """Shares (S, T) of a member, given by the entries that are not zero. `width` is the logarithm of the true over the declared
@@ -43,5 +44,5 @@ class Family:
         gain = np.array([p.get(f"gain_{i}", 0.0) for i in range(len(layout.taxels))])
         own = (1.0 + gain) * np.exp(-(u ** (1.0 + 0.5 * p.get("power", 0.0))))
         heard = p.get("leak", 0.0) * neighbours(own.T).T + p.get("common", 0.0) * own.mean(axis=1, keepdims=True)
-        scale = np.exp([p.get(f"scale_{s}", 0.0) for s in range(len(layout.contacts))])
+        scale = np.exp([p.get("level", 0.0) + p.get(f"scale_{s}", 0.0) for s in range(len(layout.contacts))])
         return scale[:, None] * (own + heard)

@@ -41,11 +41,11 @@ def held_out_gain(
 
 
 def _predicted(layout: Layout, measured: Gains, fit_on: list[int], try_on: list[int], scatter: float, free: dict) -> np.ndarray:
-    """Shares (S, T) of the sessions `try_on` by a member fitted to `fit_on`, at the mean of their scales."""
+    """Shares (S, T) of the sessions `try_on` by a member fitted to `fit_on`, at the mean of their levels."""
     member = fitted(Family(layout.of(fit_on)), measured.of(fit_on), scatter, free).member
-    scale = float(np.mean([member[f"scale_{s}"] for s in range(len(fit_on))]))
+    level = member["level"] + float(np.mean([member[f"scale_{s}"] for s in range(len(fit_on))]))
     rest = {name: value for name, value in member.items() if not name.startswith("scale_")}
-    return Family(layout.of(try_on)).shares({**rest, **{f"scale_{s}": scale for s in range(len(try_on))}})
+    return Family(layout.of(try_on)).shares({**rest, "level": level})
 
 
 def _gain(before: list, after: list, sessions: list[Session], noise: Whitener, said: str) -> Gain:
