@@ -1,1 +1,1 @@
-"""The physics of robot skin: constitutive elements, the dispersion model, its spread over taxels, sensor chains, and one file per effect."""
+"""The physics of robot skin: constitutive elements, the dispersion model, its spread over taxels, sensor chains, one file per effect."""

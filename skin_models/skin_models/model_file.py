@@ -51,7 +51,7 @@ def load_model(path: str | os.PathLike) -> Model:
 
 
 def save_model(model: Model, path: str | os.PathLike, std: Mapping[str, float] | None = None) -> None:
-    """Write a model whole or not at all. `std` gives standard errors by parameter, keyed `k1`, or `stress_relaxation.skin.tau` for an effect."""
+    """Write a model whole or not at all. `std` gives standard errors by parameter, keyed `k1`, or `stress_relaxation.skin.tau`."""
     path = Path(path)
     partial = path.with_name(path.name + ".partial")
     partial.write_text(yaml.safe_dump(model_to_dict(model, std or {}), sort_keys=False, allow_unicode=True), encoding="utf-8")

@@ -27,7 +27,7 @@ from skin_models.signals import Sample
 from skin_models.spread.bending import Bending, Bent
 from skin_models.spread.compiled import compiles
 from skin_models.spread.contacts import ContactError
-from skin_models.spread.field import SpreadField
+from skin_models.spread.field import SpreadField, tangent
 from skin_models.spread.footprint import Footprint, Places
 from skin_models.spread.kernels import Kernel
 from skin_models.spread.noted import kernel_of, spread_width
@@ -115,9 +115,10 @@ class SimulatedSkin:
                 raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {len(layout)} taxels, counted from taxel_0")
         self.model, self.layout, self.dt = model, layout, dt
         self.kernel = _bent(kernel or kernel_of(model), model.at(Place.SPREAD))
+        self._shift = np.sum([e.shift() for e in model.at(Place.SPREAD)] + [(0.0, 0.0)], axis=0)
         self._share = min(model.dispersion.sensed_share, 1.0) if model.dispersion.k1 > 0.0 else 0.0
         self._skin, self._sensors = skin_of(model), model.at(Place.TAXEL)
-        field = SpreadField(layout, self.kernel, self._share, A201_AREA, tolerance)
+        self._field = field = SpreadField(layout, self.kernel, self._share, A201_AREA, tolerance)
         self._filter = None if self._skin.effects or not self._share else Transmission(model.dispersion, dt)
         self._spreader = (CompiledSpreader if fast and compiles(self.kernel) else DenseSpreader)(field, self._filter)
         self._footprint = Footprint(Places(layout.positions), layout.positions[:, :2].T, self.kernel)
@@ -155,12 +156,20 @@ class SimulatedSkin:
 
     def _patches(self, presses: Presses, columns: Columns) -> Patches:
         """Where the contacts are; a spread that depends on a depth not given gets the one found, or that at which the force rests."""
+        if self._shift.any() and presses.key:
+            presses = replace(presses, position=presses.position + self._across(presses.position))
         if not (self.kernel.deep and np.isnan(presses.depth).any()):
             return presses.patches
         d, found = self.model.dispersion, dict(zip(columns.keys, columns.x, strict=True))
         rests = np.nan_to_num(presses.force) / max(d.k1 + d.k2, 1e-9)
         depth = [found.get(key, x) for key, x in zip(presses.key, rests, strict=True)]
         return replace(presses.patches, depth=np.where(np.isnan(presses.depth), depth, presses.depth))
+
+    def _across(self, position: np.ndarray) -> np.ndarray:
+        """By how much contacts at (C, 3) m are beside their place: along the skin there, (C, 3) m."""
+        nearest = self._field.tree.query(position)[1]
+        normals, which = np.unique(self.layout.normals[nearest], axis=0, return_inverse=True)
+        return np.array([self._shift @ np.array(tangent(normal)) for normal in normals])[which.reshape(-1)]
 
     def _sense(self, states: tuple[Any, ...], truth: np.ndarray, presses: Presses, t: float) -> tuple[tuple[Any, ...], np.ndarray]:
         """The sensors' effects."""
@@ -177,4 +186,5 @@ def _bent(kernel: Kernel, effects: tuple[Effect, ...]) -> Kernel:
     strange = [e.cause for e in effects if not isinstance(e, Bending)]
     if strange:
         raise ModelError(f"{strange[0]} changes the spread in a way that a patch of skin cannot simulate")
-    return Bent(kernel, effects) if effects else kernel
+    bending = tuple(e for e in effects if not any(e.shift()))  # those beside their place move the contact instead
+    return Bent(kernel, bending) if bending else kernel

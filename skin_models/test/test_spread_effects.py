@@ -147,13 +147,28 @@ def test_beyond_the_reach_there_is_nothing(bending):
 
 
 def test_the_compiled_path_is_taken_where_it_can_and_agrees():
-    radial = model(SpreadWidth(where="skin", wider=0.2), SpreadShape(where="skin", flatness=0.4))
+    radial = model(*(e for e in ALL if not isinstance(e, Anisotropy)))
     if not compiles(Gaussian(width=C)):
         pytest.skip("no C compiler here")
     dense, fast = (SimulatedSkin(radial, grid(12, 12, 4e-3), 0.01, fast=fast) for fast in (False, True))
     assert compiles(fast.kernel) and not compiles(Bent(Gaussian(width=C), ALL))
-    one, two = (skin.step(skin.initial(), presses(1e-3, (1e-3, 2e-3)))[1] for skin in (dense, fast))
-    assert two.truth == pytest.approx(one.truth, abs=1e-5)
+    at, force, depth = np.array([[1e-3, 2e-3, 0.0], [-9e-3, 0.0, 0.0]]), np.array([np.nan, 4.0]), np.array([1e-3, np.nan])
+    two = Presses(("a", "b"), at, force, depth, np.zeros(2))
+    slow, quick = (skin.step(skin.initial(), two)[1] for skin in (dense, fast))
+    assert quick.truth == pytest.approx(slow.truth, abs=1e-5) and slow.truth.max() > 1.0
+
+
+def test_on_curved_skin_off_centre_goes_along_the_surface():
+    i = np.arange(900) + 0.5
+    z, angle = 1.0 - 2.0 * i / 900, np.pi * (1.0 + 5.0**0.5) * i
+    normals = np.column_stack([np.sqrt(1.0 - z**2) * np.cos(angle), np.sqrt(1.0 - z**2) * np.sin(angle), z])
+    ball = arbitrary(30e-3 * normals, normals)
+    at = np.array([[0.0, 0.0, 30e-3], [0.0, 30e-3, 0.0]])  # along x on top, and on the side as well
+    where = [SimulatedSkin(SKIN.extended(OffCentre(where="rig", dx=d, dy=0.0)), ball, 0.01) for d in (0.0, 4e-3)]
+    for place in at:
+        felt = [s.step(s.initial(), Presses.of_forces([place], [5.0]))[1].truth for s in where]
+        centres = [truth @ ball.positions / truth.sum() for truth in felt]
+        assert centres[1] - centres[0] == pytest.approx([4e-3, 0.0, 0.0], abs=0.8e-3)
 
 
 def test_a_contact_of_known_force_is_as_deep_as_the_force_holds():

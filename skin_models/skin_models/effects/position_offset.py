@@ -2,7 +2,8 @@
 
     tip depth = x + offset        positive: the skin is met before the encoder reads zero
 
-The thesis's stage is true to 5 um and comes to rest 1 to 5 um from where it should (sections 3.1 and 5.1): half of that is no offset to speak of.
+The thesis's stage is true to 5 um and comes to rest 1 to 5 um from where it should (sections 3.1 and 5.1): half of that is no offset to
+speak of.
 
 Source: geometry.
 """

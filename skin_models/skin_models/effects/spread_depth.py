@@ -29,14 +29,11 @@ class SpreadDepth(Bending):
     growth: float = quantity("1/m", 0.0, lower=-1e3, upper=1e4, typical=100.0, doc="relative growth g of the width per metre of depth")
 
     def seen(self, offset, x, width):
-        factor = self._factor(x)
+        factor = self.scale(x)
         return offset / factor if np.ndim(x) == 0 or offset.ndim == 3 else offset[..., None] / factor
 
-    def gain(self, x):
-        return self._factor(x) ** -2.0
-
     def reach(self, r, x, width):
-        return r * float(self._factor(x))
+        return r * float(self.scale(x))
 
-    def _factor(self, x):
+    def scale(self, x):
         return np.maximum(1.0 + self.growth * x, 0.1)

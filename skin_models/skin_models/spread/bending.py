@@ -1,6 +1,6 @@
 """What effects of the spread have in common: each says where in the undisturbed kernel a taxel would feel the same.
 
-    share' = share * gain * K(offset') / K(offset),        offset' = seen(offset)
+    share' = share * K(offset') / K(offset) / scale^2,        offset' = seen(offset)
 
 Over a recording and step by step they change the shares that reach the taxels; in a patch of skin they bend the kernel itself (`Bent`), and
 both come to the same. Several act in the order in which they stand between contact and kernel, whatever the order they are listed in: first
@@ -41,9 +41,13 @@ class Bending(Memoryless):
     def reach(self, r: float, x: float, width: float) -> float:
         """A distance (m) beyond which `seen` is nowhere nearer than `r`."""
 
-    def gain(self, x: Any) -> Any:
-        """The share right under the contact, relative to the undisturbed one."""
+    def scale(self, x: Any) -> Any:
+        """How much wider the kernel is at depth `x`; a share right under the contact falls with its square."""
         return 1.0
+
+    def shift(self) -> tuple[float, float]:
+        """Where the contact is, along the skin's x and y, m, from where it was said to be."""
+        return 0.0, 0.0
 
     def bent(self, f: Footprint, x: Any) -> Footprint:
         """The footprint as the next effect sees it."""
@@ -54,7 +58,7 @@ class Bending(Memoryless):
             raise ModelError(f"{self.cause} needs to know where the taxels are: give the model their positions, or a layout")
         before, after = (_over_time(f.shape(), np.ndim(y)) for f in (s.footprint, self.bent(s.footprint, s.x)))
         felt = np.broadcast_to(before > 0.0, np.broadcast_shapes(before.shape, after.shape))
-        return y * np.divide(after, before, out=np.zeros(felt.shape), where=felt) * self.gain(np.maximum(s.x, 0.0))
+        return y * np.divide(after, before, out=np.zeros(felt.shape), where=felt) * self.scale(np.maximum(s.x, 0.0)) ** -2.0
 
     @classmethod
     def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
@@ -92,10 +96,14 @@ class Bent(Kernel):
         """Whether it depends on the depth."""
         return self.kernel.deep or any(e.deep for e in self.effects)
 
+    def scale(self, depth):
+        x = np.maximum(np.nan_to_num(depth), 0.0)
+        return np.prod([np.broadcast_to(e.scale(x), np.shape(x)) for e in self.effects], axis=0) * self.kernel.scale(depth)
+
     def shape(self, r):
         if self.radial:
             r = self._seen(np.asarray(r), np.zeros_like(r))
-        return float(np.prod([e.gain(self.depth) for e in self.effects])) * self.kernel.shape(r)
+        return float(np.prod([e.scale(self.depth) for e in self.effects])) ** -2.0 * self.kernel.shape(r)
 
     def distance(self, u, v):
         return super().distance(u, v) if self.radial else self._seen(u, v)

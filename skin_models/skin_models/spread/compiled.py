@@ -13,7 +13,7 @@ import numpy as np
 from skin_models.layout import Layout
 from skin_models.spread.contacts import Contacts, disc_points
 from skin_models.spread.field import SpreadField
-from skin_models.spread.kernels import DepthWidth, Kernel
+from skin_models.spread.kernels import Kernel
 from skin_models.spread.native import library
 from skin_models.transmission import Transmission
 
@@ -46,7 +46,7 @@ class _Skin(ctypes.Structure):
 
 def compiles(kernel: Kernel) -> bool:
     """Whether this kernel has a fast path on this machine."""
-    return kernel.radial and (isinstance(kernel, DepthWidth) or not kernel.deep) and library("skin_field") is not None
+    return kernel.radial and library("skin_field") is not None
 
 
 class CompiledSkin:
@@ -81,8 +81,8 @@ class CompiledSkin:
         """One sample under `contacts`."""
         n = len(contacts)
         self.put(contacts.position, contacts.force, contacts.radius, contacts.normal)
-        if isinstance(self.field.kernel, DepthWidth):
-            self._arrays["scale"][:n] = self._scales(contacts.depth)
+        if self.field.kernel.deep:
+            self._arrays["scale"][:n] = self.field.kernel.scale(contacts.depth)
         return self.advance(n)
 
     def put(self, position: np.ndarray, force: np.ndarray, radius: np.ndarray | float = 0.0, normal: np.ndarray | None = None) -> None:
@@ -103,10 +103,6 @@ class CompiledSkin:
         return Step(self._arrays["reading"], applied, applied - felt, count - self._skin.near_count)
 
     # ---- contacts -------------------------------------------------------------------------------------------
-
-    def _scales(self, depth: np.ndarray) -> np.ndarray:
-        growth = self.field.kernel.growth
-        return np.where(np.isfinite(depth), np.maximum(1.0 + growth * np.maximum(depth, 0.0), 0.1), 1.0)
 
     def _set_contacts(self, capacity: int) -> None:
         for name in ("position", "normal"):

@@ -35,6 +35,10 @@ class Kernel(ABC):
         """Whether it depends on the depth."""
         return False
 
+    def scale(self, depth: np.ndarray) -> np.ndarray:
+        """How much wider it is under contacts of these depths (m, NaN if unknown) than at the surface; its height falls with the square."""
+        return np.ones_like(depth)
+
     def distance(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
         """The distance that counts, for tangential offsets u (along x) and v, m."""
         return np.hypot(u, v)
@@ -141,9 +145,11 @@ class DepthWidth(Kernel):
     def reach(self, tolerance):
         return self.kernel.reach(tolerance)
 
+    def scale(self, depth):
+        return np.maximum(1.0 + self.growth * np.maximum(np.nan_to_num(depth), 0.0), 0.1) * self.kernel.scale(depth)
+
     def at_depth(self, depth):
-        factor = max(1.0 + self.growth * max(depth, 0.0), 0.1) if math.isfinite(depth) else 1.0
-        return replace(self.kernel, width=self.kernel.width * factor)
+        return replace(self.kernel, width=self.kernel.width * float(self.scale(np.float64(depth))))
 
 
 @dataclass(frozen=True)
@@ -174,6 +180,9 @@ class Anisotropic(Kernel):
 
     def reach(self, tolerance):
         return self.kernel.reach(tolerance) * math.sqrt(max(self.ratio, 1.0 / self.ratio))
+
+    def scale(self, depth):
+        return self.kernel.scale(depth)
 
     def at_depth(self, depth):
         return replace(self, kernel=self.kernel.at_depth(depth))
