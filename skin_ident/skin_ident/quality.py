@@ -13,7 +13,7 @@ from skin_ident.recordings.timing import counted
 
 SPIKE = 12.0  # times the usual second difference (robust) and
 SPIKE_RANGE = 0.03  # of the channel's range
-WIDEST = 3  # samples of one spike
+WIDEST = 4  # samples of one spike: three, and one more where it was resampled
 FROZEN = 8  # samples at one value before it is asked whether the channel should have moved
 MOVED = 0.05  # of a channel's range: what it should have moved by
 WAY = 4  # samples to either side that must keep to the line from which a spike stands off

@@ -131,6 +131,10 @@ def dead_taxel(draw, s):
     s.y["taxels"][1] = draw.choice([0.0, np.nan, 3.3])
 
 
+def dead_force(draw, s):
+    s.y["force"][:] = draw.choice([0.0, np.nan, 3.3])
+
+
 def wrong_sign(draw, s):
     c, _, _ = _of(draw, s, "force", "taxels")
     s.y[c] = -s.y[c]
@@ -167,8 +171,8 @@ def empty_channel(draw, s):
 # In this order they are applied: the last two make the channels differ in length.
 DEFECTS = [
     repeated_samples, repeated_stamps, numbers_missing, scattered_missing, infinite, gap, clock_steps, clock_of_one_channel_steps,
-    out_of_order, jitter, spike, frozen, saturated, dead_taxel, wrong_sign, wrong_unit, file_cut_off, byte_flipped, unit_left_out,
-    coarse_stamps, lost_in_one_channel, empty_channel,
+    out_of_order, jitter, spike, frozen, saturated, dead_taxel, dead_force, wrong_sign, wrong_unit, file_cut_off, byte_flipped,
+    unit_left_out, coarse_stamps, lost_in_one_channel, empty_channel,
 ]  # fmt: skip
 
 

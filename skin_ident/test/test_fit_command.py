@@ -5,6 +5,7 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from making import SILICONE, recording, write_bag, write_mcap, write_table
 
@@ -65,6 +66,11 @@ def truncated(path):
     return path
 
 
+def commas(path):
+    path.write_text(path.read_text().replace(",", ";").replace(".", ","))
+    return path
+
+
 BAD = {
     "missing": lambda d: [d / "nowhere"],
     "empty bag": lambda d: [(d / "a.mcap").touch() or d / "a.mcap"],
@@ -79,6 +85,11 @@ BAD = {
     "a spread scan alone": lambda d: [(d / "a.csv").write_text("depth_mm,f_0mm_n,f_1mm_n,f_2mm_n\n0.1,3,2,1\n0.2,6,4,2\n") and d / "a.csv"],
     "a picture": lambda d: [(d / "a.png").write_bytes(b"\x89PNG") and d / "a.png"],
     "binary in a table": lambda d: [(d / "a.csv").write_bytes(bytes(range(256))) and d / "a.csv"],
+    "no bootstrap at all": lambda d: [write_table(d / "a.csv", R), "--bootstrap", "-3"],
+    "no processes": lambda d: [write_table(d / "a.csv", R), "--each", "--jobs", "-1"],
+    "profiles of a batch": lambda d: [write_table(d / "a.csv", R), "--each", "--profile"],
+    "decimal commas": lambda d: [commas(write_table(d / "a.csv", R))],
+    "a dead load cell": lambda d: [write_table(d / "a.csv", Recording("a", R.t, R.depth, 0 * R.force, R.taxels))],
     "output is a file": lambda d: [write_table(d / "a.csv", R), "--out", d / "a.csv"],
 }
 
@@ -92,3 +103,17 @@ def test_bad_input_ends_in_one_sentence(fit, tmp_path, case):
     assert done.returncode == 2 and len(errors) == 1 and "Traceback" not in done.stderr, done.stderr
     assert done.stdout == "" or case == "output is a file"
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_noise_between_forces_claims_nothing(fit, tmp_path, order):
+    for seed in range(6):
+        y = np.random.default_rng(seed).uniform(size=(400, 2))
+        (tmp_path / "a.csv").write_text("t_s,force_n,taxel_0_n\n" + "".join(f"{0.01 * i},{a},{b}\n" for i, (a, b) in enumerate(y)))
+        done = fit(tmp_path / "a.csv", "--order", order)
+        assert "Traceback" not in done.stderr and (done.returncode == 2 or "its parameters mean little" in done.stdout)
+
+
+def test_exact_data_have_no_likelihood(fit, tmp_path):
+    path = write_table(tmp_path / "a.csv", recording(sigma=0.0, n=1500, shares=(1.0, 0.4)))
+    assert "no likelihood" in fit(path, "--profile").stderr and fit(path).returncode == 0

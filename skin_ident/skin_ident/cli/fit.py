@@ -82,6 +82,10 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
     """Every session by itself; failures are rows of the table, and the status is 0 unless nothing could be fitted."""
     if not chosen.out:
         raise FitError("--each needs --out DIR: one table of all sessions is written there")
+    if chosen.profile or chosen.bootstrap:
+        raise FitError("--each writes one table of standard errors: ask for --profile or --bootstrap of single fits")
+    if chosen.jobs is not None and chosen.jobs < 1:
+        raise FitError(f"{chosen.jobs} processes can do nothing: give --jobs a number from 1 on, or leave it out")
     if chosen.format == "parquet":
         parquet_library()
     paths = [file for path in chosen.recordings for file in find(Path(path))]

@@ -18,7 +18,7 @@ from skin_ident.estimators.estimate import Estimate, Residual
 from skin_ident.estimators.regression import Block, Regression, regress
 from skin_ident.estimators.sessions import Session, prepare
 from skin_ident.estimators.split import jacobian, metric_of, split, weights_of
-from skin_ident.estimators.verdicts import judge, mass_at_bound
+from skin_ident.estimators.verdicts import judge, mass_at_bound, where_explained
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
@@ -181,6 +181,7 @@ def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.
     residuals = _residuals(sessions, shape, regression)
     notes += [w for name, r in residuals.items() for w in r.complaint(name)]
     verdicts, contributions = judge(sessions, shape, regression, named, covariance)
+    verdicts = where_explained(verdicts, contributions, residuals)
     return Estimate(
         method=method,
         model=model,

@@ -5,9 +5,9 @@ deviance is n log det S, and the interval of a parameter holds the values v for 
 
     min over all others of  n log det S   -   n log det S at the best   <=   n log(1 + t^2 / (n - P))
 
-with t Student's quantile; for one linear channel that is his interval exactly. Where shares, differences and offsets bend the likelihood
-the interval is lopsided, which a standard error cannot be. Converter steps and errors that repeat with the motion are in no likelihood:
-what they add to the variance of a parameter is added to either side.
+with t Student's quantile for so many samples as the noise's colour leaves independent. Where shares, differences and offsets bend the
+likelihood the interval is lopsided, which a standard error cannot be. Converter steps and errors that repeat with the motion are in no
+likelihood: what they add to the variance of a parameter is added to either side.
 Source: S. A. Murphy, A. W. van der Vaart, J. Amer. Statist. Assoc. 95 (2000) 449; A. Zellner, ibid. 57 (1962) 348, for the joint channels.
 """
 
@@ -28,6 +28,7 @@ from skin_ident.recordings.recording import Recording
 
 INNER, OUTER = 12, 40  # rounds of letting the others give way, and of looking for the interval's end
 CLOSE = 1e-3  # of the way to the end
+EXACT = 1e-6  # of what is measured: noise below this is rounding
 DISPERSION = ("m", "b1", "k1", "b2", "k2")
 
 
@@ -42,11 +43,11 @@ def profile(recordings: Sequence[Recording], mass: float | str = 0.0, *, offsets
     to = theta_of(regression, shape)
     beta = np.concatenate(regression.coefficients)
     theta, slope = to(beta), jacobian(to, beta)
-    if not min(regression.noise) > 0.0:
-        raise FitError("one of the channels is fitted without any error, so that no likelihood can be formed: leave --profile out")
+    if any(noise <= EXACT * np.sqrt(np.mean(np.square(np.concatenate(y)))) for noise, y in _noise_and_rows(regression)):
+        raise FitError("these data are exact, or nearly so: without noise there is no likelihood; leave --profile out")
     likelihood = _likelihood(blocks, regression, shape, theta)
     best = likelihood.at_its_best(likelihood.start(theta, regression), None)
-    quantile = float(stdtrit(max(1.0, likelihood.rows - best.size), 0.5 + level / 2))
+    quantile = float(stdtrit(regression.dof, 0.5 + level / 2))
     known = with_steps(sessions, regression, blocks, said(sessions, shape, regression))
     more = np.diag(slope @ (known - _noise_alone(regression)) @ slope.T)
     found = {}
@@ -55,6 +56,10 @@ def profile(recordings: Sequence[Recording], mass: float | str = 0.0, *, offsets
         extra = quantile**2 * max(0.0, float(more[_index(name, shape)]))
         found[name] = tuple(float(best[place] + np.sign(e - best[place]) * np.hypot(e - best[place], extra**0.5)) for e in ends)
     return found
+
+
+def _noise_and_rows(regression: Regression):
+    return zip(regression.noise, regression.measured, strict=True)
 
 
 def _noise_alone(regression: Regression) -> np.ndarray:
@@ -70,8 +75,9 @@ def _index(name: str, shape: Shape) -> int:
 class Likelihood:
     """The products of all whitened rows, and where everything is.
 
-    `products`: the Gram matrix of (H_0, y_0, H_1, y_1, …); `widths`: columns of each H; `places`: parameters by name in the vector of all
-    that is free: first the zeros of every channel, then m, b1, k1, b2, k2 as far as they are free, then all shares but the strongest's.
+    `products`: the Gram matrix of (H_0, e_0, H_1, e_1, …), where e is what the coefficients `base` leave of y; `widths`: columns of each H;
+    `places`: parameters by name in the vector of all that is free: first the zeros of every channel, then m, b1, k1, b2, k2 as far as they
+    are free, then all shares but the strongest's.
     """
 
     products: np.ndarray
@@ -79,6 +85,7 @@ class Likelihood:
     widths: tuple[int, ...]
     places: dict[str, int]
     shape: Shape
+    base: list[np.ndarray]
 
     def start(self, theta: np.ndarray, regression: Regression) -> np.ndarray:
         """All that is free, at the values of least squares."""
@@ -104,8 +111,8 @@ class Likelihood:
     def _ends(self, phi: np.ndarray) -> np.ndarray:
         """What takes the model off the measured, for all channels side by side (columns of all, channels)."""
         ends, at = np.zeros((len(self.products), len(self.widths))), 0
-        for c, beta in enumerate(self.coefficients(phi)):
-            ends[at : at + beta.size, c], ends[at + beta.size, c] = -beta, 1.0
+        for c, (beta, base) in enumerate(zip(self.coefficients(phi), self.base, strict=True)):
+            ends[at : at + beta.size, c], ends[at + beta.size, c] = base - beta, 1.0
             at += beta.size + 1
         return ends
 
@@ -162,7 +169,8 @@ class Likelihood:
 
 def _likelihood(blocks: list[list[Block]], regression: Regression, shape: Shape, theta: np.ndarray) -> Likelihood:
     longest = max(a.size for a in regression.ar)
-    stacked = [np.concatenate([_white(block, ar, longest) for block in channel]) for channel, ar in zip(blocks, regression.ar, strict=True)]
+    each = zip(blocks, regression.coefficients, regression.ar, strict=True)
+    stacked = [np.concatenate([_white(block, c, ar, longest) for block in channel]) for channel, c, ar in each]
     scaled = np.concatenate(stacked, axis=1)
     widths = tuple(len(p) for p in regression.inverses)
     strongest = int(np.argmax(theta[5:])) if shape.taxels else 0
@@ -170,10 +178,10 @@ def _likelihood(blocks: list[list[Block]], regression: Regression, shape: Shape,
     names += [f"share_{i}" for place, i in enumerate(shape.live) if place != strongest]
     begin = sum(widths) - 2 * len(widths) - shape.free
     places = {name: begin + i for i, name in enumerate(names)}
-    return Likelihood(scaled.T @ scaled, len(scaled), widths, places, shape)
+    return Likelihood(scaled.T @ scaled, len(scaled), widths, places, shape, regression.coefficients)
 
 
-def _white(block: Block, ar: np.ndarray, longest: int) -> np.ndarray:
-    """Columns and measured rows of one block through its channel's noise model, all channels equally long."""
-    rows = whitened(np.column_stack([block.columns, block.y]).T, ar).T
+def _white(block: Block, coefficients: np.ndarray, ar: np.ndarray, longest: int) -> np.ndarray:
+    """Columns and residual rows of one block through its channel's noise model, all channels equally long."""
+    rows = whitened(np.column_stack([block.columns, block.y - block.columns @ coefficients]).T, ar).T
     return rows[longest - ar.size :]

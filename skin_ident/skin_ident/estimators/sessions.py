@@ -79,8 +79,11 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
 
 
 def _live(recordings: Sequence[Recording]) -> tuple[int, ...]:
-    """Taxels in newtons that change in every recording. Raises `FitError` where there are some in newtons and all are dead."""
+    """Taxels in newtons that change in every recording. Raises `FitError` where all of them are dead, or the load cell is."""
     in_newtons = [i for i in range(len(recordings[0].taxels)) if all(r.taxel_units[i] == "N" for r in recordings)]
+    still = [r.name for r in recordings if r.force is not None and np.ptp(r.force) == 0.0]
+    if still:
+        raise FitError(f"{still[0]}: the force never changes: the load cell is dead, or was not recorded; leave it out")
     live = tuple(i for i in in_newtons if all(np.ptp(r.taxels[i]) > 0.0 for r in recordings))
     if in_newtons and not live:
         raise FitError(f"{recordings[0].name}: no taxel ever changes, so what is sensed is not known; for a material test leave them out")
@@ -95,7 +98,7 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Qual
     rows = prefilter.rows
     parts = stretches(rows((~good).astype(float)) < 1e-3, prefilter.kernel.size + FEWEST_ROWS)
     if not parts:
-        raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted ({'; '.join(r.warnings)})")
+        raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted{_because(r)}")
     force = None if r.force is None else rows(r.force)
     felt = _felt(r, taxels, prefilter)
     raw = (*(() if r.force is None else (r.force,)), *taxels)
@@ -110,6 +113,10 @@ def _moving(r: Recording, prefilter: Prefilter) -> Motion:
     grid = np.linspace(r.t[0], r.t[-1], len(r))
     s = motion(grid, prefilter.smooth(np.interp(grid, r.t, r.depth)))
     return replace(s, t=r.t, **{name: np.interp(r.t, grid, getattr(s, name)) for name in "xva"})
+
+
+def _because(r: Recording) -> str:
+    return f" ({'; '.join(r.warnings)})" if r.warnings else ""
 
 
 def _felt(r: Recording, taxels: np.ndarray, prefilter: Prefilter) -> np.ndarray:

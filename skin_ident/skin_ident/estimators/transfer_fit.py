@@ -117,9 +117,10 @@ def _minimised(pairs, f: TransferFunction, bounds, offset: bool, ar: np.ndarray)
 
 def _step(normal: np.ndarray, slope: np.ndarray, free: np.ndarray, damping: float) -> np.ndarray:
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    if not (np.isfinite(normal).all() and np.isfinite(slope).all() and scale.max() < 1e150):
+    with np.errstate(all="ignore"):
+        unit = normal / np.outer(scale, scale) + damping * np.eye(scale.size)
+    if not (np.isfinite(unit).all() and np.isfinite(slope / scale).all()):
         raise FitError("these data do not determine a transfer function of this order: take a lower one, or faster and richer motion")
-    unit = normal / np.outer(scale, scale) + damping * np.eye(scale.size)
     step = np.zeros(scale.size)
     step[free] = np.linalg.lstsq(unit[np.ix_(free, free)], (slope / scale)[free], rcond=1e-14)[0] / scale[free]
     return step
@@ -246,10 +247,12 @@ def _instrumental(pairs, f: TransferFunction, offset: bool, instruments: bool) -
         of_u, of_y, of_x = (_selecting(powers, i, len(rows)) for i in (0, 1, 2 if instruments else 1))
         regressors, z = np.concatenate([of_u[-m:], -of_y[1:]]), np.concatenate([of_u[-m:], -of_x[1:]])
         left, right = left + z @ products @ regressors.T, right + z @ products @ of_y[0]
-    if not (np.isfinite(left).all() and np.isfinite(right).all()):
+    with np.errstate(all="ignore"):
+        scale = np.sqrt(np.abs(np.diag(left))) + 1e-300
+        unit, wanted = left / np.outer(scale, scale), right / scale
+    if not (np.isfinite(unit).all() and np.isfinite(wanted).all()):
         return None
-    scale = np.sqrt(np.abs(np.diag(left))) + 1e-300
-    theta = np.linalg.lstsq(left / np.outer(scale, scale), right / scale, rcond=1e-14)[0] / scale
+    theta = np.linalg.lstsq(unit, wanted, rcond=1e-14)[0] / scale
     return theta if np.isfinite(theta).all() else None
 
 

@@ -1,9 +1,11 @@
 """Whether a parameter may be believed, said in newtons: what its term carries, against its own error and against the noise."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import AT_BOUND, FIXED, IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK, Verdict
+from skin_ident.estimators.estimate import AT_BOUND, FIXED, IDENTIFIABLE, NOT_IDENTIFIABLE, POOR, WEAK, Residual, Verdict
 from skin_ident.estimators.regression import Block, regress
 from skin_models.parameter import Parameter
 from skin_models.signals import GRAVITY
@@ -21,6 +23,20 @@ def judge(sessions, shape, regression, parameters: tuple[Parameter, ...], covari
     if shape.free:
         verdicts["m"] = _of_mass(sessions, shape, parameters[0], std[0])
     return verdicts, contributions
+
+
+def where_explained(
+    verdicts: Mapping[str, Verdict], contributions: Mapping[str, Mapping[str, float]], residuals: Mapping[str, Residual]
+) -> dict[str, Verdict]:
+    """The same, with nothing claimed from a channel that the model does not explain."""
+    poor = {name: r.r2 for name, r in residuals.items() if r.r2 < POOR}
+    out = dict(verdicts)
+    for name, verdict in verdicts.items():
+        bad = [channel for channel in contributions[name] if channel in poor]
+        if bad and verdict.word in (IDENTIFIABLE, WEAK):
+            share = f"only {100 * poor[bad[0]]:.0f} %" if poor[bad[0]] > 0.0 else "nothing"
+            out[name] = Verdict(NOT_IDENTIFIABLE, f"the model explains {share} of {bad[0]}: this number is no property of the skin")
+    return out
 
 
 def mass_at_bound() -> Verdict:

@@ -12,6 +12,8 @@ from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.timing import counted
 from skin_ident.recordings.units import column
 
+PROBES = 50  # rows in which decimal commas are looked for
+
 
 def read_text(path: Path) -> str:
     """The text of a table. Raises `RecordingError` for one that is empty or no text."""
@@ -49,7 +51,7 @@ def _carefully(titles: list[str], mark: str, lines: list[str], path: Path) -> tu
     """Cell by cell: rows that are cut short are dropped and counted, cells that hold no number become NaN."""
     cells = [line.split(mark) for line in lines]
     whole = [row for row in cells if len(row) == len(titles)]
-    if mark == ";" and not any(_is_number(c) for row in whole for c in row):
+    if mark == ";" and any("," in c for row in whole[:PROBES] for c in row):
         raise RecordingError(f"{path}: decimal commas are not read; write numbers with a point")
     if len(whole) < 0.9 * len(cells):
         short = counted(len(cells) - len(whole), "row")
