@@ -1,4 +1,4 @@
-"""A pull on release is found from the moments that the rest of the comparison leaves out, and a skin that only lags behind pulls at nothing."""
+"""A pull on release is found from the moments that the rest of the comparison leaves out."""
 
 import pytest
 from hide_and_seek import seek

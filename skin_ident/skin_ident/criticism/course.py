@@ -59,7 +59,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Run:
-    """A course fitted to sessions: its likelihood score, its largest amplitude, its values (C, N) N at full rate and its words by session."""
+    """A course fitted to sessions: its likelihood score, its largest amplitude, its values (C, N) N and its words by session."""
 
     course: Course
     score: float

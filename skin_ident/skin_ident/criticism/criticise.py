@@ -124,7 +124,7 @@ class Search:
 
     def run(self, fitted: Fit) -> None:
         """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
-        self.present, accepted = fitted, None
+        self.present = fitted
         while len(self.rounds) < MOST_FINDINGS:
             self.progress("surveying every cause")
             last = self.survey()
@@ -267,7 +267,7 @@ def _own(runs: list[Run], trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, .
 
 
 def _same(trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:
-    """Names at other places that are the same signal by nature: what no taxel is given below a threshold, the skin or the taxels swallow."""
+    """Names at other places that are the same signal by nature: a force below a threshold is swallowed by skin or taxels."""
     said = {t.key for t in rivals}
     return tuple(Rival(*other, 0.0) for one, other in SAME if one == trial.key and other not in said)
 

@@ -27,7 +27,7 @@ SENSORS = ("load_cell", "taxel")
 
 def effect_of(s: Symptom) -> Effect | None:
     """The effect that simulates what was seen; None where the catalogue has none."""
-    if not s.where.startswith(SENSORS + ("skin",)) or s.cause not in _MAKERS:
+    if not s.where.startswith((*SENSORS, "skin")) or s.cause not in _MAKERS:
         return None
     return _MAKERS[s.cause](s, {name: q["value"] for name, q in s.parameters.items()})
 

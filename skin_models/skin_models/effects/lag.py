@@ -18,6 +18,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from skin_models.effect import Dynamic, Place
+from skin_models.operators.lagging import lag_factors
 from skin_models.parameter import quantity
 from skin_models.signals import Motion, Sample
 
@@ -38,19 +39,13 @@ class Lag(Dynamic):
     def step(self, state, y, s: Sample, dt: float):
         mine = self.mine(y)
         z, last = (mine, mine) if state is None else state
-        e, g = self._factors(dt)
+        e, g = lag_factors(self.tau, dt)
         z = e * z + (g - e) * last + (1.0 - g) * mine
         return (z, mine), self.put_back(y, z)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         mine = self.mine(y)
-        e, g = self._factors(s.dt)
+        e, g = lag_factors(self.tau, s.dt)
         start = g * mine[..., :1]  # the filter's memory of an input that has always been y[0]
         z, _ = lfilter([1.0 - g, g - e], [1.0, -e], mine, zi=start)
         return self.put_back(y, z)
-
-    def _factors(self, dt: float) -> tuple[float, float]:
-        if self.tau == 0.0:
-            return 0.0, 0.0
-        e = float(np.exp(-dt / self.tau))
-        return e, -float(np.expm1(-dt / self.tau)) * self.tau / dt

@@ -1,10 +1,13 @@
 """Mount compliance: the rig bends under the force, and the encoder moves more than the tip.
 
-    tip depth = x - C F,  F = K tip depth        hence tip depth = x / (1 + C K) in contact, x in the air
+    tip depth = x - C F
 
-The force that bends the mount is that of a linear skin of stiffness K; K is a parameter because an effect sees motion, not force. Only the
-product C K matters: from x and F alone a soft mount equals a softer skin. Damping and mass of skin are left out, which is right for
-C b << 1 / omega.
+    static    F = K tip depth                         tip depth = x / (1 + C K) in contact, x in the air
+    damped    F = B d(tip depth)/dt, slowly varying   T d(tip depth)/dt + tip depth = x, T = C B, in contact; x in the air
+
+What bends the mount is a linear skin of stiffness K and damping B, which are parameters because an effect sees motion, not force. Of the
+static part only the product C K matters, and from x and F alone it equals a softer skin; the damped part can be seen: the tip follows late
+by T while it presses. A mount under both is a static one behind a damped one, of T / (1 + C K).
 
 Source: two springs in series; W. C. Oliver and G. M. Pharr, J. Materials Research 7 (1992) 1564-1583 (compliance of the load frame).
 """
@@ -13,9 +16,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.signal import lfilter
 
-from skin_models.effect import Memoryless, Place
+from skin_models.effect import Dynamic, Memoryless, Place
+from skin_models.operators.lagging import lag_factors
 from skin_models.parameter import SHAPE, quantity
+from skin_models.signals import Motion, Sample
 
 
 @dataclass(frozen=True)
@@ -33,3 +39,34 @@ class MountCompliance(Memoryless):
 
     def apply(self, y, s):
         return np.where(y > 0.0, y / (1.0 + self.compliance * self.stiffness), y)
+
+
+@dataclass(frozen=True)
+class DampedMount(Dynamic):
+    """The same under a skin's damping force. State: last tip and last depth below the surface (m), None at rest."""
+
+    cause: ClassVar[str] = "mount_compliance"
+    form: ClassVar[str] = "damped"
+    places: ClassVar = {"rig": Place.DEPTH}
+    source: ClassVar[str] = "Oliver and Pharr 1992"
+
+    late: float = quantity("s", 0.0, lower=0.0, upper=1.0, typical=0.01, doc="T, compliance times the specimen's damping")
+
+    def initial(self, rng=None) -> None:
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        pressed = np.maximum(y, 0.0)
+        tip, last = (pressed, pressed) if state is None else state
+        e, g = lag_factors(self.late, dt)
+        tip = e * tip + (g - e) * last + (1.0 - g) * pressed
+        return (tip, pressed), self._tip(tip, y)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        pressed = np.maximum(y, 0.0)
+        e, g = lag_factors(self.late, s.dt)
+        tip, _ = lfilter([1.0 - g, g - e], [1.0, -e], pressed, zi=g * pressed[..., :1])
+        return self._tip(tip, y)
+
+    def _tip(self, tip, y):
+        return np.where(y > 0.0, tip, y)[()] if self.late else y
