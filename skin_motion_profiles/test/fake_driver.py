@@ -4,7 +4,7 @@
 
 It publishes encoder, force and driver_state, follows command, and breaks in the ways that the topic `break` asks for:
 mute_encoder, mute_force, nan_force, stick (the stage no longer follows), block (force rises to 500 N), stop (a safety stop),
-no_surface (zero fails), mend.
+no_surface (zero fails), pause_after_zero (no sample for a while after the answer), mend.
 """
 
 import argparse
@@ -61,6 +61,7 @@ class Path:
 class FakeDriver(Node):
     def __init__(self, options: argparse.Namespace) -> None:
         super().__init__("testbed_driver")
+        self.silent_until = 0.0
         self.options, self.lock, self.broken = options, threading.Lock(), set()
         self.depth = options.retracted
         self.path = Path(self.depth)
@@ -107,6 +108,8 @@ class FakeDriver(Node):
     def on_zero(self, request: Zero.Request, response: Zero.Response) -> Zero.Response:
         self.depth = 0.0  # the plunger is set down on the surface at once
         self.path = Path(0.0)
+        if "pause_after_zero" in self.broken:
+            self.silent_until = time.monotonic() + 0.4
         response.success, response.message = "no_surface" not in self.broken, "no contact within 10 mm"
         return response
 
@@ -130,6 +133,8 @@ class FakeDriver(Node):
         stamp = Time(sec=int(now), nanosec=int((now % 1.0) * 1e9))
         if self.clock is not None:
             self.clock.publish(Clock(clock=stamp))
+        if time.monotonic() < self.silent_until:
+            return
         if "mute_encoder" not in self.broken:
             message = JointState(name=["indentation"], position=[self.depth], velocity=[0.0])
             message.header.stamp = stamp

@@ -76,6 +76,14 @@ def test_a_battery_zeroes_and_tares_between_motions(bench):
     assert bench.depth == pytest.approx(0.0, abs=1e-6)
 
 
+def test_after_zero_the_next_motion_waits_for_a_depth_that_counts_from_it(bench):
+    bench.make_it("pause_after_zero")
+    bench.spin(0.2)
+    result = bench.run("{type: battery, profiles: [{type: free_air, duration_s: 0.2}, {type: zero}, {type: hold, duration_s: 0.2}]}")
+    assert result.error_code == Result.SUCCESS, result.error_string
+    assert bench.depth == pytest.approx(0.0, abs=1e-6)
+
+
 def test_a_zero_that_finds_nothing_ends_the_goal(bench):
     bench.make_it("no_surface")
     result = bench.run("{type: battery, profiles: [{type: free_air, duration_s: 0.2}, {type: zero}, {type: hold, duration_s: 9}]}")

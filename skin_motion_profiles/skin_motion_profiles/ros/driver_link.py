@@ -98,7 +98,7 @@ class DriverLink:
 
     def mark(self) -> int:
         """A node time (ns) that no sample taken before this moment bears, also where /clock comes a sample late."""
-        period = 1e9 / max(self.state.sample_rate, 1.0)
+        period = 1e9 / (self.state.sample_rate if self.state.sample_rate > 0.0 else 100.0)
         return max(self.now(), self.depth.stamp, self.force.stamp) + int(1.5 * period)
 
     def heard_since(self, mark: int) -> bool:
