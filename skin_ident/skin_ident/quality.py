@@ -148,7 +148,7 @@ def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
 
 
 def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:
-    """Samples in runs of one value during which every other channel says that this one should have moved.
+    """Samples in runs of one value during which every other channel that moves says that this one should have moved.
 
     A depth may be held while forces relax (`holds`): it counts as frozen only where it jumps afterwards.
     """
@@ -165,7 +165,9 @@ def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:
     jump = JUMP * float(np.percentile(steps[edges], 95))
     for start, stop in zip(starts[long], stops[long], strict=True):
         leaps = stop < y.size and steps[stop - 1] > jump
-        if all(abs(slope) * np.ptp(o[start:stop]) > least for o, slope in related) and (leaps or not holds):
+        # a channel that stands still as well has no say: the taxels of one message freeze together
+        said = [abs(slope) * np.ptp(o[start:stop]) > least for o, slope in related if np.ptp(o[start:stop]) > 0.0]
+        if said and all(said) and (leaps or not holds):
             out[start:stop] = True
     return out
 

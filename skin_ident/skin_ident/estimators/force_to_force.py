@@ -13,10 +13,12 @@ import numpy as np
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK, Estimate, Residual, Verdict
 from skin_ident.estimators.force_band import fit_in_band
+from skin_ident.estimators.sessions import because, stretches
 from skin_ident.estimators.split import jacobian
 from skin_ident.estimators.transfer_data import Pair
 from skin_ident.estimators.transfer_fit import TransferFit
 from skin_ident.estimators.verdicts import SURE, VAGUE
+from skin_ident.quality import FAR_TOO_LITTLE, MOST, inspected
 from skin_ident.recordings.recording import Recording
 from skin_models.parameter import Parameter
 
@@ -25,6 +27,8 @@ FIRST = (
     ("lead", "s", "b1 / k1"),
     ("lag", "s", "(b1 + b2) / (k1 + k2)"),
 )
+SHORTEST = 40  # samples of a stretch that may be believed
+RELATED = 0.7  # correlation from which a slope between two channels means something
 SECOND = (("b1_over_m", "1/s", ""), ("k1_over_m", "1/s^2", ""), ("b2_over_m", "1/s", ""), ("k2_over_m", "1/s^2", ""))
 
 
@@ -43,10 +47,37 @@ def fit_force_to_force(recordings: Sequence[Recording], order: int = 1, taxel: i
     index = _strongest(recordings[0]) if taxel is None else taxel
     if not all(0 <= index < len(r.taxels) for r in recordings):
         raise FitError(f"there is no taxel {index} in every recording")
-    pairs = [Pair(r.name, np.ascontiguousarray(r.force), np.ascontiguousarray(r.taxels[index]), r.dt) for r in recordings]
+    looked = [inspected(r) for r in recordings]
+    recordings = [r.warned(*q.warnings) for r, _, q in looked]
+    pairs = [p for r, (_, good, _) in zip(recordings, looked, strict=True) for p in _pairs(r, index, good)]
     unit = recordings[0].taxel_units[index]
+    _plausible(pairs, unit)
     fit = fit_in_band(pairs, order, unit == "V" if offset is None else offset)
     return _estimate(fit, pairs, order, index, unit, tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings))
+
+
+def _pairs(r: Recording, index: int, good: np.ndarray) -> list[Pair]:
+    """The stretches of a recording that may be believed. Raises `FitError` where there is none."""
+    parts = stretches(good, SHORTEST)
+    if not parts:
+        raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted{because(r)}")
+    taxel = r.taxels[index]
+    return [Pair(r.name, np.ascontiguousarray(r.force[p]), np.ascontiguousarray(taxel[p]), r.dt) for p in parts]
+
+
+def _plausible(pairs: Sequence[Pair], unit: str) -> None:
+    """Raises `FitError` where the taxel does what none does."""
+    u, y = (np.concatenate([getattr(p, name) - getattr(p, name).mean() for p in pairs]) for name in "uy")
+    if not y.any():
+        raise FitError(f"{pairs[0].name}: no taxel ever changes: they are dead")
+    norm = float(np.sqrt((u @ u) * (y @ y)))
+    slope = float(u @ y / (u @ u)) if norm > 0.0 and abs(u @ y) > RELATED * norm else None
+    if slope is None or unit != "N":
+        return
+    if slope < 0.0:
+        raise FitError(f"{pairs[0].name}: the taxel falls when the force rises: check their signs (compression is positive)")
+    if not FAR_TOO_LITTLE < slope < MOST:
+        raise FitError(f"{pairs[0].name}: the taxel feels {slope:.3g} times the force: check units and calibrations")
 
 
 def _strongest(r: Recording) -> int:
@@ -83,7 +114,7 @@ def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, u
         contributions={p.name: {} for p in named},
         condition=float(np.linalg.cond(scaled)),
         dof=fit.dof,
-        sessions=tuple(p.name for p in pairs),
+        sessions=tuple(dict.fromkeys(p.name for p in pairs)),
         warnings=(*warnings, *([left] if left else []), *residual.complaint(channel)),
         notes={"numerator": fit.function.numerator, "denominator": fit.function.denominator, "input": "force", "output": channel},
     )

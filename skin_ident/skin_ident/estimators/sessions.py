@@ -98,7 +98,7 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Qual
     rows = prefilter.rows
     parts = stretches(rows((~good).astype(float)) < 1e-3, prefilter.kernel.size + FEWEST_ROWS)
     if not parts:
-        raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted{_because(r)}")
+        raise FitError(f"{r.name}: no stretch of it is long and good enough to be fitted{because(r)}")
     force = None if r.force is None else rows(r.force)
     felt = _felt(r, taxels, prefilter)
     raw = (*(() if r.force is None else (r.force,)), *taxels)
@@ -115,7 +115,8 @@ def _moving(r: Recording, prefilter: Prefilter) -> Motion:
     return replace(s, t=r.t, **{name: np.interp(r.t, grid, getattr(s, name)) for name in "xva"})
 
 
-def _because(r: Recording) -> str:
+def because(r: Recording) -> str:
+    """What was found wrong with it, in brackets."""
     return f" ({'; '.join(r.warnings)})" if r.warnings else ""
 
 
