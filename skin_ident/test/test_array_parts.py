@@ -9,6 +9,7 @@ from world.specimen import draw_specimen
 
 from skin_ident.criticism.array.bending import Leaning, Walking, Widening
 from skin_ident.criticism.array.evidence import fitted
+from skin_ident.criticism.array.extending import known
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.judgement import judge
@@ -18,6 +19,8 @@ from skin_ident.criticism.array.smeared import Smeared
 from skin_ident.recordings.declared import Declared, declared_from
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
 from skin_models.signals import motion
 
 T = np.arange(400) / 100.0
@@ -100,6 +103,15 @@ def test_leaning_and_widening_are_the_gaussian_elsewhere_or_wider():
     assert np.allclose(leaning.batch(plain[:, None] * np.ones(T.size), deepest)[:, 0], moved)
     wide = np.exp(-((np.hypot(*places.T) / (1.2 * c)) ** 2)) / 1.2**2
     assert np.allclose(widening.batch(plain[:, None] * np.ones(T.size), deepest)[:, 0], wide)
+
+
+def test_a_lean_is_written_as_the_effect_of_the_catalogue_that_does_the_same():
+    leaning = BENDS[0]
+    told = known(leaning)
+    model = Model(Dispersion(m=4e-4, b1=900.0, k1=9600.0, b2=600.0, k2=2800.0), (0.6, 0.8, 0.1), positions=ROW)
+    model = replace(model, notes={"spread_width": {"value": leaning.width, "unit": "m"}})
+    a, b = (replace(model, effects=(e,)).simulate(MOTION).taxels for e in (leaning, told))
+    assert np.allclose(a, b, rtol=1e-9) and np.ptp(a[0][a[1] > 0.1] / a[1][a[1] > 0.1]) > 1e-3
 
 
 def test_the_family_has_the_shares_of_the_world_under_a_moved_contact():

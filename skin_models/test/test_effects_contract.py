@@ -25,7 +25,7 @@ CAUSES = """nonlinear_stiffness stress_relaxation rate_dependence hysteresis cyc
     interference outliers dead_taxel noise nonlinearity spread_width spread_shape spread_depth anisotropy"""
 RANDOM = {"Noise", "Outliers", "RandomWalk", "TimeJitter"}  # no limit as the step shrinks: see test_random_effects.py
 UNPROPOSED = {"Nonlinearity", "TimeJitter", "Saturation", "SpringpotRelaxation", "PreisachHysteresis", "LayoutCrosstalk"}
-UNPROPOSED |= {"OffCentre", "SpreadWidth", "SpreadDepth", "SpreadShape", "Anisotropy"}
+UNPROPOSED |= {"Leaning", "OffCentre", "SpreadWidth", "SpreadDepth", "SpreadShape", "Anisotropy"}
 POSITIONS = ((-6e-3, 2e-3), (0.0, 0.0), (5e-3, -3e-3))  # m, of the three taxels
 IN_JUMPS = {  # parameters that move the output in jumps: no derivative to speak of
     ("SensorQuantization", "step_force"), ("GatedTaxel", "threshold"), ("GainStep", "after"), ("Outliers", "rate"),

@@ -83,7 +83,7 @@ def diagnose(
     findings = as_findings(c, symptoms, every, *whole, rest, verdict, model is not None, experiments)
     findings = tell(findings, judged, symptoms)
     array = array_criticism(c, layout, symptoms, every)
-    findings = joined(findings, array)
+    findings = joined(findings, array, c.extended.model)
     kept = {s.name for s in held}
     traces = tuple(_trace(c, s, own, s.name in kept) for s, own in zip(looked.whole, _with_courses(looked.whole, c), strict=True))
     carried = with_effects(told(c.extended.model, array, train[0]), effects_of(symptoms))

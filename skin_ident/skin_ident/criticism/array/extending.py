@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
-from skin_ident.criticism.array.bending import Widening
+from skin_ident.criticism.array.bending import Leaning, Widening
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
@@ -22,6 +22,7 @@ from skin_models.effect import Effect
 from skin_models.effects.anisotropy import Anisotropy
 from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.gain_error import GainError
+from skin_models.effects.leaning import Leaning as CatalogueLeaning
 from skin_models.effects.off_centre import OffCentre
 from skin_models.effects.spread_depth import SpreadDepth
 from skin_models.effects.spread_shape import SpreadShape
@@ -44,7 +45,7 @@ def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
         notes={**model.notes, **width},
     )
     for e in filter(is_of_array, model.effects):
-        here = _with(here, _known(e), np.ones(len(here.shares)))
+        here = _with(here, known(e), np.ones(len(here.shares)))
     if not a.named:
         return here
     e = _effect(a.judgement.causes[0], own)
@@ -58,8 +59,11 @@ def _with(model: Model, e: Effect | None, factors: np.ndarray) -> Model:
     return replace(model.extended(e), shares=tuple((np.array(model.shares) / factors).tolist()))
 
 
-def _known(e: Any) -> Effect | None:
+def known(e: Any) -> Effect | None:
     """The effect of the catalogue for one that was made for this layout; None where there is none."""
+    if isinstance(e, Leaning):
+        x, y = np.array(e.axis) * e.shift / e.deepest
+        return CatalogueLeaning("rig", lean_x=float(x), lean_y=float(y))
     if isinstance(e, Widening):
         return SpreadDepth("skin", growth=float(np.clip(e.growth, -1e3, 1e4)))
     return None

@@ -5,6 +5,8 @@ from typing import Any
 from skin_ident.criticism.array.analysis import ArrayCriticism, analyse, doubted_taxels
 from skin_ident.criticism.array.findings import entry, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.sentences import changing
+from skin_models.model import Model
 
 SPOILT = ("dead_taxel", "data_error")
 
@@ -26,8 +28,12 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
     return analyse(c.extended.model, layout, sessions, indices, c.last.noise, doubted_taxels(c.named), thickness_mm)
 
 
-def joined(findings: dict[str, Any], a: ArrayCriticism | str) -> dict[str, Any]:
-    """findings.json with what the array says: a finding more, or bounds and reasons in place of those that know nothing of layouts."""
+def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model) -> dict[str, Any]:
+    """findings.json with what the array says: a finding more, or bounds and reasons in place of those that know nothing of layouts.
+
+    `model` is the extended one, whose effects of the array are put into words.
+    """
+    findings = {**findings, "findings": [_in_words(e, model) for e in findings["findings"]]}
     entries = _with(findings["findings"], entry(a)) if not isinstance(a, str) and a.named else findings["findings"]
     named = {f["cause"] for f in entries} | {r["cause"] for f in entries for r in f["alternatives"]}
     reasons = [u for u in untestable(a) if u["cause"] not in named]
@@ -39,6 +45,13 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str) -> dict[str, Any]:
     verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
     more = {"excluded": able, "untestable": kept + [u for u in reasons if u["cause"] not in known], "verdict": verdict}
     return {**findings, "findings": entries, **more}
+
+
+def _in_words(entry: dict[str, Any], model: Model) -> dict[str, Any]:
+    """An entry of the search with a sentence, where it stands for effects of the array."""
+    mine = (e for e in model.effects if (e.cause, e.where) == (entry["cause"], entry["where"]))
+    words = "; ".join(filter(None, map(changing, mine)))
+    return {**entry, "evidence": {"why": words, **entry["evidence"]}} if words else entry
 
 
 def _with(entries: list[dict[str, Any]], new: dict[str, Any]) -> list[dict[str, Any]]:

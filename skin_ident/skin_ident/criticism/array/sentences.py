@@ -4,10 +4,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from skin_ident.criticism.array.bending import Leaning, Walking, Widening
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.smeared import Smeared
 from skin_ident.criticism.vocabulary import BY_NAME
+from skin_models.effect import Effect
 
 SCAN = "press at three or more places along the taxels, a third of their distance apart (contact_position_mm tells where)"
 _PAIRS = {
@@ -45,6 +48,17 @@ def _what(j: Judged, layout: Layout) -> str:
     if j.hypothesis.cause == "spread_shape":
         return f"the spread falls as exp(-(r/c)^{2.0 + p['power']:.2g}), not as a Gaussian"
     return f"the spread is {np.exp(p['ratio']):.2g} times as wide along x as along y"
+
+
+def changing(e: Effect) -> str:
+    """One sentence for an effect that bends the ratios while the array is pressed; empty for any other."""
+    if isinstance(e, (Leaning, Walking)):
+        when = "from the surface to the greatest depth" if isinstance(e, Leaning) else f"in {e.seconds:.0f} s"
+        x, y = 1e3 * e.shift * np.array(e.axis)
+        return f"the ratios of {len(e.taxels)} taxels change as if the contact moved by ({x:+.2g}, {y:+.2g}) mm {when}"
+    if isinstance(e, Widening):
+        return f"the spread grows by {1e-3 * e.growth:.1%} per mm of depth"
+    return f"every taxel repeats {e.share:.1%} of its neighbours, {1e3 * e.tau:.0f} ms late" if isinstance(e, Smeared) else ""
 
 
 def shift_of(p: dict[str, float], layout: Layout) -> np.ndarray:
