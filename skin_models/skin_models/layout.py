@@ -134,6 +134,12 @@ def arbitrary(positions: np.ndarray, normals: np.ndarray, area: np.ndarray | flo
     return Layout(positions, normals / length, np.broadcast_to(area, len(positions)), tuple(names))
 
 
+def flat(positions: np.ndarray, area: float = A201_AREA) -> Layout:
+    """Taxels at (T, 2) m in the plane z = 0, as a model that knows its taxels' positions has them."""
+    xy = np.asarray(positions, float)
+    return Layout(np.column_stack([xy, np.zeros(len(xy))]), np.tile([0.0, 0.0, 1.0], (len(xy), 1)), np.full(len(xy), area))
+
+
 def _touching_discs(positions: np.ndarray) -> np.ndarray | float:
     if len(positions) < 2 or not np.all(np.isfinite(positions)):
         return A201_AREA

@@ -1,13 +1,17 @@
 """The shipped parameter file fits the node."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
 pytest.importorskip("rclpy")
 
+from skin_models.layout import A201_AREA
+from skin_models.materials import material
+from skin_models.model_file import save_model
 from skin_models.ros.skin_settings import SkinSettings
 
 CONFIG = Path(__file__).parents[1] / "config" / "skin.yaml"
@@ -28,3 +32,11 @@ def test_every_choice_makes_something(layout, kernel):
     settings = SkinSettings(layout=layout, spread_kernel=kernel)
     model = settings.make_model()
     assert len(settings.make_layout(model)) >= 1 and settings.make_kernel(model).area > 0
+
+
+def test_a_model_that_knows_where_its_taxels_are_is_laid_out_so(tmp_path):
+    positions = ((0.0, 0.0), (5e-3, 1e-3))
+    save_model(replace(material("silicone_4mm").model, shares=(1.0, 0.4), positions=positions), tmp_path / "m.yaml")
+    settings = SkinSettings(model=str(tmp_path / "m.yaml"))
+    layout = settings.make_layout(settings.make_model())
+    assert layout.positions[:, :2] == pytest.approx(np.array(positions)) and layout.area[0] == A201_AREA

@@ -21,7 +21,7 @@ class SkinSettings:
     model: str = setting("silicone_4mm", "a model file (YAML), or the name of a shipped material")
     drive: str = setting("contacts", "contacts: at `rate`; encoder: a plunger at the origin, once per sample of `encoder`",
                          choices=("contacts", "encoder"), fixed=True)  # fmt: skip
-    layout: str = setting("model", "model: a row with as many taxels as the model has shares; else as it says",
+    layout: str = setting("model", "model: where the model says its taxels are, or a row of as many as it has shares",
                           choices=("model", "row", "grid", "hexagonal", "file"), fixed=True)  # fmt: skip
     layout_file: str = setting("", "table of taxels for layout:=file (name, x_mm, y_mm, z_mm, nx, ny, nz, area_mm2)", fixed=True)
     columns: int = setting(3, "taxels along x", lower=1, upper=1000, fixed=True)
@@ -72,6 +72,8 @@ class SkinSettings:
             return layouts.hexagonal(self.columns, self.rows, self.pitch, area)
         if self.layout == "model" and not model.shares:
             raise SkinError("the model has no taxels (shares is empty): choose a layout")
+        if self.layout == "model" and model.positions:
+            return layouts.flat(model.positions, area or A201_AREA)
         return layouts.row(len(model.shares) if self.layout == "model" else self.columns, self.pitch, area or A201_AREA)
 
     def make_kernel(self, model: Model) -> Kernel:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from rclpy.node import Node
 
 from skin_models.errors import SkinError
-from skin_models.layout import Layout, row_from_origin
+from skin_models.layout import Layout, flat, row_from_origin
 from skin_models.layout_file import load_layout
 from skin_models.live import under_plunger
 from skin_models.materials import material, names
@@ -89,7 +89,8 @@ class RigSettings:
 
     def _simulated(self, node: Node) -> Rig:
         model = material(self.model).model if self.model in names() else load_model(self.model)
-        layout = self._layout(len(model.shares))
+        known = model.positions and not self.layout_file and not self.taxels
+        layout = flat(model.positions) if known else self._layout(len(model.shares))
         if len(model.shares) not in (1, len(layout)):
             raise SkinError(f"the model has shares for {len(model.shares)} taxels, but the layout has {len(layout)}")
         real = Imperfections(
