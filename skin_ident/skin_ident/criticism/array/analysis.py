@@ -8,7 +8,7 @@ from skin_ident.criticism.array.gains import Gains, gains
 from skin_ident.criticism.array.gate import held_out_gain
 from skin_ident.criticism.array.judgement import Judgement, judge
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.gate import Gain
+from skin_ident.criticism.gate import MATERIAL_RMSE, Gain
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener
 from skin_models.model import Model
@@ -28,8 +28,11 @@ class ArrayCriticism:
 
     @property
     def named(self) -> bool:
-        """Whether a cause is sure, and held-out sessions are predicted better with it."""
-        return self.gain is not None and self.gain.passed
+        """Whether a cause is sure, and held-out sessions are predicted better with it beyond doubt and by enough to matter.
+
+        The whitened gain need not be large: a static share is slow, and under coloured noise there is little of it to whiten.
+        """
+        return self.gain is not None and self.gain.lower > 0.0 and self.gain.after < (1.0 - MATERIAL_RMSE) * self.gain.before
 
 
 def analyse(

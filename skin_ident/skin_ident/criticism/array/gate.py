@@ -22,13 +22,15 @@ from skin_models.model import Model
 def held_out_gain(
     model: Model, layout: Layout, measured: Gains, sessions: list[Session], held: list[int], noise: Whitener, best: Judged
 ) -> Gain:
-    """The gain on the sessions `held` (indices); where there are none, each session in turn is left out of the fit.
+    """The gain on the sessions `held` (indices). Where there are none, or where sessions press at different places and one of them may not
+    show the cause, each of the others in turn is left out of the fit as well.
 
     Before, nothing is free but a width that is only expected, and not known.
     """
     train = [i for i in range(len(sessions)) if i not in held]
-    folds = [([i for i in train if i != j] or [j], [j]) for j in train] if not held else [(train, held)]
-    said = ", ".join(sessions[i].name for i in held) if held else "each session in turn"
+    in_turn = [([i for i in train if i != j] or [j], [j]) for j in train] if not held or layout.several_contacts else []
+    folds = [*([(train, held)] if held else []), *in_turn]
+    said = " and ".join([*(sessions[i].name for i in held), *(["each session in turn"] if in_turn else [])])
     around = best.background
     width = {"width": around.width} if around.width > EXACT else {}
     before, after, judged = [], [], []

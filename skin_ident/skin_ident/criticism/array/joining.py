@@ -9,6 +9,10 @@ from skin_ident.criticism.array.sentences import changing
 from skin_models.model import Model
 
 SPOILT = ("dead_taxel", "data_error")
+APART = (
+    "what the ratios of the taxels are worth is measured against the declared layout; baseline and extended model have a gain of their own "
+    "for every taxel, so their errors do not show it"
+)
 
 
 def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: list) -> ArrayCriticism | str:
@@ -43,7 +47,9 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model) -> d
     kept = [u for u in findings["untestable"] if u["cause"] not in decided | named]
     known = {e["cause"] for e in able}
     verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
-    more = {"excluded": able, "untestable": kept + [u for u in reasons if u["cause"] not in known], "verdict": verdict}
+    warnings = [*findings["warnings"], *([APART] if not isinstance(a, str) and a.named else [])]
+    reasons = [u for u in reasons if u["cause"] not in known]
+    more = {"excluded": able, "untestable": kept + reasons, "verdict": verdict, "warnings": warnings}
     return {**findings, "findings": entries, **more}
 
 

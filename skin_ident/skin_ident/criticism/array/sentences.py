@@ -39,7 +39,7 @@ def _what(j: Judged, layout: Layout) -> str:
         shift = 1e3 * shift_of(p, layout)
         return f"the ratios of {n} taxels are those of a contact {np.hypot(*shift):.2g} mm off, at ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
     if j.hypothesis.cause == "gain_error":
-        return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} beside what its neighbours imply"
+        return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} off what its neighbours imply"
     if j.hypothesis.cause == "crosstalk":
         share, whom = (p["leak"], "of its neighbours") if "leak" in j.hypothesis.free else (p["common"], "of the mean of all")
         return f"every taxel repeats {share:.1%} {whom}"
