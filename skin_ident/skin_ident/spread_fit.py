@@ -47,11 +47,12 @@ def mirrored(distance: np.ndarray, force: np.ndarray, centre: float = 0.0) -> tu
 
 
 def fit_gaussian(
-    distance: np.ndarray, force: np.ndarray, centre: float = 0.0, free_centre: bool = False, mirror: bool = True
+    distance: np.ndarray, force: np.ndarray, centre: float = 0.0, free_centre: bool = False, mirror: bool = True, step: float = 0.0
 ) -> GaussianFit:
     """Least-squares fit of (R,) forces (N) at (R,) distances (m); NaN forces are left out.
 
     `centre` is b (the thesis counts positions so that it is 12 mm); `free_centre` fits it. `mirror` reflects a one-sided scan.
+    `step` (N) of the converter: no standard error is smaller than its share, step^2 / 12, however well readings on a grid may fit.
     """
     distance, force = np.asarray(distance, float), np.asarray(force, float)
     known = np.isfinite(force)
@@ -62,7 +63,7 @@ def fit_gaussian(
     start = _start(x, y, centre)
     if start is None:
         return _no_fit(x.size, "the force does not fall with distance: nothing but noise reaches the taxel")
-    return _refine(x, y, start, free_centre, force.size)
+    return _refine(x, y, start, free_centre, force.size, step)
 
 
 def fit_spread(scan: SpreadScan, **options) -> tuple[GaussianFit, ...]:
@@ -87,7 +88,7 @@ def _start(x: np.ndarray, y: np.ndarray, centre: float) -> np.ndarray | None:
     return None if best == widths.size - 1 or heights[best] <= 0.0 else np.array([heights[best], centre, widths[best]])
 
 
-def _refine(x: np.ndarray, y: np.ndarray, start: np.ndarray, free_centre: bool, independent: int) -> GaussianFit:
+def _refine(x: np.ndarray, y: np.ndarray, start: np.ndarray, free_centre: bool, independent: int, step: float) -> GaussianFit:
     free = np.array([True, free_centre, True])
 
     def residual(p: np.ndarray) -> np.ndarray:
@@ -98,7 +99,7 @@ def _refine(x: np.ndarray, y: np.ndarray, start: np.ndarray, free_centre: bool, 
     a, b, c = _filled(start, free, found.x)
     sse = 2.0 * found.cost
     std = np.zeros(3)
-    std[free] = _standard_errors(found.jac, sse / x.size, independent)
+    std[free] = _standard_errors(found.jac, sse / x.size, independent, step)
     r2 = 1.0 - sse / np.sum((y - y.mean()) ** 2)
     return GaussianFit(float(a), float(b), float(abs(c)), float(r2), *map(float, std), x.size)
 
@@ -109,8 +110,8 @@ def _filled(start: np.ndarray, free: np.ndarray, p: np.ndarray) -> np.ndarray:
     return full
 
 
-def _standard_errors(jacobian: np.ndarray, mean_square: float, independent: int) -> np.ndarray:
+def _standard_errors(jacobian: np.ndarray, mean_square: float, independent: int, step: float) -> np.ndarray:
     """Mirrored samples are no new information: the covariance is that of the `independent` samples before mirroring."""
     n, k = jacobian.shape
-    variance = mean_square * independent / max(independent - k, 1)
+    variance = max(mean_square * independent / max(independent - k, 1), step**2 / 12.0)
     return np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * variance * n / independent)

@@ -82,7 +82,6 @@ BAD = {
     "topics without a role": lambda d: [write_mcap(d / "a.mcap", R), "--topics", "/ft"],
     "mass that is none": lambda d: [write_table(d / "a.csv", R), "--mass", "heavy"],
     "bad rig.yaml": lambda d: [(d / "rig.yaml").write_text("skin_thickness_mm: [") and write_table(d / "a.csv", R)],
-    "a spread scan alone": lambda d: [(d / "a.csv").write_text("depth_mm,f_0mm_n,f_1mm_n,f_2mm_n\n0.1,3,2,1\n0.2,6,4,2\n") and d / "a.csv"],
     "a picture": lambda d: [(d / "a.png").write_bytes(b"\x89PNG") and d / "a.png"],
     "binary in a table": lambda d: [(d / "a.csv").write_bytes(bytes(range(256))) and d / "a.csv"],
     "no bootstrap at all": lambda d: [write_table(d / "a.csv", R), "--bootstrap", "-3"],

@@ -8,16 +8,19 @@ from typing import Any
 
 from skin_ident.batch import parquet_library, run_batch, write_table
 from skin_ident.cli import common
+from skin_ident.cli.fit_scan import fit_scans
 from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.fit import MEASURED, SINUSOID, Options, fit_recordings, mass_of, sessions_of
 from skin_ident.estimators.latency import latencies
 from skin_ident.estimators.profile import profile
+from skin_ident.estimators.spread import with_spread
 from skin_ident.estimators.text import as_dict, as_table
 from skin_ident.recordings.load import find, load
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.timing import counted
+from skin_ident.spread_scan import SpreadScan
 from skin_models.model_file import save_model
 
 
@@ -33,9 +36,12 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.each:
         return _batch(chosen, options, topics)
     common.say(f"reading {counted(len(chosen.recordings), 'path')} …")
-    recordings, scans = sessions_of(load(chosen.recordings, topics, chosen.log_time, chosen.keep_stamps))
+    loaded = load(chosen.recordings, topics, chosen.log_time, chosen.keep_stamps)
+    if all(isinstance(r, SpreadScan) for r in loaded):
+        return fit_scans(loaded, chosen.out)
+    recordings, scans = sessions_of(loaded)
     for name in scans:
-        common.say(f"{name} is a static spread scan: left out of the fit")
+        common.say(f"{name} is a static spread scan: left out of the fit; fit scans by themselves")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
     estimate = fit_recordings(recordings, options)
     estimate = _with_latencies(estimate, recordings, options)
@@ -43,6 +49,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         estimate = _with_bootstrap(estimate, recordings, options, chosen.bootstrap)
     if chosen.profile:
         estimate = _with_profile(estimate, recordings, options)
+    estimate = with_spread(estimate, recordings)
     print(as_table(estimate))
     if chosen.out:
         write(estimate, common.output_folder(chosen.out))

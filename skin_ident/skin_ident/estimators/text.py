@@ -21,7 +21,7 @@ def as_table(estimate: Estimate) -> str:
     notes = [f"note: {w}" for w in estimate.warnings]
     title = f"  {'':<9} {'value':>12} {'± 95 %':>11}  {'unit':<7} verdict"
     folded = [_folded(line) for line in why + notes]
-    asked = [*_asked_for(estimate), *_entangled(estimate)]
+    asked = [*_spread(estimate), *_asked_for(estimate), *_entangled(estimate)]
     return "\n".join([head, *_telemetry(estimate), title, *rows, *asked, "what the fit leaves:", *left, "why:", *folded])
 
 
@@ -40,6 +40,17 @@ def _telemetry(estimate: Estimate) -> list[str]:
     ]
     lines += [f"  latency behind the depth, ms: {', '.join(late)}"] if late else []
     return lines
+
+
+def _spread(estimate: Estimate) -> list[str]:
+    """The Gaussian that the shares draw over the taxels' places."""
+    s = estimate.notes.get("spread")
+    if not s:
+        return []
+    if "reason" in s:
+        return [f"spread over the taxels: {s['reason']}"]
+    x, y, c = (f"{s[n]['value']:.3g} ± {1.96 * s[n]['std']:.1g}" for n in ("x_mm", "y_mm", "c_mm"))
+    return [f"spread over the taxels: centre ({x}, {y}) mm, width c {c} mm, R² {s['r2']:.4f}"]
 
 
 def _entangled(estimate: Estimate) -> list[str]:
