@@ -92,6 +92,21 @@ def test_the_depths_that_give_forces_are_found(cls, forces, share):
         assert np.all(press(skin, columns, nothing, beyond, DT, DT)[1][missed] > force[missed])
 
 
+def test_force_and_depth_driven_contacts_mix_without_a_trace_in_each_other():
+    skin, nan = SimulatedSkin(RELAXING, row(1, 1.0), DT), float("nan")
+    parts = {"a": (3.0, nan), "b": (nan, 4e-4), "c": (2.0, nan), "d": (nan, 2e-4)}
+
+    def some(keys):
+        return presses(force=[parts[k][0] for k in keys], depth=[parts[k][1] for k in keys], key=list(keys))
+
+    story = ["abcd"] * 20 + ["ab"] * 10 + ["dba"] * 10 + ["b"] * 5 + ["a"] * 5
+    whole = run(skin, [some(keys) for keys in story])
+    alone = [run(skin, [some([k] if k in keys else []) for keys in story]) for k in parts]
+    for i, reading in enumerate(whole):
+        assert reading.truth == pytest.approx(sum(r[i].truth for r in alone), abs=1e-9), i
+        assert reading.force == pytest.approx(sum(r[i].force for r in alone), abs=1e-9), i
+
+
 def test_contacts_come_and_go_without_a_trace_in_the_others():
     skin = SimulatedSkin(RELAXING, row(1, 1.0), DT)
     both = [presses(force=[2.0, 5.0], key=["a", "b"])] * 20 + [presses(force=[5.0], key=["b"])] * 20
