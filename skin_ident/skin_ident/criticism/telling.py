@@ -20,6 +20,7 @@ from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 
 ROUNDING = 1e-9  # N
+WELL_ABOVE = 1.5  # times the noise
 MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is said to have moved
 
 
@@ -37,7 +38,7 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
         entry["hid_in"] = hid_in(named, c)
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
-    warnings = [*findings["warnings"], *_more_than_applied(c)]
+    warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(findings["verdict"], bounds)]
     return {**findings, "recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "warnings": warnings}
 
 
@@ -49,6 +50,19 @@ def _more_than_applied(c: Criticism) -> list[str]:
     return [
         f"the strongest taxel reads {share:.3g} times the force that is applied: one of the two is in another unit, or wrongly "
         "calibrated; causes are judged all the same, but stiffnesses and damping mean nothing"
+    ]
+
+
+def _more_than_noise(verdict: str, bounds: dict[str, dict[str, Any]]) -> list[str]:
+    """Where nothing more could be shown on held-out data, and yet clearly more is left than noise would leave."""
+    if verdict not in ("nothing_wrong", "explained"):
+        return []
+    above = {c: g["held_out_rmse_after"] / max(g["noise_floor"], ROUNDING) for c, g in bounds.items()}
+    return [
+        f"{channel}: what is left ({bounds[channel]['held_out_rmse_after']:.3g} N) is {times:.2g} times what is left when every cause may "
+        "bend the model at once; these data do not suffice to tell whether that is noise: record more sessions"
+        for channel, times in above.items()
+        if times > WELL_ABOVE
     ]
 
 
