@@ -38,7 +38,7 @@ MOMENTS = 24  # where a step is looked for first, evenly through a session
 MOST_STEPS = 4  # of one session
 KNOT_S = 20.0
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
-AT_REST = 5e-6  # m, by which a good stage misses its set point anyway (thesis 3.1)
+AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
 

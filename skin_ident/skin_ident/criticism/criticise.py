@@ -15,6 +15,7 @@ from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
+from skin_ident.criticism.telemetry.pull import find_pull
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
@@ -84,6 +85,7 @@ def criticise(
     search = Search(train, held, (*directions(train[0]), *more), progress)
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
+    search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
     search.run(fitted)
     search.eliminate()
     if given:
@@ -120,6 +122,7 @@ class Search:
         self.refused: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []
         self.runs: list[Run] = []
+        self.suspected: set[tuple[str, str]] = set()
         self._befores: dict[tuple[str, str], Model] = {}
 
     def run(self, fitted: Fit) -> None:
@@ -159,10 +162,13 @@ class Search:
         return survey(self.present.model, self.train, self.which)
 
     def _trials(self, last: Survey) -> list[_Trial]:
-        """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals."""
-        able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score)][:SHORTLIST]
-        trials = sorted((t for t in map(self._trial, able) if self._plausible(t)), key=lambda t: -t.score)
+        """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, and
+        one that the record itself has shown goes before all."""
         known = {(n.cause, n.where) for n in self.named}
+        able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score)][:SHORTLIST]
+        shown = [r for r in last.ranked if (r.cause, r.where) in self.suspected - known and r.score > 0.0]
+        able += [r for r in shown if r not in able]
+        trials = sorted((t for t in map(self._trial, able) if self._plausible(t)), key=lambda t: (t.ranked not in shown, -t.score))
         again = [t for t in trials if t.key in known and t.score > _reach(trials[0].score)]
         return again[:1] + [t for t in trials if t not in again[:1]]
 
