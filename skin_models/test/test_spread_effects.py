@@ -147,15 +147,15 @@ def test_beyond_the_reach_there_is_nothing(bending):
 
 
 def test_the_compiled_path_is_taken_where_it_can_and_agrees():
-    radial = model(*(e for e in ALL if not isinstance(e, Anisotropy)))
+    bent = model(*ALL)
     if not compiles(Gaussian(width=C)):
         pytest.skip("no C compiler here")
-    dense, fast = (SimulatedSkin(radial, grid(12, 12, 4e-3), 0.01, fast=fast) for fast in (False, True))
-    assert compiles(fast.kernel) and not compiles(Bent(Gaussian(width=C), ALL))
+    dense, fast = (SimulatedSkin(bent, grid(12, 12, 4e-3), 0.01, fast=fast) for fast in (False, True))
+    assert compiles(fast.kernel) and not compiles(Bent(Anisotropic(Gaussian(width=C), ratio=1.2), ALL))
     at, force, depth = np.array([[1e-3, 2e-3, 0.0], [-9e-3, 0.0, 0.0]]), np.array([np.nan, 4.0]), np.array([1e-3, np.nan])
     two = Presses(("a", "b"), at, force, depth, np.zeros(2))
     slow, quick = (skin.step(skin.initial(), two)[1] for skin in (dense, fast))
-    assert quick.truth == pytest.approx(slow.truth, abs=1e-5) and slow.truth.max() > 1.0
+    assert quick.truth == pytest.approx(slow.truth, abs=5e-5) and slow.truth.max() > 1.0
 
 
 def test_on_curved_skin_off_centre_goes_along_the_surface():

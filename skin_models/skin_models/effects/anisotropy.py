@@ -29,11 +29,13 @@ class Anisotropy(Bending):
     stretch: float = quantity("1", 0.0, lower=-2.3, upper=2.3, typical=0.4, doc="logarithm s of width along the angle over width across it")
     angle: float = quantity("rad", 0.0, lower=-math.pi, upper=math.pi, role=SHAPE, typical=0.0, doc="that direction, from x towards y")
 
-    def seen(self, offset, x, width):
+    def matrix(self):
         c, s = math.cos(self.angle), math.sin(self.angle)
-        along, across = c * offset[0] + s * offset[1], c * offset[1] - s * offset[0]
-        along, across = along * math.exp(-0.5 * self.stretch), across * math.exp(0.5 * self.stretch)
-        return np.array([c * along - s * across, s * along + c * across])
+        turn = np.array([[c, s], [-s, c]])
+        return turn.T @ np.diag([math.exp(-0.5 * self.stretch), math.exp(0.5 * self.stretch)]) @ turn
+
+    def seen(self, offset, x, width):
+        return np.tensordot(self.matrix(), offset, axes=1)
 
     def reach(self, r, x, width):
         return r * math.exp(0.5 * abs(self.stretch))

@@ -10,6 +10,7 @@ They are simulated and not proposed: one recording under one contact cannot tell
 or several places at once decides on them.
 """
 
+import math
 from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -44,6 +45,10 @@ class Bending(Memoryless):
     def scale(self, x: Any) -> Any:
         """How much wider the kernel is at depth `x`; a share right under the contact falls with its square."""
         return 1.0
+
+    def matrix(self) -> np.ndarray | None:
+        """What `seen` multiplies an offset by at any depth, (2, 2); None where it does not only stretch and turn."""
+        return None
 
     def shift(self) -> tuple[float, float]:
         """Where the contact is, along the skin's x and y, m, from where it was said to be."""
@@ -96,14 +101,23 @@ class Bent(Kernel):
         """Whether it depends on the depth."""
         return self.kernel.deep or any(e.deep for e in self.effects)
 
+    def straightened(self):
+        turning = [e for e in in_order(self.effects) if not e.radial]
+        if not self.kernel.radial or any(e.matrix() is None for e in turning):
+            return None
+        matrix = np.eye(2)
+        for e in turning:
+            matrix = e.matrix() @ matrix
+        return matrix, replace(self, effects=tuple(e for e in self.effects if e.radial))
+
     def scale(self, depth):
         x = np.maximum(np.nan_to_num(depth), 0.0)
-        return np.prod([np.broadcast_to(e.scale(x), np.shape(x)) for e in self.effects], axis=0) * self.kernel.scale(depth)
+        return math.prod((e.scale(x) for e in self.effects), start=self.kernel.scale(depth))
 
     def shape(self, r):
         if self.radial:
             r = self._seen(np.asarray(r), np.zeros_like(r))
-        return float(np.prod([e.scale(self.depth) for e in self.effects])) ** -2.0 * self.kernel.shape(r)
+        return float(math.prod(e.scale(self.depth) for e in self.effects)) ** -2.0 * self.kernel.shape(r)
 
     def distance(self, u, v):
         return super().distance(u, v) if self.radial else self._seen(u, v)

@@ -36,17 +36,19 @@ class _Skin(ctypes.Structure):
         [("taxels", ctypes.c_int32), ("table_size", ctypes.c_int32), ("cells", ctypes.c_int32 * 3)]
         + [("origin", ctypes.c_double * 3), ("cell", ctypes.c_double)]
         + [(name, ctypes.c_void_p) for name in ("first", "order", "px", "py", "pz", "nx", "ny", "nz", "gain", "table")]
-        + [("reach", ctypes.c_double), ("a", ctypes.c_double * 4), ("g", ctypes.c_double * 2), ("c", ctypes.c_double * 2)]
+        + [("reach", ctypes.c_double), ("table_reach", ctypes.c_double), ("stretch", ctypes.c_double * 4)]
+        + [("a", ctypes.c_double * 4), ("g", ctypes.c_double * 2), ("c", ctypes.c_double * 2)]
         + [("direct", ctypes.c_double), ("settled", ctypes.c_double)]
         + [(name, ctypes.c_void_p) for name in ("taxel", "active", "near", "reading")]
         + [(name, ctypes.c_void_p) for name in ("position", "force", "radius", "scale", "normal", "offsets", "weights")]
         + [("disc_points", ctypes.c_int32), ("active_count", ctypes.c_int32), ("near_count", ctypes.c_int32)]
+        + [("stretched", ctypes.c_int32)]
     )
 
 
 def compiles(kernel: Kernel) -> bool:
     """Whether this kernel has a fast path on this machine."""
-    return kernel.radial and library("skin_field") is not None
+    return kernel.straightened() is not None and library("skin_field") is not None
 
 
 class CompiledSkin:
@@ -146,8 +148,10 @@ class CompiledSkin:
 
     def _set_kernel(self, field: SpreadField) -> None:
         kernel = field.kernel.at_depth(0.0)
-        self._skin.reach = kernel.reach(field.tolerance)
-        self._hold("table", kernel.shape(np.linspace(0.0, self._skin.reach, _TABLE)))
+        matrix, radial = kernel.straightened()
+        self._skin.reach, self._skin.table_reach = kernel.reach(field.tolerance), radial.reach(field.tolerance)
+        self._skin.stretched, self._skin.stretch[:] = not np.array_equal(matrix, np.eye(2)), matrix.ravel().tolist()
+        self._hold("table", radial.shape(np.linspace(0.0, self._skin.table_reach, _TABLE)))
 
     def _set_recursion(self, transmission: Transmission | None) -> None:
         a, g, c, direct = np.zeros((2, 2)), np.zeros(2), np.zeros(2), 1.0

@@ -35,6 +35,10 @@ class Kernel(ABC):
         """Whether it depends on the depth."""
         return False
 
+    def straightened(self) -> tuple[np.ndarray, "Kernel"] | None:
+        """A matrix (2, 2) and a radial kernel that says the same of the offsets multiplied by it; None where there is none."""
+        return np.eye(2), self
+
     def scale(self, depth: np.ndarray) -> np.ndarray:
         """How much wider it is under contacts of these depths (m, NaN if unknown) than at the surface; its height falls with the square."""
         return np.ones_like(depth)
@@ -145,6 +149,10 @@ class DepthWidth(Kernel):
     def reach(self, tolerance):
         return self.kernel.reach(tolerance)
 
+    def straightened(self):
+        inner = self.kernel.straightened()
+        return inner and (inner[0], replace(self, kernel=inner[1]))
+
     def scale(self, depth):
         return np.maximum(1.0 + self.growth * np.maximum(np.nan_to_num(depth), 0.0), 0.1) * self.kernel.scale(depth)
 
@@ -181,6 +189,15 @@ class Anisotropic(Kernel):
     def reach(self, tolerance):
         return self.kernel.reach(tolerance) * math.sqrt(max(self.ratio, 1.0 / self.ratio))
 
+    def straightened(self):
+        inner = self.kernel.straightened()
+        return inner and (inner[0] @ self._matrix, inner[1])
+
+    @property
+    def _matrix(self) -> np.ndarray:
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        return np.diag([self.ratio**-0.5, self.ratio**0.5]) @ np.array([[c, s], [-s, c]])
+
     def scale(self, depth):
         return self.kernel.scale(depth)
 
@@ -188,5 +205,5 @@ class Anisotropic(Kernel):
         return replace(self, kernel=self.kernel.at_depth(depth))
 
     def distance(self, u, v):
-        c, s = math.cos(self.angle), math.sin(self.angle)
-        return np.hypot((c * u + s * v) / math.sqrt(self.ratio), (c * v - s * u) * math.sqrt(self.ratio))
+        (a, b), (c, d) = self._matrix
+        return np.hypot(a * u + b * v, c * u + d * v)

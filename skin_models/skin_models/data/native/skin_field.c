@@ -23,8 +23,9 @@ typedef struct {
     const double *px, *py, *pz;             /* (T) m */
     const double *nx, *ny, *nz;             /* (T) unit normals */
     const double *gain;                     /* (T) share under a contact */
-    const double *table;                    /* shape at evenly spaced distances 0 .. reach, one entry more than intervals */
-    double reach;                           /* m */
+    const double *table;                    /* shape at evenly spaced distances 0 .. table_reach, one entry more than intervals */
+    double reach, table_reach;              /* m; of the kernel in the skin, and of the table */
+    double stretch[4];                      /* what offsets across the normal are multiplied by before the table, if `stretched` */
     double a[4], g[2], c[2], direct;        /* the recursion of transmission.py, two states; unused ones are zero */
     double settled;                         /* N: a taxel that is fed nothing and answers less is at rest */
     Taxel *taxel;                           /* (T) */
@@ -33,7 +34,7 @@ typedef struct {
     /* The contacts of this step. A contact of some radius stands for the points of an even disc. */
     const double *position, *force, *radius, *scale, *normal;   /* (C, 3) m, N, m, width relative to the table's, (C, 3) or NULL */
     const double *offsets, *weights;        /* (disc_points, 2) in units of the radius, (disc_points) */
-    int32_t disc_points, active_count, near_count;
+    int32_t disc_points, active_count, near_count, stretched;
 } Skin;
 
 static double larger(double a, double b) { return a > b ? a : b; }
@@ -86,9 +87,11 @@ static void tangent(const double n[3], double u[3], double v[3])
 /* Adds weight * shape to the share of every taxel around `at`; returns how many taxels are now in the near list. */
 static int gather(const Skin *s, const double *at, const double n[3], double scale, double weight, int count)
 {
-    const double reach = s->reach * scale, inverse = (s->table_size - 1) / reach, reach2 = reach * reach;
+    const double reach = s->reach * scale, inverse = (s->table_size - 1) / (s->table_reach * scale), reach2 = reach * reach;
     const double amplitude = weight / (scale * scale);
+    double u[3], v[3];
     int low[3], high[3];
+    if (s->stretched) tangent(n, u, v);
     if (!box(s, at, reach, low, high)) return count;
     for (int iz = low[2]; iz <= high[2]; iz++)
         for (int iy = low[1]; iy <= high[1]; iy++) {
@@ -102,8 +105,16 @@ static int gather(const Skin *s, const double *at, const double n[3], double sca
                 if (d2 > reach2) continue;
                 const double facing = s->nx[t] * n[0] + s->ny[t] * n[1] + s->nz[t] * n[2];
                 if (facing <= 0.0) continue;
-                const double along = dx * n[0] + dy * n[1] + dz * n[2];
-                const double r = sqrt(larger(d2 - along * along, 0.0)) * inverse;
+                double r;
+                if (s->stretched) {
+                    const double pu = dx * u[0] + dy * u[1] + dz * u[2], pv = dx * v[0] + dy * v[1] + dz * v[2];
+                    const double qu = s->stretch[0] * pu + s->stretch[1] * pv, qv = s->stretch[2] * pu + s->stretch[3] * pv;
+                    r = sqrt(qu * qu + qv * qv) * inverse;
+                    if (r > s->table_size - 1) continue;
+                } else {
+                    const double along = dx * n[0] + dy * n[1] + dz * n[2];
+                    r = sqrt(larger(d2 - along * along, 0.0)) * inverse;
+                }
                 int i = (int)r;
                 if (i > s->table_size - 2) i = s->table_size - 2;
                 const double value = s->table[i] + (r - i) * (s->table[i + 1] - s->table[i]);
