@@ -139,6 +139,10 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
     if len(kinds) > 1:
         said = "; ".join(f"{r.name}: {r.kind} with {len(r.taxels)} taxels" for r in recordings)
         raise DiagnosisError(f"the recordings do not carry the same channels ({said}): diagnose them apart")
+    thick = sorted({r.declared.skin_thickness_mm for r in recordings if r.declared.skin_thickness_mm})
+    if len(thick) > 1:
+        said = " and ".join(f"{t:g}" for t in thick)
+        raise DiagnosisError(f"the recordings are of skins that are {said} mm thick, and a model is of one skin: diagnose them apart")
     if model is not None and len(model.shares) != len(recordings[0].taxels):
         raise DiagnosisError(f"the model has {len(model.shares)} taxels, the recordings have {len(recordings[0].taxels)}")
     for r in recordings:

@@ -24,6 +24,7 @@ from skin_ident.criticism.whitening import fit_whitener
 from skin_models.model import Model
 
 TREND = 25  # samples of the running median that is taken for what a force really did
+SAME_RATE = 0.01  # relative; lines are looked for in sessions of one rate
 HARMLESS = 3  # samples of depth that a straight line replaces to well within the band's noise
 
 
@@ -101,7 +102,9 @@ def _in_residuals(recordings: list, sessions: list[Session]) -> list[Symptom]:
     outliers = find_outliers(names, channels, rest, raw, jumps, n, dt)
     bad = [_bad_samples(r, outliers) for r in recordings]
     rest, raw = ([_bridged(y, b) for y, b in zip(rows, bad, strict=True)] for rows in (rest, raw))
-    return [*outliers, *find_saturation(names, channels, raw, predicted, n), *find_interference(channels, rest, predicted, dt, n)]
+    alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]
+    lines = find_interference(channels, [rest[i] for i in alike], [predicted[i] for i in alike], dt, n)
+    return [*outliers, *find_saturation(names, channels, raw, predicted, n), *lines]
 
 
 def _first_fit(sessions: list[Session]) -> Model:

@@ -1,0 +1,66 @@
+"""Every kind of data, from tables to findings: what is missing is said, what does not belong together is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from world import make_sessions, without, write_case
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.recordings.load import load
+
+RELAXING = ("stress_relaxation", "skin", "prony2", 1.5)
+
+
+@pytest.fixture(scope="module")
+def sessions():
+    return make_sessions(*RELAXING, seed=71, n_sessions=2)[0]
+
+
+def named(recordings, held=()):
+    findings = diagnose(list(recordings), list(held)).findings
+    return [(f["cause"], f["where"]) for f in findings["findings"]], findings
+
+
+def read(folder, sessions):
+    write_case(sessions, folder)
+    return load(folder)
+
+
+@pytest.mark.parametrize(("missing", "channels"), [("taxels", {"force"}), ("force", {"taxel_0"})])
+def test_a_material_test_and_one_without_load_cell(tmp_path, sessions, missing, channels):
+    first, second = read(tmp_path, [without(s, missing) for s in sessions])
+    names, findings = named([first], [second])
+    assert ("stress_relaxation", "skin") in names and set(findings["gain_by_channel"]) == channels
+    worth = next(iter(findings["gain_by_channel"].values()))
+    assert worth["held_out_rmse_after"] < worth["held_out_rmse_before"] and worth["ci95"][0] > 0.0
+    if missing == "taxels":
+        assert "there is no taxel" in next(u["because"] for u in findings["untestable"] if u["cause"] == "dead_taxel")
+
+
+def test_one_session_says_what_the_second_would_be_for(tmp_path, sessions):
+    names, findings = named(read(tmp_path, sessions[:1]))
+    assert ("stress_relaxation", "skin") in names and any("record a second one" in w for w in findings["warnings"])
+    assert len(findings["recordings"]) == 1 and findings["recordings"][0]["compared"]["left_out"] > 0
+
+
+def test_sessions_of_two_rates(tmp_path):
+    both = [make_sessions(*RELAXING, seed=75, n_sessions=2, rate=r)[0][i] for i, r in enumerate((50.0, 100.0))]
+    recordings = [read(tmp_path / str(i), [s])[0] for i, s in enumerate(both)]
+    assert [round(1.0 / r.dt) for r in recordings] == [50, 100]
+    assert ("stress_relaxation", "skin") in named(recordings[:1], recordings[1:])[0]
+
+
+def test_skins_of_two_thicknesses_are_not_one_skin(tmp_path, sessions):
+    first, second = read(tmp_path, sessions)
+    other = replace(second, declared=replace(second.declared, skin_thickness_mm=17.0))
+    with pytest.raises(DiagnosisError, match="and a model is of one skin"):
+        diagnose([first, other])
+
+
+def test_without_force_and_without_depth_nothing_can_be_said(tmp_path, sessions):
+    first = read(tmp_path, sessions[:1])[0]
+    with pytest.raises(DiagnosisError, match="taxels alone"):
+        diagnose([replace(first, depth=None, force=None)])
+    assert np.ptp(first.depth) > 0.0
