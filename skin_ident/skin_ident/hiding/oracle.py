@@ -21,7 +21,7 @@ def oracle_errors(train: list[Recording], held: list[Recording], hidden: Hidden 
         return None
     fitted, tried = [prepare(r) for r in train], [prepare(r) for r in held]
     start: Model = dispersion_start(fitted, skin_mass(train[0]))
-    fitted = [without_parting(s, start.dispersion) for s in fitted]  # as the criticism fits; its errors are over all samples
+    fitted, tried = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (fitted, tried))  # as the criticism does
     knowing = start if hidden is None else start.extended(hidden.effect)
     noise = survey(knowing, fitted[:1], directions(fitted[0])).noise
     model = fit(knowing, fitted, noise).model

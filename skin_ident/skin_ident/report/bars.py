@@ -32,7 +32,7 @@ def _error_row(e: ChannelError) -> list:
     bars = [_bar(v, top, kind) for v, kind in ((before, "before"), (after, "after"))]
     floor = el("u", style=f"left:{100 * e.floor / top:.1f}%", title="noise alone") if top and e.floor else None
     cells = [amount(v, e.unit, like=like) for v in (before, after)]
-    fell = span(*e.interval, e.unit) if e.interval else UNKNOWN
+    fell = span(*e.interval, e.unit, like) if e.interval else UNKNOWN
     return [channel(e.channel), *cells, change, fell, amount(e.floor, e.unit, like=like), el("div", bars, floor, class_="duel"), training]
 
 

@@ -49,7 +49,7 @@ def _grade(v: View, rivals: bool) -> str:
     if v.verdict == UNEXPLAINED or not v.findings:
         return "Sure that something is wrong, not what"
     if rivals:
-        return "Sure of the gain, not of the name"
+        return "Sure of the gain, not of the name" if _clear(v) == len(v.judged) else "Not sure, neither of the gain nor of the name"
     if _clear(v) < len(v.judged) or v.tested == STRETCHES:
         return "Fairly sure"
     return "Sure" if v.verdict == EXPLAINED else "Sure of what is named; more is left"
@@ -64,6 +64,8 @@ def _on_held_out(v: View) -> Iterator[str]:
         yield f"Checked on {TESTED[v.tested]}."
     elif v.judged and _clear(v) == len(v.judged):
         yield f"The prediction of {TESTED[v.tested]} improves beyond chance (the 95 % interval excludes zero)."
+    elif len(v.judged) == 1:
+        yield f"The prediction of {TESTED[v.tested]} improves, but the 95 % interval of the plain error's fall includes zero."
     elif v.judged:
         yield f"{_clear(v)} of {_count(len(v.judged), 'finding')} improve the prediction of {TESTED[v.tested]} beyond chance."
     if v.tested == STRETCHES:

@@ -73,7 +73,7 @@ def _tested_pair(e: ChannelError, v: View) -> tuple[float, float]:
 
 def _interval(v: View, e: ChannelError) -> str:
     if e.interval:
-        return f"The fall is {span(*e.interval, e.unit)} with 95 % confidence."
+        return f"The fall is {span(*e.interval, e.unit, e.pair)} with 95 % confidence."
     gains = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
     if not gains:
         return ""

@@ -96,9 +96,9 @@ def _with_spread(value: float, std: float) -> str:
     return f"{text}{_SPACE}±{_SPACE}{spread}"
 
 
-def span(low: Any, high: Any, unit: str) -> str:
-    """An interval, `1.00 to 2.00 N`."""
-    factor, name = scale([low, high], unit)
+def span(low: Any, high: Any, unit: str, like: Any = ()) -> str:
+    """An interval, `1.00 to 2.00 N`. `like` are more values whose scale it shares."""
+    factor, name = scale([low, high, *like], unit)
     low, high = finite(low), finite(high)
     if low is None or high is None:
         return UNKNOWN

@@ -27,10 +27,10 @@ def spoken(name: str) -> str:
 
 
 def place(where: str) -> str:
-    """Where something sits: `taxel_3` becomes `taxel 3 alone`."""
+    """Where something sits: `taxel_3` becomes `taxel 3`."""
     head, _, index = str(where).partition("_")
     if head == "taxel" and index.isdigit():
-        return f"taxel {index} alone"
+        return f"taxel {index}"
     return PLACES.get(where, spoken(where))
 
 

@@ -107,7 +107,7 @@ def test_one_session_is_called_unproven(rendered):
 
 def test_dead_taxel_asks_for_a_rebuild_and_markup_in_names_stays_text(rendered):
     directory = rendered["six_findings"][1]
-    assert "**Yes**, because taxel 3 alone no longer answers" in (directory / "report.md").read_text(encoding="utf-8")
+    assert "**Yes**, because taxel 3 no longer answers" in (directory / "report.md").read_text(encoding="utf-8")
     assert "<b>not markup</b>" in " ".join(read(directory / "report.html").words)
 
 
