@@ -73,7 +73,7 @@ def test_its_parts_work_together_started_one_by_one(graph):
         graph.processes.start(package, name, parameters={"use_sim_time": True, **parameters}, remap=remap)
     simulated = graph.hear(TaxelArray, "simulated/taxels")
     client = ActionClient(graph.node, ExecuteProfile, "execute_profile")
-    graph.wait(client.server_is_ready, "the profile server")
+    graph.wait(lambda: client.server_is_ready() and simulated, "the profile server and the simulated skin")
     sent = client.send_goal_async(ExecuteProfile.Goal(profile="{type: step, depth_mm: 0.5, hold_s: 1}"))
     graph.wait(sent.done, "the goal")
     ended = sent.result().get_result_async()
