@@ -47,7 +47,7 @@ def judged(path, fitted=dispersion, truth=TRUTH):
 
 
 def between_forces(recordings):
-    return fit_force_to_force([replace(r, depth=None) for r in recordings])
+    return fit_force_to_force([replace(r, depth=None) for r in recordings], taxel=0)
 
 
 def spoilt(folder, suffix, defects, seed):

@@ -37,7 +37,7 @@ def _of_channel(sessions: Sequence[Session], c: int, channel: list[Block], inver
         return None
     gains, remaining = [], iter(channel)
     for s, value in zip(sessions, values, strict=True):
-        rows = np.zeros((s.prefilter.rows(value).size, len(inverse)))
+        rows = np.zeros((s.taxels.shape[1] if s.force is None else s.force.size, len(inverse)))
         for part in s.parts:
             rows[part] = next(remaining).gain(inverse)
         gains.append(s.prefilter.spread(rows, value.size))

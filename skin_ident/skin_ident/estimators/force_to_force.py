@@ -44,11 +44,11 @@ def fit_force_to_force(recordings: Sequence[Recording], order: int = 1, taxel: i
     lacking = [r.name for r in recordings if r.force is None or not len(r.taxels)]
     if lacking:
         raise FitError(f"{', '.join(lacking)}: a fit from force to force needs a load cell and a taxel")
-    index = _strongest(recordings[0]) if taxel is None else taxel
-    if not all(0 <= index < len(r.taxels) for r in recordings):
-        raise FitError(f"there is no taxel {index} in every recording")
     looked = [inspected(r) for r in recordings]
     recordings = [r.warned(*q.warnings) for r, _, q in looked]
+    index = _strongest(recordings[0], looked[0][1]) if taxel is None else taxel
+    if not all(0 <= index < len(r.taxels) for r in recordings):
+        raise FitError(f"there is no taxel {index} in every recording")
     pairs = [p for r, (_, good, _) in zip(recordings, looked, strict=True) for p in _pairs(r, index, good)]
     unit = recordings[0].taxel_units[index]
     _plausible(pairs, unit)
@@ -80,8 +80,10 @@ def _plausible(pairs: Sequence[Pair], unit: str) -> None:
         raise FitError(f"{pairs[0].name}: the taxel feels {slope:.3g} times the force: check units and calibrations")
 
 
-def _strongest(r: Recording) -> int:
-    return int(np.argmax(np.ptp(r.taxels, axis=1)))
+def _strongest(r: Recording, good: np.ndarray) -> int:
+    """The taxel that follows the force most, in samples that may be believed; ranges would be those of spikes and clipping."""
+    u = (r.force - r.force[good].mean()) * good if good.any() else r.force
+    return int(np.argmax(np.abs(r.taxels @ u)))
 
 
 def _first(theta: np.ndarray) -> np.ndarray:
