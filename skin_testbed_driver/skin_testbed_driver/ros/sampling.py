@@ -59,7 +59,10 @@ class SamplingThread(threading.Thread):
         if not self._priority:
             return
         try:
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(self._priority))  # 0: this thread
+            # All threads of the process: one that is put aside while it holds the interpreter or a lock of DDS would keep this one waiting.
+            for task in os.listdir("/proc/self/task"):  # noqa: PTH208
+                mine = int(task) == threading.get_native_id()
+                os.sched_setscheduler(int(task), os.SCHED_FIFO, os.sched_param(self._priority if mine else max(self._priority - 1, 1)))
         except (AttributeError, OSError) as error:
             self._complain(f"no real-time priority for sampling ({error}): it needs CAP_SYS_NICE or an rtprio limit; going on without")
 
