@@ -66,7 +66,11 @@ def layout_of(recordings: list, model: Model | None = None) -> Layout | str:
     """The layout, or one sentence saying why the ratios of the taxels cannot be judged."""
     count = len(recordings[0].taxels)
     if count < 2:
-        return "there is one taxel: where it is pressed, and how well it is calibrated, shows only beside others" if count else "no taxel"
+        return (
+            "there is one taxel: where it is pressed, and how well it is calibrated, shows only beside others"
+            if count
+            else "there is no taxel"
+        )
     if any("V" in r.taxel_units for r in recordings):
         return "the taxels are not calibrated, so their ratios say nothing"
     if any(len(r.declared.taxel_positions_mm) != count for r in recordings):
