@@ -16,6 +16,7 @@ SPIKE_RANGE = 0.03  # of the channel's range
 WIDEST = 4  # samples of one spike: three, and one more where it was resampled
 FROZEN = 8  # samples at one value before it is asked whether the channel should have moved
 MOVED = 0.05  # of a channel's range: what it should have moved by
+WITNESSES = 4  # taxels that are asked whether another channel should have moved
 WAY = 4  # samples to either side that must keep to the line from which a spike stands off
 JUMP = 2.0  # times the largest usual step: how a frozen encoder catches up
 SOFT, HARD = 30.0, 1e6  # N/m, stiffness of a skin under a plunger: outside, a unit is suspected
@@ -138,13 +139,21 @@ def _step(y: np.ndarray) -> float:
 
 def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
     rows = _rows(r)
+    asked = _asked(r)
     good, counts = np.ones(len(r), bool), {}
     for name, y in rows.items():
-        others = [other for n, other in rows.items() if n != name]
+        others = [rows[n] for n in asked if n != name]
         frozen = _frozen(y, others, holds=name == "depth")
         counts[name] = int(frozen.sum())
         good &= ~frozen
     return good, counts
+
+
+def _asked(r: Recording) -> list[str]:
+    """Channels that have a say about others: depth, force, and of the taxels those with the widest range."""
+    strongest = np.argsort(-np.ptp(r.taxels, axis=1))[:WITNESSES] if len(r.taxels) else []
+    names = [*(["depth"] if r.depth is not None else []), *(["force"] if r.force is not None else [])]
+    return names + [f"taxel_{i}" for i in sorted(int(i) for i in strongest)]
 
 
 def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:
@@ -166,10 +175,21 @@ def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:
     for start, stop in zip(starts[long], stops[long], strict=True):
         leaps = stop < y.size and steps[stop - 1] > jump
         # a channel that stands still as well has no say: the taxels of one message freeze together
-        said = [abs(slope) * np.ptp(o[start:stop]) > least for o, slope in related if np.ptp(o[start:stop]) > 0.0]
-        if said and all(said) and (leaps or not holds):
+        if (leaps or not holds) and _agree(related, start, stop, least):
             out[start:stop] = True
     return out
+
+
+def _agree(related: list[tuple[np.ndarray, float]], start: int, stop: int, least: float) -> bool:
+    """Whether one or more of the others moved, and each that did by as much as should have moved this one by `least`."""
+    moved = False
+    for other, slope in related:
+        part = other[start:stop]
+        by = abs(slope) * float(part.max() - part.min())
+        if 0.0 < by <= least:
+            return False
+        moved = moved or by > least
+    return moved
 
 
 def _slope(y: np.ndarray, other: np.ndarray) -> float | None:

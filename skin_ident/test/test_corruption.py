@@ -29,7 +29,7 @@ def dispersion(recordings):
 def judged(path, fitted=dispersion, truth=TRUTH):
     """ "refused", "right", "partly" or "wrong", and what was said. What is called not identifiable is refused; partly is right beside that.
 
-    A parameter that is given a wrong value is wrong however loudly it is warned of, and one that is refused without a word, too.
+    A parameter that is given a wrong value is wrong however loudly it is warned of, and one that is missing without a word, too.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # a stray numpy warning is a case nobody thought of
@@ -41,7 +41,7 @@ def judged(path, fitted=dispersion, truth=TRUTH):
     claimed = {n: v for n, v in truth.items() if n in fit.values and fit.verdicts[n].word != NOT_IDENTIFIABLE}
     far = [n for n, v in claimed.items() if not abs(fit.values[n] - v) <= 5 * fit.std[n] + 0.03 * abs(v)]
     told = f"{far} {fit.values} {' | '.join(fit.warnings)}"
-    if far or (len(claimed) < len(truth) and not fit.warnings):
+    if far or (not truth.keys() <= fit.values.keys() and not fit.warnings):
         return "wrong", told
     return "right" if len(claimed) == len(truth) else "partly", told
 

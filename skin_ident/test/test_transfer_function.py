@@ -147,7 +147,7 @@ def test_noise_of_the_load_cell_pulls_no_lead_to_zero():
 
 def test_a_lead_that_the_noise_hides_is_not_claimed():
     fit = fit_force_to_force([forces(1, rho=0.7)])
-    assert fit.verdicts["lead"].word == NOT_IDENTIFIABLE and fit.verdicts["share"].word == IDENTIFIABLE
+    assert fit.verdicts["lead"].word == NOT_IDENTIFIABLE and fit.verdicts["lag"].word == NOT_IDENTIFIABLE
 
 
 def test_an_order_that_the_data_do_not_determine_is_refused_or_doubted():

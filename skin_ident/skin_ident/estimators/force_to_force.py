@@ -111,7 +111,7 @@ def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, u
         model=None,
         parameters=named,
         covariance=covariance,
-        verdicts={p.name: _verdict(p, float(s)) for p, s in zip(named, np.sqrt(np.diag(covariance)), strict=True)},
+        verdicts=_judged(named, np.sqrt(np.diag(covariance)), left or " ".join(residual.complaint(channel))),
         residuals={channel: residual},
         contributions={p.name: {} for p in named},
         condition=float(np.linalg.cond(scaled)),
@@ -127,6 +127,13 @@ def _residual(fit: TransferFit, unit: str) -> Residual:
     mse, power = float(np.mean(e**2)), float(np.mean(y**2))
     r2 = 1.0 - mse / max(float(np.var(y)), 1e-300)
     return Residual(mse**0.5, r2, mse / max(power, 1e-300), tuple(map(float, fit.ar)), fit.noise, unit)
+
+
+def _judged(parameters: Sequence[Parameter], std: np.ndarray, reason: str) -> dict[str, Verdict]:
+    """Verdicts by parameter; nothing is claimed where there is a reason not to."""
+    if reason:
+        return {p.name: Verdict(NOT_IDENTIFIABLE, reason) for p in parameters}
+    return {p.name: _verdict(p, float(s)) for p, s in zip(parameters, std, strict=True)}
 
 
 def _verdict(p: Parameter, std: float) -> Verdict:
