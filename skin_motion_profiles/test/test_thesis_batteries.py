@@ -49,13 +49,13 @@ class Run:
         return float(np.polyfit(x[where], y[where], 1)[0])
 
 
-def specimen(folder: Path, stiffness: float, effects: list | None = None) -> str:
+def specimen(folder: Path, stiffness: float) -> str:
     """A model file: k in front of the taxel, hardly any damping."""
     units = {"m": "kg", "b1": "N*s/m", "k1": "N/m", "b2": "N*s/m", "k2": "N/m"}
     values = {"m": 0.0, "b1": 10.0, "k1": stiffness, "b2": 0.0, "k2": 1.0}
     dispersion = {name: {"value": values[name], "unit": unit} for name, unit in units.items()}
     path = folder / "specimen.yaml"
-    path.write_text(yaml.safe_dump({"schema": 1, "name": "specimen", "dispersion": dispersion, **({"effects": effects} if effects else {})}))
+    path.write_text(yaml.safe_dump({"schema": 1, "name": "specimen", "dispersion": dispersion}))
     return str(path)
 
 
