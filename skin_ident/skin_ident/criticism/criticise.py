@@ -24,7 +24,9 @@ WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
+OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
+WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 
 Progress = Callable[[str], None]
@@ -75,14 +77,15 @@ def criticise(
     progress: Progress = lambda stage: None,
     mass: float = 0.0,
     more: tuple[Direction, ...] = (),
+    encoder_step: float = 0.0,
 ) -> Criticism:
     """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg;
-    `more` are directions beside those of the catalogue.
+    `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m.
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
-    search = Search(train, held, (*directions(train[0]), *more), progress)
+    search = Search(train, held, (*directions(train[0]), *more), progress, encoder_step)
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
@@ -116,6 +119,7 @@ class Search:
     held: list[Session]
     which: tuple[Direction, ...]
     progress: Progress
+    encoder_step: float = 0.0
 
     def __post_init__(self) -> None:
         self.named: list[Named] = []
@@ -199,12 +203,12 @@ class Search:
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
             gain = self._gain(self.present.model, trial.fit.model)
-            rivals = [t for t in trials if t is not trial and t.score > _reach(trial.score)]
+            rivals = [t for t in trials if t is not trial and self._rivals(t, trial, gain)]
             alternatives = (
                 tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals) + _own(runs, trial, rivals) + _same(trial, rivals)
             )
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
-            if gain.passed and gain.squares > shadow:
+            if gain.passed and gain.squares > shadow and self._resolved(gain) and _shows(trial.ranked.where, gain):
                 return trial.fit, finding
             self.refused.append(finding)
         return None
@@ -229,6 +233,19 @@ class Search:
         self.train, self.held = train, added(self.held, other.values) if other else self.held
         self.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
         self.progress(f"named {finding.cause} in the {finding.where}")
+
+    def _resolved(self, gain: Gain) -> bool:
+        """Whether the gain is more than what the encoder's steps leave open: a force of k q / sqrt(12), the same one wherever the plunger
+        comes back to, so that held-out sessions repeat it."""
+        skin, shares = self.present.model.dispersion, self.present.model.shares
+        k = skin.k1 + skin.k2 if gain.channel == "force" else skin.k1 * shares[int(gain.channel.rpartition("_")[2])]
+        return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0
+
+    def _rivals(self, other: _Trial, best: _Trial, gain: Gain) -> bool:
+        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly so and more of what was held out."""
+        if other.score > _reach(best.score):
+            return True
+        return other.score > (1.0 - WIDE) * best.score and self._gain(self.present.model, other.fit.model).relative >= gain.relative
 
     def _accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
@@ -263,6 +280,12 @@ class Search:
 
     def _gain(self, before: Model, after: Model, refit_before: Callable = fit) -> Gain:
         return held_out_gain(before, after, self.train, self.held, self.noise, refit_before)
+
+
+def _shows(where: str, gain: Gain) -> bool:
+    """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""
+    own = {"load_cell": ("force",), "taxel": tuple(c for c in gain.carried if c.startswith("taxel"))}.get(where, (where,))
+    return not where.startswith(("load_cell", "taxel")) or any(c in gain.carried for c in own)
 
 
 def _own(runs: list[Run], trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:

@@ -68,7 +68,7 @@ def diagnose(
         looked = looked.carrying([s.beyond for s in sessions], [s.weight for s in sessions])
         every[0] = every[0].warned(*warnings) if warnings else every[0]
     train, held = _split(looked.sessions, len(recordings))
-    c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]))
+    c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]), _encoder_step(every))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
     symptoms = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after))

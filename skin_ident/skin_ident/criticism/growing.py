@@ -9,7 +9,7 @@ from skin_ident.criticism.whitening import Whitener
 from skin_models.effect import Effect
 from skin_models.errors import ModelError
 from skin_models.model import Model
-from skin_models.parameter import AMPLITUDE, parameters_of
+from skin_models.parameter import AMPLITUDE, SHAPE, parameters_of
 
 MOST = 3  # instances of one cause at one place
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
@@ -26,6 +26,9 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         if gained < max(10.0, WORTH * first):
             break
         present = trial
+        own = tuple(d for d in own if _adds(d, present.model))
+        if not own:
+            break
         ranked = survey(present.model, sessions, own, noise).ranked[0]
         if ranked.best_gain < max(10.0, WORTH * first):
             break
@@ -49,6 +52,12 @@ def _ready(d: Direction, amount: float) -> Effect:
         return d.effect.with_values(**values)
     except ModelError:
         return d.switched_on(amount)
+
+
+def _adds(d: Direction, model: Model) -> bool:
+    """Whether another instance could be anything new: two delays are one delay, two relaxation times are two."""
+    shaped = any(p.role == SHAPE for p in parameters_of(d.effect))
+    return shaped or not any(type(e) is type(d.effect) and e.where == d.where for e in model.effects)
 
 
 def instances(model: Model, cause: str, where: str) -> tuple[Effect, ...]:

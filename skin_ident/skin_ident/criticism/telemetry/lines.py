@@ -13,6 +13,7 @@ CHANCE = 1e-4  # of one false line per channel
 DRIFT = 5  # bins by which a line may differ from session to session
 LOWEST_HZ = 1.0  # below, the motion itself leaves lines in a residual
 AROUND, LONELY = 30, 0.15  # a line that comes in bursts has sidebands; within so many bins the median must stay below this share of it
+TALL = 20.0  # times its background, where a motion has a line of its own
 BY_DEPTH = 0.4  # of a line that the simulation may carry
 
 
@@ -21,7 +22,8 @@ def find_interference(
 ) -> list[Symptom]:
     """Periodic disturbances per channel, from residuals (C, N) at full rate.
 
-    A line that the simulation carries as well came in by the depth, such as the steps of a coarse encoder at constant speed.
+    A line that the simulation carries as well came in by the depth: a harmonic of a periodic motion, or the steps of a coarse encoder at
+    constant speed.
     """
     n = min(e.shape[1] for e in residuals)
     frequency = np.fft.rfftfreq(n, dt)
@@ -37,13 +39,19 @@ def find_interference(
         around = np.median(width[max(i - AROUND, 0) : i + AROUND + 1])
         if ratio.max() > 3.0 * limit and around < LONELY * ratio.max():
             amplitude = _amplitude([e[c] for e in residuals], frequency[i], dt)
-            if _amplitude([m[c] for m in predicted], frequency[i], dt) > BY_DEPTH * amplitude:
+            if _amplitude([m[c] for m in predicted], frequency[i], dt) > BY_DEPTH * amplitude or _stands([m[c][:n] for m in predicted], i):
                 continue
             line = f"a line at {frequency[i]:.3g} Hz stands {ratio.max():.0f} times over the background of {channel}"
             why = f"{line} in {len(residuals)} session{'s' * (len(residuals) > 1)}"
             parameters = {"frequency": quantity(frequency[i], "Hz"), "amplitude": quantity(amplitude, "N")}
             found.append(Symptom("interference", place_of(channel, n_taxels), (channel,), parameters, {"why": why}))
     return found
+
+
+def _stands(rows: list[np.ndarray], i: int) -> bool:
+    """Whether there is a line within a bin of `i` in most of these rows."""
+    tall = [np.max(_over_background(row)[max(i - 1, 0) : i + 2]) for row in rows]
+    return float(np.median(tall)) > TALL
 
 
 def _over_background(e: np.ndarray) -> np.ndarray:

@@ -45,7 +45,7 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     dips = np.array([one.dips for one in leavings])
     pulled = dips < -CLEAR * width
     carried = np.flatnonzero(pulled.mean(axis=0) >= AGREE)
-    if carried.size == 0:
+    if carried.size == 0 or (sessions[0].channels[0] == "force" and carried[0] != 0):  # what pulls a taxel pulls the load cell too
         return []
     shown = pulled[:, carried].any(axis=1)
     depths = [one.depth for one, yes in zip(leavings, shown, strict=True) if yes]
