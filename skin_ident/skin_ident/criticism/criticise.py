@@ -242,7 +242,7 @@ class Search:
         return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0
 
     def _rivals(self, other: _Trial, best: _Trial, gain: Gain) -> bool:
-        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly so and more of what was held out."""
+        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and more of what was held out."""
         if other.score > _reach(best.score):
             return True
         return other.score > (1.0 - WIDE) * best.score and self._gain(self.present.model, other.fit.model).relative >= gain.relative

@@ -12,8 +12,8 @@ from skin_ident.criticism.session import Session
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
-# What the channels can tell of the dispersion model. The mass is set from the skin's density, as in the thesis's Table 4-5. A test driven by
-# force knows ratios only: k2 is the scale.
+# What the channels can tell of the dispersion model. The mass is set from the skin's density, as in the thesis's Table 4-5. A test driven
+# by force knows ratios only: k2 is the scale.
 BY_DEPTH, MATERIAL, TAXELS_ALONE, BY_FORCE = ("b1", "k1", "b2", "k2"), ("b2", "k2"), ("b1", "k1"), ("b1", "k1", "b2")
 
 

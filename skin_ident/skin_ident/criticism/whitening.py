@@ -21,8 +21,8 @@ FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must
 
 @dataclass(frozen=True)
 class Whitener:
-    """`mix` (C, C) makes uncorrelated mixtures of the channels, `filters` (C, p+1) are their prediction-error filters, `root` (C, C) the lower
-    Cholesky factor of the innovations' covariance."""
+    """`mix` (C, C) makes uncorrelated mixtures of the channels, `filters` (C, p+1) are their prediction-error filters, `root` (C, C) is the
+    lower Cholesky factor of the innovations' covariance."""
 
     mix: np.ndarray
     filters: np.ndarray

@@ -21,8 +21,7 @@ from skin_models.spread.noted import spread_width
 POINTS = 61
 WIDEST = 6.0  # widths, where the table of a shape ends at the latest
 STATIC = (
-    "static spread scan: only k1, the force that reaches the taxel per depth, and the spread were measured; "
-    "no damping, nothing dispersed"
+    "static spread scan: only k1, the force that reaches the taxel per depth, and the spread were measured; no damping, nothing dispersed"
 )
 
 

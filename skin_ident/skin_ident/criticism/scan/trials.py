@@ -115,5 +115,3 @@ def without_candidate(c: Candidate, m: Member, start: Member) -> Member:
 def sizes_of(m: Member, free: bool, start: Member | None = None) -> Member:
     """`m` with its sizes free, or back at those of `start`."""
     return Member(m.values, m.k if start is None else start.k, m.free, m.scale, m.steps, free)
-
-
