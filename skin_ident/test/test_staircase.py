@@ -5,7 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from skin_ident.estimators.dispersion import fit_dispersion
+from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.staircase import drawn_again
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
+from skin_models.signals import motion
 
 RATE = 100.0
 STEP = 20e-6
@@ -39,3 +44,15 @@ def test_what_is_not_quantized_stays_as_it_is():
     path = 1e-3 * np.sin(np.arange(0.0, 6.0, 0.01))
     np.testing.assert_array_equal(drawn_again(path), path)
     np.testing.assert_array_equal(drawn_again(np.zeros(50)), np.zeros(50))
+
+
+@pytest.mark.parametrize("step", [5e-6, 20e-6])
+def test_a_coarse_encoder_hides_little_damping_from_a_fit(step):
+    rng = np.random.default_rng(3)
+    t = np.arange(0.0, 60.0, 1.0 / RATE)
+    path = 3e-4 + 1.5e-4 * np.sin(0.8 * t) + 0.8e-4 * np.sin(2.9 * t + 1.0)
+    skin = Dispersion(m=0.0, b1=1400.0, k1=28000.0, b2=630.0, k2=1600.0)
+    r = Model(skin, shares=(1.0,)).simulate(motion(t, path))
+    noisy = [y + 0.05 * rng.standard_normal(y.shape) for y in (r.force, r.taxels)]
+    fitted = fit_dispersion([Recording("coarse", t, np.round(path / step) * step, *noisy)], mass=0.0).model.dispersion
+    assert fitted.b1 == pytest.approx(skin.b1, rel=0.03) and fitted.k1 == pytest.approx(skin.k1, rel=0.01)

@@ -9,6 +9,7 @@ from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.prefilter import Prefilter, prefilters_for
 from skin_ident.quality import Quality, inspected
 from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.staircase import drawn_again
 from skin_ident.recordings.timing import counted
 from skin_models.dispersion import Dispersion
 from skin_models.signals import GRAVITY, Motion, motion
@@ -68,7 +69,7 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
         if q.impossible:
             raise FitError(f"{r.name}: {q.impossible}")
     recordings = [r.warned(*q.warnings) for r, _, q in looked]
-    prefilters = prefilters_for([(r.depth, r.dt) for r in recordings])
+    prefilters = prefilters_for([(drawn_again(r.depth), r.dt) for r in recordings])
     warnings = tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings)
     live = _live(recordings)
     each = zip(recordings, prefilters, looked, strict=True)
@@ -109,9 +110,9 @@ def _session(r: Recording, prefilter: Prefilter, good: np.ndarray, quality: Qual
 def _moving(r: Recording, prefilter: Prefilter) -> Motion:
     """The motion at the recording's stamps. The prefilter needs no even ones: what holds for every sample holds for their sums."""
     if not r.uneven:
-        return motion(r.t, prefilter.smooth(r.depth))
+        return motion(r.t, prefilter.smooth(drawn_again(r.depth)))
     grid = np.linspace(r.t[0], r.t[-1], len(r))
-    s = motion(grid, prefilter.smooth(np.interp(grid, r.t, r.depth)))
+    s = motion(grid, prefilter.smooth(drawn_again(np.interp(grid, r.t, r.depth))))
     return replace(s, t=r.t, **{name: np.interp(r.t, grid, getattr(s, name)) for name in "xva"})
 
 
