@@ -1,8 +1,9 @@
 """Friction of the rig's guide or of the load cell's mounting: the measured force steps with the sign of the speed.
 
-    y' = y + F tanh(v / v_s)
+    y' = y + (F + mu |y|) tanh(v / v_s)
 
-Coulomb's law, smoothed over the speed v_s: below it the force falls off instead of holding. It acts in the air too.
+Coulomb's law, smoothed over the speed v_s: below it the force falls off instead of holding. F acts in the air too; what the load itself
+presses into the guide rubs in proportion to it (mu).
 
 Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138.
 """
@@ -26,6 +27,7 @@ class Friction(Memoryless):
     linear: ClassVar[bool] = True
 
     force: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="sliding friction F")
+    coefficient: float = quantity("1", 0.0, lower=0.0, upper=2.0, typical=0.03, doc="friction mu per load")
     speed: float = quantity(
         "m/s",
         2e-4,
@@ -38,4 +40,4 @@ class Friction(Memoryless):
     )
 
     def apply(self, y, s):
-        return y + self.force * np.tanh(s.v / self.speed)
+        return y + (self.force + self.coefficient * np.abs(y)) * np.tanh(s.v / self.speed)
