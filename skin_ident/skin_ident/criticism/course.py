@@ -67,10 +67,9 @@ class Run:
     values: dict[str, np.ndarray]
     said: dict[str, str]
 
-    @property
-    def worth(self) -> bool:
-        """Whether it explains anything, and is more than what a good stage does at rest."""
-        return self.score > 0.0 and not (self.course.carrier == DEPTH and self.largest < AT_REST)
+    def worth(self, encoder_step: float) -> bool:
+        """Whether it explains anything, and is more than what a good stage does at rest or its encoder can tell."""
+        return self.score > 0.0 and not (self.course.carrier == DEPTH and self.largest < max(AT_REST, 0.5 * encoder_step))
 
 
 def zeros(sessions: list[Session]) -> list[np.ndarray]:
@@ -91,12 +90,13 @@ def courses(session: Session) -> Iterator[Course]:
         yield Course(DEPTH, STEPS, None, "rig")
 
 
-def worthwhile(model: Model, sessions: list[Session], noise: Whitener) -> list[Run]:
-    """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first."""
+def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
+    """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. A depth that is
+    read in steps cannot show less than half of one."""
     own = stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise)
     Q, _ = np.linalg.qr(own)
     runs = [_run(course, model, sessions, noise, Q) for course in courses(sessions[0])]
-    return sorted((r for r in runs if r.worth), key=lambda r: -r.score)
+    return sorted((r for r in runs if r.worth(encoder_step)), key=lambda r: -r.score)
 
 
 def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:

@@ -138,7 +138,11 @@ class Search:
             self.noise = last.noise
             self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
             trials = self._trials(last)
-            runs = [r for r in worthwhile(self.present.model, self.train, self.noise) if r.course not in {t.course for t in self.runs}]
+            runs = [
+                r
+                for r in worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
+                if r.course not in {t.course for t in self.runs}
+            ]
             own, shared = self._choose(trials, runs)
             taken = own or shared
             self.rounds.append((last, taken[1].cause if taken else None))
@@ -222,7 +226,11 @@ class Search:
         after = fit(self.present.model, added(self.train, run.values), self.noise)
         gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > _reach(run.score) and t.key[0] != run.course.cause)
-        return (run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)) if believed(gain) else None
+        return (
+            (run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said))
+            if believed(gain) and self._resolved(gain)
+            else None
+        )
 
     def _take_course(self, run: Run, finding: Named) -> None:
         """Give every session its course; the rest of the search goes on with what is left."""

@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
+from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import SCAN, separating, shift_of, why
 from skin_ident.criticism.vocabulary import BY_NAME
 
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
+SILENT = 0.01  # of the largest share
 POSSIBLE = 0.5  # probability that something is wrong, below which causes are excluded
 
 
@@ -42,11 +44,18 @@ def entry(a: ArrayCriticism) -> dict[str, Any]:
         "alternatives": [
             {"cause": r.hypothesis.cause, "where": r.hypothesis.where, "explains_less_by": float(2.0 * (best.log_odds - r.log_odds))}
             for r in rivals
-        ],
+        ]
+        + [{"cause": "dead_taxel", "where": f"taxel_{i}", "explains_less_by": 0.0} for i in silent(a)],
         "separating_experiment": separating([best.hypothesis.cause, *(r.hypothesis.cause for r in rivals)]),
         "means": BY_NAME[best.hypothesis.cause].means,
         "advice": BY_NAME[best.hypothesis.cause].act,
     }
+
+
+def silent(a: ArrayCriticism) -> list[int]:
+    """Taxels that feel nothing where the layout promises them something: a spread that passes them by, or they are dead."""
+    felt, promised = np.abs(a.measured.value), Family(a.layout).shares({})
+    return [i for i, said in enumerate(promised.T) if np.all(felt[:, i] < SILENT * felt.max()) and np.any(said > 5.0 * SILENT)]
 
 
 def form_of(j: Judged) -> str:
