@@ -28,10 +28,10 @@ def test_replay(graph, tmp_path):
     graph.command((2.0, 1e-3, 0.0))
     assert record(graph, tmp_path / "a", 400).end(30.0) == 0
     driver.end(30.0)
-    replay = {"rig": "replay", "recording": str(tmp_path / "a"), "time_scale": 10.0}  # as it was recorded
-    graph.processes.start("skin_testbed_driver", "driver_node", parameters=replay)
-    states = graph.hear(DriverState, "driver_state")
+    states = graph.hear(DriverState, "driver_state", latched=True)
     encoder = graph.hear(JointState, "encoder")
+    replay = {"rig": "replay", "recording": str(tmp_path / "a")}  # in real time: ten times as fast it may be over before it is heard
+    graph.processes.start("skin_testbed_driver", "driver_node", parameters=replay)
     graph.wait(lambda: any("has ended" in s.reason for s in states), "the end of the recording")
     recorded = values(tmp_path / "a", "/encoder", lambda m: m.position[0])
     played = [m.position[0] for m in encoder if m.position[0] == m.position[0]]  # without NaN: nothing comes after the end
