@@ -72,11 +72,18 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
             "channel": gain.channel,
             "unit": "N",
         },
-        "alternatives": [{"cause": a.cause, "where": place(a.where), "explains_less_by": float(a.short_by)} for a in named.alternatives],
+        "alternatives": _alternatives(named),
         **_separating(named, experiments),
         "means": BY_NAME[named.cause].means,
         "advice": BY_NAME[named.cause].act,
     }
+
+
+def _alternatives(named: Named) -> list[dict[str, Any]]:
+    """Every other name once: different clocks of the catalogue are one `clock` to the reader."""
+    unique = {(a.cause, place(a.where)): float(a.short_by) for a in reversed(named.alternatives)}
+    unique.pop((named.cause, place(named.where)), None)
+    return [{"cause": c, "where": w, "explains_less_by": short} for (c, w), short in reversed(unique.items())]
 
 
 def _dispersion(model: Model, std: dict[str, float]) -> dict[str, Any]:
