@@ -165,7 +165,7 @@ def _over_oracle(outcome, truth) -> float:
     return float(np.max(error / np.maximum(floor, 1e-12)))
 
 
-def main() -> None:
+def main(arguments: list[str] | None = None) -> None:
     """Command line: KIND [--size 1] [--count 54] [--seed 0] [--first 0] [--causes a,b] [--keep FOLDER]."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("kind", choices=("null", "single", "pair", "poor"))
@@ -175,7 +175,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--causes", default="")
     parser.add_argument("--keep", type=Path, help="folder for the cases, to run them again after a change")
-    o = parser.parse_args()
+    o = parser.parse_args(arguments)
     causes = o.causes.split(",") if o.causes else [c for c in PLACES if c not in NOT_EFFECTS]
     judged = []
     for index in range(o.first, o.first + o.count):
