@@ -14,6 +14,7 @@ from skin_ident.criticism.whitening import Whitener, fit_whitener, stack, white
 
 RICHEST = 24  # directions that the richest model may use
 PASSES = 2
+ROUNDING = 1e-6  # of single precision, in a chosen set of directions
 
 
 def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
@@ -30,19 +31,26 @@ def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: l
 
 
 def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0) -> np.ndarray:
-    """Orthogonal matching pursuit: coefficients of at most `most` columns of A, the first `forced` always used, until nothing gains."""
-    gram, product = A.T @ A, A.T @ r
-    size = np.sqrt(np.diag(gram))
-    chosen = [i for i in range(forced) if size[i] > 0]
+    """Orthogonal matching pursuit: coefficients of at most `most` columns of A, the first `forced` always used, until nothing gains.
+
+    Columns are taken at unit length and multiplied in single precision, which is plenty to choose by and takes half the time.
+    """
+    single = A.astype(np.float32)
+    gram = (single.T @ single).astype(float)
+    length = np.sqrt(np.diag(gram))
+    usable = length > 0.0
+    scale = np.where(usable, length, 1.0)
+    gram /= np.outer(scale, scale)
+    product = (A.T @ r) / scale
+    chosen = [i for i in range(forced) if usable[i]]
     z, charge = np.zeros(A.shape[1]), np.log(max(len(r), 2))
     while True:
         if chosen:
             z[:] = 0.0
-            z[chosen] = np.linalg.lstsq(gram[np.ix_(chosen, chosen)], product[chosen], rcond=1e-10)[0]
-        left = product - gram @ z
-        gains = np.where(size > 0, (left / np.where(size > 0, size, 1.0)) ** 2, 0.0)
+            z[chosen] = np.linalg.lstsq(gram[np.ix_(chosen, chosen)], product[chosen], rcond=ROUNDING)[0]
+        gains = np.where(usable, product - gram @ z, 0.0) ** 2
         gains[chosen] = 0.0
         best = int(np.argmax(gains))
         if len(chosen) >= most or gains[best] < charge:
-            return z
+            return z / scale
         chosen.append(best)

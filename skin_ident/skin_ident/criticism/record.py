@@ -64,6 +64,8 @@ def inspect(recordings: list) -> Inspected:
     mended = [_mended(r, early) for r in recordings]
     sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
     late = _in_residuals(mended, sessions)
+    if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
+        late = [s for s in late if s.cause != "interference"]
     dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
     clipped = [s for s in symptoms if s.cause == "saturation"]

@@ -33,11 +33,14 @@ class Whitener:
         order = self.filters.shape[1] - 1
         believed = lfilter(np.ones(order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
         believed[:order] = False
+        to_unit = solve_triangular(self.root, np.eye(len(self.root)), lower=True)
+        if not self.filters[:, 1:].any():  # white: one product does it all
+            return np.matmul(to_unit @ self.mix, e) * believed
         mixed = np.matmul(self.mix, e)
         for c, taps in enumerate(self.filters):
             mixed[..., c, :] = lfilter(taps, [1.0], mixed[..., c, :], axis=-1)
-        to_unit = solve_triangular(self.root, np.eye(len(self.root)), lower=True)
-        return np.matmul(to_unit, mixed * believed)
+        mixed *= believed
+        return np.matmul(to_unit, mixed)
 
 
 def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], order: int = ORDER) -> Whitener:
