@@ -29,16 +29,18 @@ class Whitener:
     root: np.ndarray
 
     def apply(self, e: np.ndarray, weight: np.ndarray) -> np.ndarray:
-        """Whiten (..., C, n). Samples that one of the channels or their neighbourhood spoils, and the first p, come back as zeros."""
+        """Whiten (..., C, n), in the precision that comes in. Samples that a channel or its neighbourhood spoils, and the first p,
+        come back as zeros."""
         order = self.filters.shape[1] - 1
         believed = lfilter(np.ones(order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
         believed[:order] = False
-        to_unit = solve_triangular(self.root, np.eye(len(self.root)), lower=True)
+        to_unit = solve_triangular(self.root, np.eye(len(self.root)), lower=True).astype(e.dtype)
+        mix, believed = self.mix.astype(e.dtype), believed.astype(e.dtype)
         if not self.filters[:, 1:].any():  # white: one product does it all
-            return np.matmul(to_unit @ self.mix, e) * believed
-        mixed = np.matmul(self.mix, e)
+            return np.matmul(to_unit @ mix, e) * believed
+        mixed = np.matmul(mix, e)
         for c, taps in enumerate(self.filters):
-            mixed[..., c, :] = lfilter(taps, [1.0], mixed[..., c, :], axis=-1)
+            mixed[..., c, :] = lfilter(taps.astype(e.dtype), np.ones(1, e.dtype), mixed[..., c, :], axis=-1)
         mixed *= believed
         return np.matmul(to_unit, mixed)
 
