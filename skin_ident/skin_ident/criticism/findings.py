@@ -63,7 +63,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
             "held_out_fall_of_mean_square": gain.relative,
             "held_out": gain.held_out,
             "forms": [type(e).__name__ for e in effects],
-            **({"of_each_session": named.courses} if named.courses else {}),
+            **_of_each_session(named),
         },
         "gain": {
             "held_out_rmse_before": gain.before,
@@ -77,6 +77,13 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
         "means": BY_NAME[named.cause].means,
         "advice": BY_NAME[named.cause].act,
     }
+
+
+def _of_each_session(named: Named) -> dict[str, Any]:
+    if not named.courses:
+        return {}
+    said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())
+    return {"why": f"each session has its own ({said}), which no parameter that they share could be", "of_each_session": named.courses}
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:
