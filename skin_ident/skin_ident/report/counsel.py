@@ -105,7 +105,9 @@ def next_steps(v: View) -> Iterator[str]:
 
 
 def _carried(v: View) -> str:
-    return "everything" if all(f.simulated or not f.direct for f in v.findings) else "what can be simulated of what is"
+    own = any(dict(f.evidence).get("of_each_session") for f in v.findings)  # no simulation can know it beforehand
+    whole = not own and all(f.simulated or not f.direct for f in v.findings)
+    return "everything" if whole else "what can be simulated of what is"
 
 
 def _advice(v: View) -> Iterator[str]:
