@@ -70,7 +70,10 @@ def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
     effect = effect_of(symptom)
     if effect is None:
         return {"simulated": "no: the simulated chain has no place for this"}
-    why = "the noise carries readings across the steps" if symptom.cause in PREDICTS else "it comes at random"
+    reasons = dict.fromkeys(PREDICTS, "the noise carries readings across the steps") | {
+        "adhesion": "the moments at which it acts are not compared"
+    }
+    why = reasons.get(symptom.cause, "it comes at random")
     said = "yes, and held-out data are predicted with it" if predicts else f"yes, but nothing is predicted with it, for {why}"
     return {"simulated": said, "forms": [type(effect).__name__]}
 
