@@ -19,6 +19,7 @@ FLOOR = 100.0  # squared whitened units, ten times the criticism's: causes that 
 SHORTEST = 20.0  # s: held-out data are judged by blocks of 2 s, and a few of them say nothing
 MARGIN = 1.5  # times the criticism's own bound: real skins are not quite of the forms that were fitted
 PATIENCE = 75.0  # s of recording, for an experiment that is not sure to decide
+TELLS_NOTHING = 1.0  # expected log likelihood ratio: names for one and the same signal are not worth an experiment
 MOST_RUNS = 3
 PERIOD = 0.01  # s, at which candidates are simulated
 
@@ -100,7 +101,7 @@ def separating_experiments(
 ) -> dict[tuple[str, str], tuple[str, Experiment]]:
     """The best experiment for every finding that has rivals, by its cause and place, with the name of the file it goes to."""
     each = {(n.cause, n.where): separating_experiment(n, train, c.last.noise, progress) for n in c.named}
-    wanted = {key: e for key, e in each.items() if e is not None}
+    wanted = {key: e for key, e in each.items() if e is not None and e.evidence > TELLS_NOTHING}
     return {key: (f"separating{f'_{i}' if i > 1 else ''}.yaml", e) for i, (key, e) in enumerate(wanted.items(), 1)}
 
 
