@@ -14,15 +14,15 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 CONTENDERS = ("read alone", "read, checked", "ours: arrays", "ours: load", "rerun", "rosbags", "mcap")
 SLOW = ("rosbags", "mcap")  # measured once
 
 
-def read_alone(path: Path) -> None:
-    """Fetch and decompress, nothing else."""
-    from skin_ident.recordings.mcap_chunk import decompress, string
+def chunks(path: Path) -> Iterator[memoryview]:
+    """The records of all chunks as they are on disk, one after the other in one buffer."""
     from skin_ident.recordings.mcap_file import survey
 
     found = survey(path)
@@ -32,25 +32,26 @@ def read_alone(path: Path) -> None:
             file.seek(offset)
             body = memoryview(buffer)[:length]
             file.readinto(body)
-            size = int.from_bytes(body[25:33], "little")
-            name, at = string(body, 37)
-            packed = int.from_bytes(body[at : at + 8], "little")
-            decompress(name, body[at + 8 : at + 8 + packed], size)
+            yield body
+
+
+def read_alone(path: Path) -> None:
+    """Fetch and decompress, nothing else."""
+    from skin_ident.recordings.mcap_chunk import decompress, string
+
+    for body in chunks(path):
+        size = int.from_bytes(body[25:33], "little")
+        name, at = string(body, 37)
+        packed = int.from_bytes(body[at : at + 8], "little")
+        decompress(name, body[at + 8 : at + 8 + packed], size)
 
 
 def read_checked(path: Path) -> None:
     """The same with the checksums, by which a flipped bit is found."""
     from skin_ident.recordings.mcap_chunk import open_chunk
-    from skin_ident.recordings.mcap_file import survey
 
-    found = survey(path)
-    with path.open("rb", buffering=0) as file:
-        buffer = bytearray(max(length for _, length in found.chunks))
-        for offset, length in found.chunks:
-            file.seek(offset)
-            body = memoryview(buffer)[:length]
-            file.readinto(body)
-            open_chunk(body[9:])
+    for body in chunks(path):
+        open_chunk(body[9:])
 
 
 def ours_arrays(path: Path) -> None:

@@ -95,7 +95,8 @@ def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_s
     read in steps cannot show less than half of one."""
     own = stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise)
     Q, _ = np.linalg.qr(own)
-    runs = [_run(course, model, sessions, noise, Q) for course in courses(sessions[0])]
+    ground = _ground(model, sessions, noise, Q)
+    runs = [_run(course, ground) for course in courses(sessions[0])]
     return sorted((r for r in runs if r.worth(encoder_step)), key=lambda r: -r.score)
 
 
@@ -106,7 +107,31 @@ def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Sessio
 
 def fitted(course: Course, model: Model, sessions: list[Session], noise: Whitener) -> Run:
     """The course fitted to what `model` leaves."""
-    return _run(course, model, sessions, noise, np.zeros((0, 0)))
+    return _run(course, _ground(model, sessions, noise))
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """What every course begins from: the sessions as simulated, (C, N) by name, and the whitened residual (R,) less what `Q` (R, U) spans,
+    which the model may change by itself (None: nothing)."""
+
+    model: Model
+    sessions: list[Session]
+    noise: Whitener
+    Q: np.ndarray | None
+    plain: dict[str, np.ndarray]
+    left: np.ndarray
+
+    def beside(self, rows: np.ndarray) -> np.ndarray:
+        """Whitened rows (R, …) less what `Q` spans."""
+        return rows if self.Q is None else rows - self.Q @ (self.Q.T @ rows)
+
+
+def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray | None = None) -> _Ground:
+    plain = {s.name: simulated(model, s) for s in sessions}
+    r = stack([s.measured - s.band.thin(plain[s.name]) for s in sessions], sessions, noise)
+    ground = _Ground(model, sessions, noise, Q, plain, r)
+    return replace(ground, left=ground.beside(r))
 
 
 def believed(gain: Gain) -> bool:
@@ -133,24 +158,23 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener) -> np.
     return out
 
 
-def _run(course: Course, model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray) -> Run:
-    """Fit one course; `Q` spans what the model may change of all sessions (empty: nothing)."""
-    carriers = {s.name: _carrier(course, model, s) for s in sessions}
-    moments = {s.name: _moments(course, s) for s in sessions}
-    z, score = _solve(course, model, sessions, noise, Q, carriers, moments)
+def _run(course: Course, g: _Ground) -> Run:
+    carriers = {s.name: _carrier(course, g, s) for s in g.sessions}
+    moments = {s.name: _moments(course, s) for s in g.sessions}
+    z, score = _solve(course, g, carriers, moments)
     if course.shape == STEPS and score > 0.0:
-        moments = {s.name: _around(moments[s.name], z[s.name], s) for s in sessions}
-        z, score = _solve(course, model, sessions, noise, Q, carriers, moments)
-    values = {s.name: carriers[s.name] * (z[s.name] @ _on(moments[s.name], course, s)) for s in sessions}
-    said = {s.name: _said(course, moments[s.name], z[s.name]) for s in sessions}
+        moments = {s.name: _around(moments[s.name], z[s.name], s) for s in g.sessions}
+        z, score = _solve(course, g, carriers, moments)
+    values = {s.name: carriers[s.name] * (z[s.name] @ _on(moments[s.name], course, s)) for s in g.sessions}
+    said = {s.name: _said(course, moments[s.name], z[s.name]) for s in g.sessions}
     return Run(course, score, max(float(np.abs(row).max()) for row in z.values()), values, said)
 
 
-def _carrier(course: Course, model: Model, s: Session) -> np.ndarray:
+def _carrier(course: Course, g: _Ground, s: Session) -> np.ndarray:
     """D of the module's equation, (C, N), newtons for each unit of z."""
-    y = simulated(model, s)
+    y = g.plain[s.name]
     if course.carrier == DEPTH:
-        return (simulated(model.extended(PositionOffset("rig", offset=PROBE)), s) - y) / PROBE
+        return (simulated(g.model.extended(PositionOffset("rig", offset=PROBE)), s) - y) / PROBE
     return _unit(course, s) * (1.0 if course.carrier == ZERO else y[course.channel])
 
 
@@ -189,13 +213,11 @@ def _around(moments: np.ndarray, z: np.ndarray, s: Session) -> np.ndarray:
     return np.unique(finer) if used.size else moments[:1]
 
 
-def _solve(course: Course, model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray, carriers: dict, moments: dict):
+def _solve(course: Course, g: _Ground, carriers: dict, moments: dict) -> tuple[dict[str, np.ndarray], float]:
     """Amplitudes by session, and the fall of the squared whitened error less the charge for each of them."""
+    sessions, r = g.sessions, g.left
     rows = [[s.band.thin(carriers[s.name] * phi) for phi in _on(moments[s.name], course, s)] for s in sessions]
-    A = block_diag(*(stack([np.array(own)], [s], noise) for own, s in zip(rows, sessions, strict=True)))
-    r = stack([residual(model, s) for s in sessions], sessions, noise)
-    if Q.size:
-        A, r = A - Q @ (Q.T @ A), r - Q @ (Q.T @ r)
+    A = g.beside(block_diag(*(stack([np.array(own)], [s], g.noise) for own, s in zip(rows, sessions, strict=True))))
     steps = course.shape == STEPS
     z = pursue(A, r, MOST_STEPS * len(sessions)) if steps else np.linalg.lstsq(A, r, rcond=1e-8)[0]
     charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)

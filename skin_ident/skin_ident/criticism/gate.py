@@ -7,6 +7,7 @@ training session is held out in turn, and both models are fitted to the others.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +46,12 @@ class Gain:
     def passed(self) -> bool:
         """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error."""
         return self.lower > 0.0 and self.relative > MATERIAL and self.after < (1.0 - MATERIAL_RMSE) * self.before
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """The gain as findings.json writes it."""
+        errors = {"held_out_rmse_before": self.before, "held_out_rmse_after": self.after, "ci95": list(self.ci95)}
+        return {**errors, "channel": self.channel, "unit": "N"}
 
     @property
     def squares(self) -> float:

@@ -27,8 +27,17 @@ def _moved(places: Pairs, axis: tuple[float, float], width: float, by: Any) -> n
     return np.exp((2.0 * np.multiply.outer(along, by) - np.square(by)) / width**2)
 
 
+class OverTaxels:
+    """An effect that knows where the `taxels` are, as seen from the contact."""
+
+    def seen_from(self, contact: np.ndarray) -> "OverTaxels":
+        """The same effect with its taxels as they are seen from `contact` (2,) m."""
+        seen = np.array(self.taxels) - contact
+        return replace(self, taxels=tuple((float(x), float(y)) for x, y in seen))
+
+
 @dataclass(frozen=True)
-class Leaning(Memoryless):
+class Leaning(OverTaxels, Memoryless):
     """A plunger or a mount that leans: the contact moves aside as it goes deeper."""
 
     cause: ClassVar[str] = "off_centre"
@@ -45,12 +54,9 @@ class Leaning(Memoryless):
     def apply(self, y, s):
         return y * _moved(self.taxels, self.axis, self.width, self.shift * np.maximum(s.x, 0.0) / self.deepest)
 
-    def seen_from(self, contact: np.ndarray) -> "Leaning":
-        return replace(self, taxels=_pairs(np.array(self.taxels) - contact))
-
 
 @dataclass(frozen=True)
-class Walking(Elapsed):
+class Walking(OverTaxels, Elapsed):
     """A specimen that creeps from under the plunger: the contact moves aside as time goes on."""
 
     cause: ClassVar[str] = "off_centre"
@@ -67,12 +73,9 @@ class Walking(Elapsed):
     def apply(self, y, elapsed):
         return y * _moved(self.taxels, self.axis, self.width, self.shift * elapsed / self.seconds)
 
-    def seen_from(self, contact: np.ndarray) -> "Walking":
-        return replace(self, taxels=_pairs(np.array(self.taxels) - contact))
-
 
 @dataclass(frozen=True)
-class Widening(Memoryless):
+class Widening(OverTaxels, Memoryless):
     """A spread that is wider the deeper the skin is pressed; what a wider spread adds aside it takes from the centre."""
 
     cause: ClassVar[str] = "spread_depth"
@@ -87,10 +90,3 @@ class Widening(Memoryless):
         wider = np.maximum(1.0 + self.growth * np.maximum(s.x, 0.0), 0.2)
         square = np.sum(np.square(self.taxels), axis=1) / self.width**2
         return y * np.exp(np.multiply.outer(square, 1.0 - wider**-2.0)) * wider**-2.0
-
-    def seen_from(self, contact: np.ndarray) -> "Widening":
-        return replace(self, taxels=_pairs(np.array(self.taxels) - contact))
-
-
-def _pairs(points: np.ndarray) -> Pairs:
-    return tuple((float(x), float(y)) for x, y in points)

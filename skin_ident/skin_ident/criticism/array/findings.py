@@ -34,13 +34,7 @@ def entry(a: ArrayCriticism) -> dict[str, Any]:
         "channels": list(gain.carried),
         "parameters": parameters(best, a.layout),
         "evidence": evidence,
-        "gain": {
-            "held_out_rmse_before": gain.before,
-            "held_out_rmse_after": gain.after,
-            "ci95": list(gain.ci95),
-            "channel": gain.channel,
-            "unit": "N",
-        },
+        "gain": gain.entry,
         "alternatives": [
             {"cause": r.hypothesis.cause, "where": r.hypothesis.where, "explains_less_by": float(2.0 * (best.log_odds - r.log_odds))}
             for r in rivals
