@@ -97,6 +97,12 @@ class Bench:
         self.go(-5e-4, 2.0)
         self.wait(lambda: abs(self.samples[-1][1] + 5e-4) < 1e-5 and self.state.state == DriverState.READY)
 
+    def press(self) -> None:
+        """From the air on the way to 1 mm, and already in the skin."""
+        self.back()
+        self.go(1e-3, 4.0)
+        self.wait(lambda: self.samples[-1][1] > 2e-4)
+
     def call(self, transition: int) -> None:
         """Lead the node to another state."""
         future = self.changing.call_async(ChangeState.Request(transition=Transition(id=transition)))
@@ -218,9 +224,7 @@ def refused(trials: int) -> list[tuple[float, str]]:
     results = []
     with Bench({}) as bench:
         for _ in range(trials):
-            bench.back()
-            bench.go(1e-3, 4.0)
-            bench.wait(lambda: bench.samples[-1][1] > 2e-4)
+            bench.press()
             bench.go(3e-3, 0.01)
             results.append(stopped(bench, time.time()))
     return results
@@ -231,9 +235,7 @@ def deactivated(trials: int) -> list[tuple[float, str]]:
     results = []
     with Bench({}) as bench:
         for _ in range(trials):
-            bench.back()
-            bench.go(1e-3, 4.0)
-            bench.wait(lambda: bench.samples[-1][1] > 2e-4)
+            bench.press()
             fault = time.time()
             bench.call(Transition.TRANSITION_DEACTIVATE)
             bench.wait(lambda: bench.state.state == DriverState.INACTIVE)
@@ -330,7 +332,6 @@ def main() -> None:
         results = cause()
         times = 1e3 * np.array([t for t, _ in results])
         print(f"{name:46}{n:7d}{len(results):8d}{np.median(times):9.0f}{times.max():9.0f}   {results[-1][1]}", flush=True)
-    return None
 
 
 if __name__ == "__main__":
