@@ -40,7 +40,7 @@ def _excluded(p: Projected, cause: str) -> list[dict[str, Any]]:
     for i, d in enumerate(p.which):
         if d.cause != cause or limits[i] > 1.0 or p.left[i] <= UNEXCITED:
             continue
-        bound = abs(p.product[i] / p.gram[i, i]) + 1.96 / np.sqrt(p.gram[i, i])
+        bound = abs(p.product[i] / p.energies[i]) + 1.96 / np.sqrt(p.energies[i])
         unit = next(q.unit for q in parameters_of(d.effect) if q.name == d.parameter)
         at = {q.name: {"value": q.value, "unit": q.unit} for q in parameters_of(d.effect) if q.role == SHAPE}
         entry = {"cause": cause, "where": d.where, "parameter": d.parameter, "below": float(bound * d.size), "unit": unit}

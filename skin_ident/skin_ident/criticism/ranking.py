@@ -36,13 +36,18 @@ class Ranked:
 
 @dataclass(frozen=True)
 class Projected:
-    """Directions and residual after the model's own unknowns are projected out: all that ranking needs, as inner products."""
+    """Directions and residual after the model's own unknowns are projected out: all that ranking needs, as inner products.
+
+    `grams` holds the inner products of the directions of one cause at one place, in the order of `which`: no cause is asked what it has
+    in common with another.
+    """
 
     which: tuple[Direction, ...]
-    gram: np.ndarray
+    grams: dict[tuple[str, str], np.ndarray]
+    energies: np.ndarray  # of each direction
     product: np.ndarray
     left: np.ndarray  # share of each direction's energy that the model cannot imitate
-    energy: float
+    energy: float  # of the residual
     rows: int
 
 
@@ -54,22 +59,28 @@ def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.nd
     r = r - Q @ (Q.T @ r)
     after = np.einsum("ij,ij->j", A, A)
     left = np.where(before > 0, after / np.where(before > 0, before, 1.0), 0.0)
-    return Projected(which, A.T @ A, A.T @ r, left, float(r @ r), int(np.count_nonzero(r)))
+    spans = {key: A[:, index] for key, index in _by_cause(which).items()}
+    return Projected(which, {key: B.T @ B for key, B in spans.items()}, after, A.T @ r, left, float(r @ r), int(np.count_nonzero(r)))
+
+
+def _by_cause(which: tuple[Direction, ...]) -> dict[tuple[str, str], np.ndarray]:
+    """The indices of the directions of every cause at every place."""
+    keys = [(d.cause, d.where) for d in which]
+    return {key: np.flatnonzero([k == key for k in keys]) for key in dict.fromkeys(keys)}
 
 
 def rank(p: Projected) -> list[Ranked]:
     """Every cause at every place, the best first."""
-    keys = dict.fromkeys((d.cause, d.where) for d in p.which)
-    return sorted((_ranked(p, *key) for key in keys), key=lambda r: -r.score)
+    return sorted((_ranked(p, *key, index) for key, index in _by_cause(p.which).items()), key=lambda r: -r.score)
 
 
-def _ranked(p: Projected, cause: str, where: str) -> Ranked:
-    index = np.array([i for i, d in enumerate(p.which) if (d.cause, d.where) == (cause, where)])
-    able = index[p.left[index] > UNEXCITED]
+def _ranked(p: Projected, cause: str, where: str, index: np.ndarray) -> Ranked:
+    free = p.left[index] > UNEXCITED
+    able = index[free]
     if able.size == 0:
         return Ranked(cause, where, 0.0, 0.0, (), np.zeros(0), p.which[index[0]], 0.0, 0.0)
     signs = np.array([p.which[i].sign for i in able])
-    z, gain = signed_pursuit(p.gram[np.ix_(able, able)], p.product[able], signs)
+    z, gain = signed_pursuit(p.grams[cause, where][np.ix_(free, free)], p.product[able], signs)
     used = np.flatnonzero(z)
     charge = np.log(max(p.rows, 2))
     best, amount, best_gain = _single(p, able, signs)
@@ -80,7 +91,7 @@ def _ranked(p: Projected, cause: str, where: str) -> Ranked:
 
 def _single(p: Projected, able: np.ndarray, signs: np.ndarray) -> tuple[int, float, float]:
     """The one direction that explains most by itself."""
-    z = p.product[able] / np.diag(p.gram)[able]
+    z = p.product[able] / p.energies[able]
     z = np.where((signs != 0) & (np.sign(z) != signs), 0.0, z)
     gains = z * p.product[able]
     i = int(np.argmax(gains))

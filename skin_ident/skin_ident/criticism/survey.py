@@ -38,5 +38,4 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
 
 def detectable(p: Projected, z: float = 3.0) -> np.ndarray:
     """Amount of each direction, in typical sizes, that would stand out by `z` standard errors; inf where the data do not excite it."""
-    energy = np.diag(p.gram)
-    return np.where(energy > 0.0, z / np.sqrt(np.where(energy > 0.0, energy, 1.0)), np.inf)
+    return np.where(p.energies > 0.0, z / np.sqrt(np.where(p.energies > 0.0, p.energies, 1.0)), np.inf)
