@@ -46,6 +46,14 @@ def test_every_cause_is_found_excluded_or_untestable(tmp_path):
     json.dumps(findings, allow_nan=False)
 
 
+def test_a_constant_gain_is_not_excluded_by_one_that_changes_part_way(tmp_path):
+    findings = seek(tmp_path, "gain_error", where="load_cell", form="static", size=1.0, seed=3).findings
+    bounds = [e for e in findings["excluded"] if (e["cause"], e.get("where")) == ("gain_error", "load_cell")]
+    assert bounds and all("after" in e["at"] for e in bounds)
+    because = {(e["cause"], e["where"]): e["because"] for e in findings["untestable"] if "where" in e}
+    assert "the model's own parameters" in because["gain_error", "load_cell"]
+
+
 @pytest.mark.campaign
 def test_campaign_over_all_causes(tmp_path: Path, capsys):
     """Every cause and form at the size of the noise: rates with their counts."""

@@ -2,6 +2,7 @@
 
 A direction of the last survey has an amount z with standard error sd (in the directions' own, whitened inner products). The data speak
 about a cause where a typical amount of it would have stood out by `CLEAR` standard errors; it is then excluded above |z| + 1.96 sd.
+A cause may be both: a gain that changes part-way is excluded while one that was wrong throughout passes for another stiffness.
 """
 
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.ranking import UNEXCITED, Projected
 from skin_ident.criticism.survey import detectable
-from skin_ident.criticism.vocabulary import CAUSES
+from skin_ident.criticism.vocabulary import CAUSES, Cause
 from skin_models.parameter import SHAPE, parameters_of
 
 CLEAR = 3.0
@@ -25,6 +26,7 @@ def excluded_and_untestable(p: Projected, named: set[str], known: dict[str, str]
             continue
         entries = _excluded(p, cause.name)
         excluded += entries
+        untestable += _imitated(p, cause, entries)
         if cause.name in known and not known[cause.name] and not entries:
             excluded.append({"cause": cause.name, "below": None, "unit": "", "because": "looked for and not seen"})
         elif not entries:
@@ -47,6 +49,25 @@ def _excluded(p: Projected, cause: str) -> list[dict[str, Any]]:
         if d.where not in places or bound > places[d.where][0]:
             places[d.where] = (float(bound), {**entry, **({"at": at} if at else {})})
     return [entry for _, entry in places.values()]
+
+
+def _imitated(p: Projected, cause: Cause, excluded: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """One entry per place where some form of a cause is excluded, for the forms that the model's own parameters imitate entirely."""
+    left: dict[tuple[str, str], float] = {}
+    for d, share in zip(p.which, p.left, strict=True):
+        if d.cause == cause.name:
+            left[d.where, d.effect.form] = max(share, left.get((d.where, d.effect.form), 0.0))
+    hidden = {where: form or "a constant one" for (where, form), most in left.items() if 0.0 < most <= UNEXCITED}
+    return [
+        {
+            "cause": cause.name,
+            "where": where,
+            "because": f"{form} looks exactly like a change of the model's own parameters here; only its other forms are excluded",
+            "needs": cause.needs,
+        }
+        for where, form in hidden.items()
+        if any(e["where"] == where for e in excluded)
+    ]
 
 
 def _because(p: Projected, cause: str) -> str:

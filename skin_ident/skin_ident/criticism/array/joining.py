@@ -43,14 +43,19 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model) -> d
     reasons = [u for u in untestable(a) if u["cause"] not in named]
     bounds = [] if isinstance(a, str) else [e for e in excluded(a) if e["cause"] not in named]
     able = [e for e in findings["excluded"] if e["cause"] not in named] + bounds
-    decided = {u["cause"] for u in reasons} | {e["cause"] for e in able}
-    kept = [u for u in findings["untestable"] if u["cause"] not in decided | named]
+    decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
+    kept = [u for u in findings["untestable"] if u["cause"] not in named and _about(u) not in decided]
     known = {e["cause"] for e in able}
     verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
     warnings = [*findings["warnings"], *([APART] if not isinstance(a, str) and a.named else [])]
     reasons = [u for u in reasons if u["cause"] not in known]
     more = {"excluded": able, "untestable": kept + reasons, "verdict": verdict, "warnings": warnings}
     return {**findings, "findings": entries, **more}
+
+
+def _about(reason: dict[str, Any]) -> str | tuple[str, str]:
+    """What a reason speaks of: a cause, or one form of it at a place."""
+    return (reason["cause"], reason["where"]) if "where" in reason else reason["cause"]
 
 
 def _in_words(entry: dict[str, Any], model: Model) -> dict[str, Any]:
