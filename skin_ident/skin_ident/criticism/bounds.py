@@ -47,7 +47,8 @@ def _excluded(p: Projected, cause: str) -> list[dict[str, Any]]:
         at = {q.name: {"value": q.value, "unit": q.unit} for q in parameters_of(d.effect) if q.role == SHAPE}
         entry = {"cause": cause, "where": d.where, "parameter": d.parameter, "below": float(bound * d.size), "unit": unit}
         if d.where not in places or bound > places[d.where][0]:
-            places[d.where] = (float(bound), {**entry, **({"at": at} if at else {})})
+            which = {name: said for name, said in (("form", d.effect.form), ("at", at)) if said}
+            places[d.where] = (float(bound), {**entry, **which})
     return [entry for _, entry in places.values()]
 
 

@@ -45,7 +45,8 @@ def bound(e: dict) -> str:
     labels = effect_words(cause, where, (name, *at))
     words = labels.get(name) or spoken(name)
     shape = ", ".join(f"{labels.get(k) or spoken(k)} {amount(q.get('value'), text(q.get('unit')))}" for k, q in at.items())
-    size = amount(e.get("below"), text(e.get("unit")))
+    form = f" ({spoken(text(e.get('form')))})" if e.get("form") else ""
+    size = amount(e.get("below"), text(e.get("unit"))) + form
     return size + (f" – {words}{', at ' + shape if shape else ''}" if words else "")
 
 

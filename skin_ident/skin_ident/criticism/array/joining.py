@@ -45,10 +45,9 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model) -> d
     able = [e for e in findings["excluded"] if e["cause"] not in named] + bounds
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
     kept = [u for u in findings["untestable"] if u["cause"] not in named and _about(u) not in decided]
-    known = {e["cause"] for e in able}
     verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
     warnings = [*findings["warnings"], *([APART] if not isinstance(a, str) and a.named else [])]
-    reasons = [u for u in reasons if u["cause"] not in known]
+    reasons = [u for u in reasons if u["cause"] not in {e["cause"] for e in bounds}]
     more = {"excluded": able, "untestable": kept + reasons, "verdict": verdict, "warnings": warnings}
     return {**findings, "findings": entries, **more}
 

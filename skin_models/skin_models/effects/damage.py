@@ -1,0 +1,113 @@
+"""Damage: cyclic softening that takes part of the stiffness for good, by D(z) = 1 - d (1 - exp(-z / l)).
+
+    damage         y' = y D(X)             X = greatest depth so far
+    virgin         y' = y D(X) / D(x)      the same, where y is the force on the virgin curve (x = X)
+    fatigue        y' = y D(s)             s = path travelled in the skin, to and fro
+
+The first two are done with the first deep cycle and repeat from then on; the third goes on from cycle to cycle, fastest at first. Moves
+of less than 5 um to and fro are no path: an encoder at rest flickers by as much (a play operator takes them out).
+
+Sources: J. C. Simo, On a fully three-dimensional finite-strain viscoelastic damage model, Comput. Methods Appl. Mech. Eng. 60 (1987)
+153-173 (greatest strain so far); C. Miehe, Discontinuous and continuous damage evolution in Ogden-type large-strain elastic materials,
+Eur. J. Mech. A/Solids 14 (1995) 697-720 (path, exponential saturation).
+"""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from skin_models.effect import Dynamic, Place
+from skin_models.operators.contact import depth_in_contact
+from skin_models.operators.play import play, play_step
+from skin_models.parameter import SHAPE, quantity
+from skin_models.signals import Motion, Sample
+
+FLICKER = 2.5e-6  # m, half of what is no path
+
+
+def left(loss: float, measure: Any, scale: float) -> Any:
+    """D: the share of the force that is left."""
+    return 1.0 + loss * np.expm1(-measure / scale)
+
+
+class _ByGreatestDepth(Dynamic):
+    """Stiffness lost to the greatest depth so far, which is the state (m)."""
+
+    places: ClassVar = {"skin": Place.SKIN}
+
+    def initial(self, rng=None) -> float:
+        return 0.0
+
+    def step(self, state, y, s: Sample, dt: float):
+        x = depth_in_contact(s.x)
+        greatest = np.maximum(state, x)
+        return greatest, y * self.factor(x, greatest)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        x = depth_in_contact(s.x)
+        return y * self.factor(x, np.maximum.accumulate(x))
+
+
+@dataclass(frozen=True)
+class Damage(_ByGreatestDepth):
+    """The virgin curve softens as the skin is damaged, and unloading keeps what is left."""
+
+    cause: ClassVar[str] = "cyclic_softening"
+    form: ClassVar[str] = "damage"
+    source: ClassVar[str] = "Simo 1987"
+    linear: ClassVar[bool] = True
+
+    loss: float = quantity("1", 0.0, lower=0.0, upper=0.95, typical=0.2, doc="greatest share d of the force that is lost")
+    length: float = quantity(
+        "m", 0.5e-3, lower=1e-5, upper=0.05, role=SHAPE, typical=0.5e-3, scan=(0.2e-3, 0.5e-3, 1e-3, 2e-3), doc="depth scale l"
+    )
+
+    def factor(self, x, greatest):
+        return left(self.loss, greatest, self.length)
+
+
+@dataclass(frozen=True)
+class DamageBelow(_ByGreatestDepth):
+    """The virgin curve is as it is; below the greatest depth so far the skin is as much softer as it is damaged."""
+
+    cause: ClassVar[str] = "cyclic_softening"
+    form: ClassVar[str] = "virgin"
+    source: ClassVar[str] = "Simo 1987"
+
+    loss: float = quantity("1", 0.0, lower=0.0, upper=0.95, typical=0.2, doc="greatest share d of the force that is lost")
+    length: float = quantity(
+        "m", 0.5e-3, lower=1e-5, upper=0.05, role=SHAPE, typical=0.5e-3, scan=(0.2e-3, 0.5e-3, 1e-3, 2e-3), doc="depth scale l"
+    )
+
+    def factor(self, x, greatest):
+        return left(self.loss, greatest, self.length) / left(self.loss, x, self.length)
+
+
+@dataclass(frozen=True)
+class Fatigue(Dynamic):
+    """Stiffness lost to the path travelled. State: the path so far (m) and the depth that the play operator last let through (m)."""
+
+    cause: ClassVar[str] = "cyclic_softening"
+    form: ClassVar[str] = "fatigue"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Miehe 1995"
+    linear: ClassVar[bool] = True
+
+    loss: float = quantity("1", 0.0, lower=0.0, upper=0.95, typical=0.2, doc="greatest share d of the force that is lost")
+    length: float = quantity(
+        "m", 5e-3, lower=1e-4, upper=10.0, role=SHAPE, typical=5e-3, scan=(1e-3, 2.5e-3, 5e-3, 10e-3, 30e-3), doc="path scale l"
+    )
+
+    def initial(self, rng=None) -> tuple[float, None]:
+        return 0.0, None
+
+    def step(self, state, y, s: Sample, dt: float):
+        path, last = state
+        now = play_step(last, depth_in_contact(s.x), FLICKER)
+        path = path + (0.0 if last is None else np.abs(now - last))
+        return (path, now), y * left(self.loss, path, self.length)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        moved = np.abs(np.diff(play(depth_in_contact(s.x), FLICKER), axis=-1))
+        return y * left(self.loss, np.concatenate([np.zeros_like(moved[..., :1]), np.cumsum(moved, axis=-1)], axis=-1), self.length)
