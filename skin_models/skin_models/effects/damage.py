@@ -19,6 +19,7 @@ import numpy as np
 
 from skin_models.effect import Dynamic, Place
 from skin_models.operators.contact import depth_in_contact
+from skin_models.operators.greatest_depth import ByGreatestDepth
 from skin_models.operators.play import play, play_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
@@ -27,34 +28,17 @@ FLICKER = 2.5e-6  # m, half of what is no path
 
 
 def left(loss: float, measure: Any, scale: float) -> Any:
-    """D: the share of the force that is left."""
+    """D(z) of the module: the share of the force that is left at the measure z (m), for a loss d and a scale l (m)."""
     return 1.0 + loss * np.expm1(-measure / scale)
 
 
-class _ByGreatestDepth(Dynamic):
-    """Stiffness lost to the greatest depth so far, which is the state (m)."""
-
-    places: ClassVar = {"skin": Place.SKIN}
-
-    def initial(self, rng=None) -> float:
-        return 0.0
-
-    def step(self, state, y, s: Sample, dt: float):
-        x = depth_in_contact(s.x)
-        greatest = np.maximum(state, x)
-        return greatest, y * self.factor(x, greatest)
-
-    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        x = depth_in_contact(s.x)
-        return y * self.factor(x, np.maximum.accumulate(x))
-
-
 @dataclass(frozen=True)
-class Damage(_ByGreatestDepth):
+class Damage(ByGreatestDepth):
     """The virgin curve softens as the skin is damaged, and unloading keeps what is left."""
 
     cause: ClassVar[str] = "cyclic_softening"
     form: ClassVar[str] = "damage"
+    places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Simo 1987"
     linear: ClassVar[bool] = True
 
@@ -64,15 +48,17 @@ class Damage(_ByGreatestDepth):
     )
 
     def factor(self, x, greatest):
+        """D(X)."""
         return left(self.loss, greatest, self.length)
 
 
 @dataclass(frozen=True)
-class DamageBelow(_ByGreatestDepth):
+class DamageBelow(ByGreatestDepth):
     """The virgin curve is as it is; below the greatest depth so far the skin is as much softer as it is damaged."""
 
     cause: ClassVar[str] = "cyclic_softening"
     form: ClassVar[str] = "virgin"
+    places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Simo 1987"
 
     loss: float = quantity("1", 0.0, lower=0.0, upper=0.95, typical=0.2, doc="greatest share d of the force that is lost")
@@ -81,12 +67,13 @@ class DamageBelow(_ByGreatestDepth):
     )
 
     def factor(self, x, greatest):
+        """D(X) / D(x)."""
         return left(self.loss, greatest, self.length) / left(self.loss, x, self.length)
 
 
 @dataclass(frozen=True)
 class Fatigue(Dynamic):
-    """Stiffness lost to the path travelled. State: the path so far (m) and the depth that the play operator last let through (m)."""
+    """Stiffness lost to the path travelled."""
 
     cause: ClassVar[str] = "cyclic_softening"
     form: ClassVar[str] = "fatigue"
@@ -100,14 +87,17 @@ class Fatigue(Dynamic):
     )
 
     def initial(self, rng=None) -> tuple[float, None]:
+        """Path so far, m, and the depth that the play operator last let through, m: None before the first sample."""
         return 0.0, None
 
     def step(self, state, y, s: Sample, dt: float):
+        """y D(s), the path longer by as much as the play moves."""
         path, last = state
         now = play_step(last, depth_in_contact(s.x), FLICKER)
         path = path + (0.0 if last is None else np.abs(now - last))
         return (path, now), y * left(self.loss, path, self.length)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same with the play operator over the whole recording."""
         moved = np.abs(np.diff(play(depth_in_contact(s.x), FLICKER), axis=-1))
         return y * left(self.loss, np.concatenate([np.zeros_like(moved[..., :1]), np.cumsum(moved, axis=-1)], axis=-1), self.length)
