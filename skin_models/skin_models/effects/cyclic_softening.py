@@ -12,18 +12,16 @@ Source: R. W. Ogden and D. G. Roxburgh, A pseudo-elastic model for the Mullins e
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 from scipy.special import erf
 
-from skin_models.effect import Dynamic, Place
-from skin_models.operators.contact import depth_in_contact
+from skin_models.effect import Place
+from skin_models.operators.greatest_depth import ByGreatestDepth
 from skin_models.parameter import SHAPE, quantity
-from skin_models.signals import Motion, Sample
 
 
 @dataclass(frozen=True)
-class CyclicSoftening(Dynamic):
-    """Softening below the greatest depth so far, which is the state (m)."""
+class CyclicSoftening(ByGreatestDepth):
+    """Softening below the greatest depth so far."""
 
     cause: ClassVar[str] = "cyclic_softening"
     places: ClassVar = {"skin": Place.SKIN}
@@ -35,17 +33,6 @@ class CyclicSoftening(Dynamic):
         "m", 0.5e-3, lower=1e-5, upper=0.05, role=SHAPE, typical=0.5e-3, scan=(0.1e-3, 0.25e-3, 0.5e-3, 1e-3, 2e-3), doc="depth scale l"
     )
 
-    def initial(self, rng=None) -> float:
-        return 0.0
-
-    def step(self, state, y, s: Sample, dt: float):
-        x = depth_in_contact(s.x)
-        state = np.maximum(state, x)
-        return state, y * self._left(x, state)
-
-    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        x = depth_in_contact(s.x)
-        return y * self._left(x, np.maximum.accumulate(x))
-
-    def _left(self, x, greatest):
+    def factor(self, x, greatest):
+        """1 - s erf((X^2 - x^2) / l^2)."""
         return 1.0 - self.softening * erf((greatest - x) * (greatest + x) / self.length**2)

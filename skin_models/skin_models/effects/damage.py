@@ -94,7 +94,7 @@ class Fatigue(Dynamic):
         """y D(s), the path longer by as much as the play moves."""
         path, last = state
         now = play_step(last, depth_in_contact(s.x), FLICKER)
-        path = path + (0.0 if last is None else np.abs(now - last))
+        path = path + np.abs(now - (now if last is None else last))
         return (path, now), y * left(self.loss, path, self.length)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
