@@ -22,11 +22,15 @@ def _is_effect_of(c: object, module: object) -> bool:
 
 
 def effect_class(cause: str, where: str, form: str = "") -> type[Effect]:
-    """The class that models `cause` at `where` (`taxel_3` finds `taxel`) in one of its forms. Raises `ModelError` listing what exists."""
+    """The class that models `cause` at `where` (`taxel_3` finds `taxel`) in one of its forms.
+
+    Raises `ModelError`: of an unknown cause with the causes there are, of a known one with its forms and places.
+    """
     word = "taxel" if where.startswith("taxel") else where
     for c in effects():
         if (c.cause, c.form) == (cause, form) and word in c.places:
             return c
     asked = f"{cause!r}{form and f' of the form {form!r}'} in {where!r}"
-    known = sorted(f"{c.cause} {c.form and f'of the form {c.form} '}({', '.join(c.places)})" for c in effects())
-    raise ModelError(f"no effect models {asked}; known: {'; '.join(known)}")
+    forms = sorted(f"{c.cause} {c.form and f'of the form {c.form} '}({', '.join(c.places)})" for c in effects() if c.cause == cause)
+    known = "; ".join(forms) or ", ".join(sorted({c.cause for c in effects()}))
+    raise ModelError(f"no effect models {asked}; known: {known}")

@@ -57,10 +57,13 @@ class Effect(ABC):
     linear: ClassVar[bool] = False  # in its amplitudes: then `regressors` gives what each of them multiplies
     finds_taxels: ClassVar[bool] = False  # looks at where the taxels are: the footprint of a sample or a motion
     form: ClassVar[str] = ""  # tells several forms of one cause at one place apart; the plainest has none
+    proposed: ClassVar[bool] = True  # False: it is simulated, and no recording is asked whether it has it
 
     where: str
 
     def __post_init__(self) -> None:
+        if not isinstance(self.where, str):
+            raise ModelError(f"{self.cause} needs a place such as {next(iter(self.places))!r}, not {self.where!r}")
         self.place  # raises for a place this effect does not know
         check_parameters(self)
 
@@ -126,7 +129,12 @@ class Effect(ABC):
 
     @classmethod
     def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """The settings of the SHAPE parameters among which a proposal of this cause is profiled: the product of their grids."""
+        """The settings of the SHAPE parameters among which a proposal of this cause is profiled: the product of their grids.
+
+        None for an effect that is not proposed, or has a SHAPE parameter without a grid.
+        """
+        if not cls.proposed:
+            return
         names = [p.name for p in parameters_of(cls) if p.role == SHAPE]
         grids = [scan_of(cls, name) for name in names]
         for values in product(*grids):
@@ -153,12 +161,15 @@ class Memoryless(Effect):
         """The changed signal. Must work elementwise along the last axis."""
 
     def initial(self, rng: np.random.Generator | None = None) -> None:
+        """None: there is nothing to remember."""
         return None
 
     def step(self, state: None, y: Any, s: Sample, dt: float) -> tuple[None, Any]:
+        """`apply` on one sample."""
         return None, self.apply(y, s)
 
     def batch(self, y: np.ndarray, s: Motion, rng: np.random.Generator | None = None) -> np.ndarray:
+        """`apply` on the whole recording."""
         return self.apply(y, s)
 
 

@@ -6,6 +6,7 @@ An effect or a model part is a frozen dataclass whose float fields are declared 
 
 import math
 from dataclasses import MISSING, dataclass, field, fields
+from numbers import Real
 from typing import Any
 
 from skin_models.errors import ModelError
@@ -79,12 +80,18 @@ def scan_of(cls: type, name: str) -> tuple[float, ...]:
 
 
 def check_parameters(thing: Any) -> None:
-    """Raise `ModelError` unless every parameter of `thing` is a number within its bounds. Call it from `__post_init__`."""
+    """Raise `ModelError` unless every parameter of `thing` is a number within its bounds. Call it from `__post_init__`.
+
+    Infinity is no number, except where it is the default.
+    """
     for p in parameters_of(thing):
-        if isinstance(p.value, bool) or not isinstance(p.value, (int, float)) or math.isnan(p.value):
-            raise ModelError(f"{_label(thing)}: {p.name} must be a number in {p.unit}, not {p.value!r}")
+        unit = "" if p.unit == "1" else f" {p.unit}"
+        if isinstance(p.value, bool) or not isinstance(p.value, Real) or math.isnan(p.value):
+            raise ModelError(f"{_label(thing)}: {p.name} must be a number{unit and ' in' + unit}, not {p.value!r}")
         if not p.lower <= p.value <= p.upper:
-            raise ModelError(f"{_label(thing)}: {p.name} = {p.value:g} {p.unit} is outside [{p.lower:g}, {p.upper:g}] {p.unit}")
+            raise ModelError(f"{_label(thing)}: {p.name} = {p.value:g}{unit} is outside [{p.lower:g}, {p.upper:g}]{unit}")
+        if math.isinf(p.value) and p.value != getattr(type(thing), p.name, None):
+            raise ModelError(f"{_label(thing)}: {p.name} must be finite")
 
 
 def _label(thing: Any) -> str:

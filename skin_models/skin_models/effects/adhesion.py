@@ -23,7 +23,7 @@ from skin_models.signals import Motion, Sample
 
 @dataclass(frozen=True)
 class Adhesion(Dynamic):
-    """A pull on release. State: whether the bond is made, 0.0 or 1.0."""
+    """A pull on release."""
 
     cause: ClassVar[str] = "adhesion"
     places: ClassVar = {"skin": Place.SURFACE}
@@ -37,13 +37,16 @@ class Adhesion(Dynamic):
     )
 
     def initial(self, rng=None) -> float:
+        """The bond, 0.0: not made. It is 1.0 while it holds."""
         return 0.0
 
     def step(self, state, y, s: Sample, dt: float):
+        """The bond by a relay that is on from x = l and off from x = -l, then its pull on both branches."""
         state = relay_step(state, s.x, -self.reach, self.reach)
         return state, y + self._pull(state, s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same with the relay over the whole recording."""
         return y + self._pull(relay(s.x, -self.reach, self.reach), s.x)
 
     def _pull(self, bond, x):

@@ -30,12 +30,15 @@ class Anisotropy(Bending):
     angle: float = quantity("rad", 0.0, lower=-math.pi, upper=math.pi, role=SHAPE, typical=0.0, doc="that direction, from x towards y")
 
     def matrix(self):
+        """S, symmetric, with eigenvalues exp(-s / 2) along the angle and exp(s / 2) across it."""
         c, s = math.cos(self.angle), math.sin(self.angle)
         turn = np.array([[c, s], [-s, c]])
         return turn.T @ np.diag([math.exp(-0.5 * self.stretch), math.exp(0.5 * self.stretch)]) @ turn
 
     def seen(self, offset, x, width):
+        """S p."""
         return np.tensordot(self.matrix(), offset, axes=1)
 
     def reach(self, r, x, width):
+        """The wider width: r exp(|s| / 2)."""
         return r * math.exp(0.5 * abs(self.stretch))

@@ -20,7 +20,7 @@ from skin_models.signals import Motion, Sample
 
 @dataclass(frozen=True)
 class Backlash(Dynamic):
-    """A gap between encoder and tip. State: the tip's depth (m), None at rest."""
+    """A gap between encoder and tip."""
 
     cause: ClassVar[str] = "backlash"
     places: ClassVar = {"rig": Place.DEPTH}
@@ -29,11 +29,14 @@ class Backlash(Dynamic):
     gap: float = quantity("m", 0.0, lower=0.0, upper=5e-3, typical=0.1e-3, doc="whole width of the gap")
 
     def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is the tip's depth, m."""
         return None
 
     def step(self, state, y, s: Sample, dt: float):
+        """min(x + gap / 2, max(x - gap / 2, last tip))."""
         tip = play_step(state, y, 0.5 * self.gap)
         return tip, tip
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The play operator over the whole recording."""
         return play(y, 0.5 * self.gap)

@@ -26,6 +26,7 @@ class Crosstalk(Memoryless):
     share: float = quantity("1", 0.0, lower=-1.0, upper=1.0, typical=0.1, doc="share c of the neighbours' mean")
 
     def apply(self, y, s):
+        """y + share * (mean of the neighbours in the row)."""
         return self.put_back(y, self.mine(y) + self.share * self.mine(_neighbours_mean(y)))
 
 

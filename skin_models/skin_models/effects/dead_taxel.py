@@ -25,4 +25,5 @@ class DeadTaxel(Memoryless):
     level: float = quantity("N", 0.0, role=SHAPE, typical=0.0, scan=(0.0,), doc="reading L at which it is stuck")
 
     def apply(self, y, s):
+        """(1 - d) y + d L."""
         return self.put_back(y, (1.0 - self.lost) * self.mine(y) + self.lost * self.level)

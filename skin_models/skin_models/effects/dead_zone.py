@@ -32,6 +32,7 @@ class TaxelDeadZone(Memoryless):
     threshold: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="force t that is lost")
 
     def apply(self, y, s):
+        """y - t tanh(y / t)."""
         mine = self.mine(y)
         return self.put_back(y, mine - _smooth(mine, self.threshold))
 
@@ -48,6 +49,7 @@ class HardDeadZone(Memoryless):
     threshold: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="force t that is lost")
 
     def apply(self, y, s):
+        """sign(y) max(|y| - t, 0)."""
         mine = self.mine(y)
         return self.put_back(y, mine - np.clip(mine, -self.threshold, self.threshold))
 
@@ -64,6 +66,7 @@ class GatedTaxel(Memoryless):
     threshold: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="force t that must be exceeded")
 
     def apply(self, y, s):
+        """y where |y| > t, else 0."""
         mine = self.mine(y)
         return self.put_back(y, mine * (np.abs(mine) > self.threshold))
 
@@ -79,5 +82,6 @@ class SkinDeadZone(Memoryless):
     threshold: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="force t that does not reach the taxels")
 
     def apply(self, y, s):
+        """t tanh(sensed / t) goes from the sensed to the dispersed branch."""
         lost = _smooth(y[0], self.threshold)
         return y + np.array([-lost, lost])

@@ -33,6 +33,7 @@ class LinearDrift(Elapsed):
     rate: float = quantity("N/s", 0.0, lower=-10.0, upper=10.0, typical=0.01, doc="rate d")
 
     def apply(self, y, elapsed):
+        """y + d T."""
         return y + self.rate * elapsed
 
 
@@ -52,6 +53,7 @@ class LogDrift(Elapsed):
     )
 
     def apply(self, y, elapsed):
+        """y + A log10(1 + T / tau)."""
         return y + self.per_decade * np.log10(1.0 + elapsed / self.tau)
 
 
@@ -68,6 +70,7 @@ class LinearGainDrift(Elapsed):
     rate: float = quantity("1/s", 0.0, lower=-1.0, upper=1.0, typical=2e-3, doc="relative rate d")
 
     def apply(self, y, elapsed):
+        """y (1 + d T)."""
         return y * (1.0 + self.rate * elapsed)
 
 
@@ -87,4 +90,5 @@ class LogGainDrift(Elapsed):
     )
 
     def apply(self, y, elapsed):
+        """y (1 + A log10(1 + T / tau))."""
         return y * (1.0 + self.per_decade * np.log10(1.0 + elapsed / self.tau))

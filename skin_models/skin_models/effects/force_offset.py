@@ -2,7 +2,7 @@
 
     y' = y + F
 
-Source: zero balance in the data sheets of load cells; thesis 3.4 (tare before every experiment).
+Source: zero balance in the data sheets of load cells; thesis 3.3.3 (1 % of the rated output for the MLP-25).
 """
 
 from dataclasses import dataclass
@@ -24,4 +24,5 @@ class ForceOffset(Memoryless):
     offset: float = quantity("N", 0.0, lower=-1e3, upper=1e3, typical=0.3, doc="bias F")
 
     def apply(self, y, s):
+        """y + F."""
         return self.put_back(y, self.mine(y) + self.offset)

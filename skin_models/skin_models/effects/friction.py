@@ -40,4 +40,5 @@ class Friction(Memoryless):
     )
 
     def apply(self, y, s):
+        """y + (F + mu |y|) tanh(v / v_s)."""
         return y + (self.force + self.coefficient * np.abs(y)) * np.tanh(s.v / self.speed)

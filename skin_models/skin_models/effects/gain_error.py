@@ -30,6 +30,7 @@ class GainError(Memoryless):
     gain: float = quantity("1", 0.0, lower=-0.95, upper=10.0, typical=0.15, doc="relative error g")
 
     def apply(self, y, s):
+        """(1 + g) y."""
         return self.put_back(y, (1.0 + self.gain) * self.mine(y))
 
 
@@ -47,6 +48,7 @@ class GainStep(Elapsed):
     after: float = quantity("s", 10.0, lower=0.0, role=SHAPE, typical=10.0, doc="time t0, counted from the first sample")
 
     def apply(self, y, elapsed):
+        """y before t0, (1 + g) y from t0 on."""
         return y * (1.0 + self.gain * (elapsed >= self.after))
 
     @classmethod

@@ -28,7 +28,7 @@ DEPTHS = (0.02e-3, 0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3, 1.5e-3)  # m
 
 @dataclass(frozen=True)
 class SkinHysteresis(Dynamic):
-    """One elastic-plastic element beside both branches. Its state is the play operator's (m), None at rest."""
+    """One elastic-plastic element beside both branches."""
 
     cause: ClassVar[str] = "hysteresis"
     places: ClassVar = {"skin": Place.SKIN}
@@ -42,20 +42,23 @@ class SkinHysteresis(Dynamic):
     )
 
     def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is the play P, m."""
         return None
 
     def step(self, state, y, s: Sample, dt: float):
+        """k (x - P) on each branch."""
         x = depth_in_contact(s.x)
         state = play_step(state, x, self.threshold)
         return state, y + branches(self.k_sensed, self.k_dispersed, x - state, s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """k times the stop operator over the whole recording."""
         return y + branches(self.k_sensed, self.k_dispersed, stop(depth_in_contact(s.x), self.threshold), s.x)
 
 
 @dataclass(frozen=True)
 class BoucWenHysteresis(Dynamic):
-    """A gradually yielding element beside both branches. State: its stretch z (m) and the last depth in contact (m), None at rest."""
+    """A gradually yielding element beside both branches."""
 
     cause: ClassVar[str] = "hysteresis"
     form: ClassVar[str] = "bouc_wen"
@@ -70,9 +73,11 @@ class BoucWenHysteresis(Dynamic):
     )
 
     def initial(self, rng=None) -> tuple[float, float | None]:
+        """Stretch z, m, and last depth in contact, m: None before the first sample."""
         return 0.0, None
 
     def step(self, state, y, s: Sample, dt: float):
+        """z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r); k z on each branch."""
         z, last = state
         x = depth_in_contact(s.x)
         gain, offset = self._map(x - (x if last is None else last))
@@ -80,6 +85,7 @@ class BoucWenHysteresis(Dynamic):
         return (z, x), y + branches(self.k_sensed, self.k_dispersed, z, s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same recurrence in log2(N) passes over the whole recording."""
         x = depth_in_contact(s.x)
         z = running_affine(*self._map(np.diff(x, prepend=x[0])))
         return y + branches(self.k_sensed, self.k_dispersed, z, s.x)
@@ -91,7 +97,7 @@ class BoucWenHysteresis(Dynamic):
 
 @dataclass(frozen=True)
 class SensorHysteresis(Dynamic):
-    """The reading stays closer to where it came from. State: the play operator's, shape of `y`, None at rest."""
+    """The reading stays closer to where it came from."""
 
     cause: ClassVar[str] = "hysteresis"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
@@ -111,13 +117,16 @@ class SensorHysteresis(Dynamic):
     )
 
     def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is the play P, N."""
         return None
 
     def step(self, state, y, s: Sample, dt: float):
+        """y - a (y - P)."""
         mine = self.mine(y)
         state = play_step(state, mine, self.threshold)
         return state, self.put_back(y, mine - self.relative * (mine - state))
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """y - a times the stop operator over the whole recording."""
         mine = self.mine(y)
         return self.put_back(y, mine - self.relative * stop(mine, self.threshold))

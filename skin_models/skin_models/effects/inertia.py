@@ -24,4 +24,5 @@ class Inertia(Memoryless):
     mass: float = quantity("kg", 0.0, lower=0.0, upper=50.0, typical=0.3, doc="moving mass M")
 
     def apply(self, y, s):
+        """y + M a."""
         return y + self.mass * s.a

@@ -38,5 +38,6 @@ class Interference(Elapsed):
     )
 
     def apply(self, y, elapsed):
+        """y + S sin(2 pi f T) + C cos(2 pi f T)."""
         angle = 2.0 * np.pi * self.frequency * elapsed
         return y + self.sine * np.sin(angle) + self.cosine * np.cos(angle)

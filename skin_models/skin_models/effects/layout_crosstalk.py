@@ -7,14 +7,12 @@ Simulated, not proposed: for a row it is `crosstalk` itself.
 Source: T. D'Alessio, Measurement errors in the scanning of piezoresistive sensor arrays, Sensors and Actuators A 72 (1999) 71-76.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 from skin_models.effect import Memoryless, Place
 from skin_models.errors import ModelError
 from skin_models.parameter import quantity
-from skin_models.signals import Motion
 
 
 @dataclass(frozen=True)
@@ -27,15 +25,12 @@ class LayoutCrosstalk(Memoryless):
     source: ClassVar[str] = "D'Alessio 1999"
     linear: ClassVar[bool] = True
     finds_taxels: ClassVar[bool] = True
+    proposed: ClassVar[bool] = False
 
     share: float = quantity("1", 0.0, lower=-1.0, upper=1.0, typical=0.1, doc="share c of the neighbours' mean")
 
     def apply(self, y, s):
+        """y + share * (mean of the nearest taxels). Raises `ModelError` where nobody knows where the taxels are."""
         if s.footprint is None:
             raise ModelError("crosstalk of the form layout needs to know where the taxels are: give the model their positions, or a layout")
         return self.put_back(y, self.mine(y) + self.share * self.mine(s.footprint.places.neighbours @ y))
-
-    @classmethod
-    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """None: it is not proposed."""
-        return iter(())

@@ -31,10 +31,12 @@ class Leaning(Bending):
     lean_y: float = quantity("1", 0.0, lower=-10.0, upper=10.0, typical=0.1, doc="and along y")
 
     def seen(self, offset, x, width):
+        """p - lean x."""
         moved = np.multiply.outer([self.lean_x, self.lean_y], x)
         if np.ndim(x) and offset.ndim == 2:
             offset = offset[..., None]
         return offset - moved.reshape(2, *([1] * (offset.ndim - np.ndim(x) - 1)), *np.shape(x))
 
     def reach(self, r, x, width):
+        """r + |lean| x."""
         return r + float(np.hypot(self.lean_x, self.lean_y)) * float(np.max(x))

@@ -2,8 +2,8 @@
 
     tip depth = x - C F
 
-    static    F = K tip depth                         tip depth = x / (1 + C K) in contact, x in the air
-    damped    F = B d(tip depth)/dt, slowly varying   T d(tip depth)/dt + tip depth = x, T = C B, in contact; x in the air
+    static    F = K tip depth           tip depth = x / (1 + C K) in contact, x in the air
+    damped    F = B d(tip depth)/dt     T d(tip depth)/dt + tip depth = x, T = C B, in contact; x in the air
 
 What bends the mount is a linear skin of stiffness K and damping B, which are parameters because an effect sees motion, not force. Of the
 static part only the product C K matters, and from x and F alone it equals a softer skin; the damped part can be seen: the tip follows late
@@ -38,12 +38,13 @@ class MountCompliance(Memoryless):
     )
 
     def apply(self, y, s):
+        """x / (1 + C K) in contact, x in the air."""
         return np.where(y > 0.0, y / (1.0 + self.compliance * self.stiffness), y)
 
 
 @dataclass(frozen=True)
 class DampedMount(Dynamic):
-    """The same under a skin's damping force. State: last tip and last depth below the surface (m), None at rest."""
+    """The same under a skin's damping force."""
 
     cause: ClassVar[str] = "mount_compliance"
     form: ClassVar[str] = "damped"
@@ -53,9 +54,11 @@ class DampedMount(Dynamic):
     late: float = quantity("s", 0.0, lower=0.0, upper=1.0, typical=0.01, doc="T, compliance times the specimen's damping")
 
     def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is the last tip and the last depth below the surface, m."""
         return None
 
     def step(self, state, y, s: Sample, dt: float):
+        """tip[n] = e tip[n-1] + (g - e) x[n-1] + (1 - g) x[n] with x not below 0; e and g as in `lag`, for T."""
         pressed = np.maximum(y, 0.0)
         tip, last = (pressed, pressed) if state is None else state
         e, g = lag_factors(self.late, dt)
@@ -63,6 +66,7 @@ class DampedMount(Dynamic):
         return (tip, pressed), self._tip(tip, y)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same recursion as a filter, at rest at x[0]."""
         pressed = np.maximum(y, 0.0)
         e, g = lag_factors(self.late, s.dt)
         tip, _ = lfilter([1.0 - g, g - e], [1.0, -e], pressed, zi=g * pressed[..., :1])

@@ -22,7 +22,7 @@ from skin_models.signals import Motion, Sample
 
 @dataclass(frozen=True)
 class Noise(Dynamic):
-    """White, coloured and proportional noise. State: three random streams and z (None at first); None without a generator."""
+    """White, coloured and proportional noise."""
 
     cause: ClassVar[str] = "noise"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
@@ -36,9 +36,11 @@ class Noise(Dynamic):
     )
 
     def initial(self, rng=None):
+        """Three random streams and z, which is drawn with the first sample; None without a generator."""
         return None if rng is None else (tuple(Stream(new_key(rng)) for _ in range(3)), None)
 
     def step(self, state, y, s: Sample, dt: float):
+        """y + w g1 + z + p |y| g2 with the next numbers of the streams."""
         if state is None:
             return None, y
         streams, z = state
@@ -49,6 +51,7 @@ class Noise(Dynamic):
         return (streams, z), self.put_back(y, self._noisy(mine, g[0], g[1], z))
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same numbers at once; z as a filter."""
         if rng is None:
             return y
         mine = self.mine(y)

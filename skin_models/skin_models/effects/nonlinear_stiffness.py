@@ -8,8 +8,8 @@
 
 Every size comes twice, for the sensed and for the dispersed branch.
 
-Sources: L. J. Gibson and M. F. Ashby, Cellular Solids, 2nd ed., Cambridge 1997, ch. 5; M. Avalle, G. Belingardi, R. Montanini,
-Int. J. Impact Engineering 25 (2001) 455-472 (plateau and densification as a sum); K. L. Johnson, Contact Mechanics, 1985, ch. 4 (p = 3/2).
+Sources: L. J. Gibson and M. F. Ashby, Cellular Solids, 2nd ed., Cambridge 1997, ch. 5; M. Avalle, G. Belingardi, A. Ibba,
+Int. J. Impact Engineering 34 (2007) 3-27 (plateau and densification as a sum); K. L. Johnson, Contact Mechanics, 1985, ch. 4 (p = 3/2).
 """
 
 from dataclasses import dataclass
@@ -39,6 +39,7 @@ class PolynomialStiffness(Memoryless):
     cube_dispersed: float = quantity("N/m^3", 0.0, typical=1e8, doc="factor of x^3, dispersed")
 
     def apply(self, y, s):
+        """y + q x^2 + c x^3 on each branch."""
         x = depth_in_contact(s.x)
         square = branches(self.square_sensed, self.square_dispersed, x * x, s.x)
         return y + square + branches(self.cube_sensed, self.cube_dispersed, x * x * x, s.x)
@@ -63,6 +64,7 @@ class PowerStiffness(Memoryless):
     )
 
     def apply(self, y, s):
+        """y + F (x / 1 mm)^p on each branch."""
         f = (depth_in_contact(s.x) / self.reference) ** self.exponent
         return y + branches(self.force_sensed, self.force_dispersed, f, s.x)
 
@@ -82,6 +84,7 @@ class Densification(Memoryless):
     onset: float = quantity("m", 1e-3, lower=0.0, upper=0.05, role=SHAPE, typical=1e-3, scan=ONSETS, doc="depth x0")
 
     def apply(self, y, s):
+        """y + k max(x - x0, 0) on each branch."""
         return y + branches(self.k_sensed, self.k_dispersed, np.maximum(s.x - self.onset, 0.0), s.x)
 
 
@@ -96,7 +99,7 @@ class Plateau(Memoryless):
     cause: ClassVar[str] = "nonlinear_stiffness"
     form: ClassVar[str] = "plateau"
     places: ClassVar = {"skin": Place.SKIN}
-    source: ClassVar[str] = "Avalle et al. 2001, first term"
+    source: ClassVar[str] = "Avalle et al. 2007, first term"
     linear: ClassVar[bool] = True
 
     k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness lost on the plateau, sensed")
@@ -104,6 +107,7 @@ class Plateau(Memoryless):
     onset: float = quantity("m", 0.5e-3, lower=1e-5, upper=0.05, role=SHAPE, typical=0.5e-3, scan=ONSETS, doc="depth x0")
 
     def apply(self, y, s):
+        """y - k (x - x0 (1 - exp(-x / x0))) on each branch."""
         return y + branches(self.k_sensed, self.k_dispersed, _plateau(depth_in_contact(s.x), self.onset), s.x)
 
 
@@ -114,7 +118,7 @@ class Foam(Memoryless):
     cause: ClassVar[str] = "nonlinear_stiffness"
     form: ClassVar[str] = "foam"
     places: ClassVar = {"skin": Place.SKIN}
-    source: ClassVar[str] = "Avalle et al. 2001; Gibson and Ashby 1997, ch. 5"
+    source: ClassVar[str] = "Avalle et al. 2007; Gibson and Ashby 1997, ch. 5"
     linear: ClassVar[bool] = True
 
     lost_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=5000.0, doc="stiffness lost on the plateau, sensed")
@@ -129,6 +133,7 @@ class Foam(Memoryless):
     )
 
     def apply(self, y, s):
+        """y - k (x - x0 (1 - exp(-x / x0))) + d max(x - x1, 0)^2 / x1 on each branch."""
         lost = branches(self.lost_sensed, self.lost_dispersed, _plateau(depth_in_contact(s.x), self.yields), s.x)
         closed = np.maximum(s.x - self.closes, 0.0)
         return y + lost + branches(self.dense_sensed, self.dense_dispersed, closed * closed / self.closes, s.x)

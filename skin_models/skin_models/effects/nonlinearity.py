@@ -4,11 +4,10 @@
 
 It is part of what a data sheet states, and too alike `nonlinear_stiffness` and `gain_error` to be proposed for a finding by itself.
 
-Source: "nonlinearity" in the data sheets of the MLP-25 and the FlexiForce A201 (thesis 3.3.1 and 3.3.3), as the plainest curve through
+Source: "nonlinearity" in the data sheets of the FlexiForce A201 and the MLP-25 (thesis 3.3.1 and 3.3.3), as the plainest curve through
 both ends.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,7 +15,6 @@ import numpy as np
 
 from skin_models.effect import Memoryless, Place
 from skin_models.parameter import SHAPE, quantity
-from skin_models.signals import Motion
 
 
 @dataclass(frozen=True)
@@ -27,15 +25,12 @@ class Nonlinearity(Memoryless):
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "thesis 3.3.1 and 3.3.3"
     linear: ClassVar[bool] = True
+    proposed: ClassVar[bool] = False
 
     deviation: float = quantity("1", 0.0, lower=-0.2, upper=0.2, typical=0.03, doc="deviation d at half capacity, relative to the capacity")
     capacity: float = quantity("N", 111.2, lower=1e-3, upper=1e5, role=SHAPE, typical=20.0, doc="capacity R")
 
     def apply(self, y, s):
+        """y + 4 d y (1 - |y| / R)."""
         mine = self.mine(y)
         return self.put_back(y, mine + 4.0 * self.deviation * mine * (1.0 - np.abs(mine) / self.capacity))
-
-    @classmethod
-    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """None: it is not proposed."""
-        return iter(())

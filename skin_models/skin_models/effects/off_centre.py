@@ -31,10 +31,13 @@ class OffCentre(Bending):
     dy: float = quantity("m", 0.0, lower=-0.1, upper=0.1, typical=0.5e-3, doc="and along y")
 
     def seen(self, offset, x, width):
+        """p - d."""
         return offset - np.array(self.shift()).reshape(2, *([1] * (offset.ndim - 1)))
 
     def reach(self, r, x, width):
+        """r + |d|."""
         return r + float(np.hypot(self.dx, self.dy))
 
     def shift(self):
+        """d = (dx, dy)."""
         return self.dx, self.dy

@@ -20,7 +20,7 @@ from skin_models.signals import Motion, Sample
 
 @dataclass(frozen=True)
 class Outliers(Dynamic):
-    """Random spikes. State: two random streams, None without a generator."""
+    """Random spikes."""
 
     cause: ClassVar[str] = "outliers"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
@@ -30,9 +30,11 @@ class Outliers(Dynamic):
     size: float = quantity("N", 0.0, lower=0.0, upper=1e4, typical=4.0, doc="standard deviation S of a spike")
 
     def initial(self, rng=None) -> tuple[Stream, Stream] | None:
+        """Two random streams, for when and how large; None without a generator."""
         return None if rng is None else (Stream(new_key(rng)), Stream(new_key(rng)))
 
     def step(self, state, y, s: Sample, dt: float):
+        """y + S g where the next chance is below 1 - exp(-rate dt)."""
         if state is None:
             return None, y
         mine = np.asarray(self.mine(y))
@@ -41,6 +43,7 @@ class Outliers(Dynamic):
         return (when, how), self.put_back(y, mine + self._spikes(chance, size, dt))
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same numbers at once."""
         if rng is None:
             return y
         mine = self.mine(y)

@@ -27,4 +27,5 @@ class PositionOffset(Memoryless):
     offset: float = quantity("m", 0.0, lower=-0.02, upper=0.02, typical=0.15e-3, negligible=2.5e-6, doc="tip depth minus encoder depth")
 
     def apply(self, y, s):
+        """x + offset."""
         return y + self.offset

@@ -35,10 +35,11 @@ REFERENCE = 1e-3  # m, the depth l
 
 @dataclass(frozen=True)
 class PreisachHysteresis(Dynamic):
-    """A density of relays that grows with depth. State: the plays, (n,) or (n, C) m, None at rest."""
+    """A density of relays that grows with depth."""
 
     cause: ClassVar[str] = "hysteresis"
     form: ClassVar[str] = "preisach"
+    proposed: ClassVar[bool] = False
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Preisach; Brokate and Sprekels 1996, ch. 2.4"
     linear: ClassVar[bool] = True
@@ -48,15 +49,18 @@ class PreisachHysteresis(Dynamic):
     width: float = quantity("m", 0.4e-3, lower=1e-6, upper=0.05, role=SHAPE, typical=0.4e-3, doc="greatest half width R of a relay")
 
     def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is the plays P_i, (n,) or (n, C), m."""
         return None
 
     def step(self, state, y, s: Sample, dt: float):
+        """Every play by one sample, then k / (2 l) times the mean of x^2 - P_i^2 on each branch."""
         x = depth_in_contact(s.x)
         half = self._half_widths().reshape(-1, *([1] * np.ndim(x)))
         state = play_step(x + 0.0 * half if state is None else state, x, half)
         return state, y + branches(self.k_sensed, self.k_dispersed, self._force(x, state), s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same with n play operators over the whole recording."""
         x = depth_in_contact(s.x)
         plays = np.array([play(x, r) for r in self._half_widths()])
         return y + branches(self.k_sensed, self.k_dispersed, self._force(x, plays), s.x)

@@ -7,7 +7,7 @@ q = 0 is the identity. The drive's staircase is cut to its first harmonic: the t
 speed between them. A staircase with corners would have no speed, hence no damping force, and grow without bound as the sample period
 shrinks. (An encoder that merely reads in steps is no part of the chain, which starts from what it reads.)
 
-Source: B. Widrow and I. Kollár, Quantization Noise, Cambridge 2008; thesis 3.3.1 (NI 9201: 12 bit over ±10 V).
+Source: B. Widrow and I. Kollár, Quantization Noise, Cambridge 2008; thesis 3.1 (NI 9201: 12 bit over ±10 V).
 """
 
 from dataclasses import dataclass
@@ -30,6 +30,7 @@ class SensorQuantization(Memoryless):
     step_force: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="step q")
 
     def apply(self, y, s):
+        """q round(y / q); y for q = 0."""
         if self.step_force == 0.0:
             return y
         return self.put_back(y, np.round(self.mine(y) / self.step_force) * self.step_force)
@@ -46,6 +47,7 @@ class DepthQuantization(Memoryless):
     step_depth: float = quantity("m", 0.0, lower=0.0, upper=1e-2, typical=50e-6, doc="step q")
 
     def apply(self, y, s):
+        """x - q / (2 pi) sin(2 pi x / q); x for q = 0."""
         if self.step_depth == 0.0:
             return y
         turn = self.step_depth / (2.0 * np.pi)

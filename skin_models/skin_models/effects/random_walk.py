@@ -20,7 +20,7 @@ from skin_models.signals import Motion, Sample
 
 @dataclass(frozen=True)
 class RandomWalk(Dynamic):
-    """A wandering zero. State: a random stream and b (None at first); None without a generator."""
+    """A wandering zero."""
 
     cause: ClassVar[str] = "drift"
     form: ClassVar[str] = "random_walk"
@@ -30,9 +30,11 @@ class RandomWalk(Dynamic):
     walk: float = quantity("N/s^0.5", 0.0, lower=0.0, upper=1e3, typical=0.05, doc="size W: standard deviation after 1 s")
 
     def initial(self, rng=None):
+        """A random stream and b, which is 0 at the first sample; None without a generator."""
         return None if rng is None else (Stream(new_key(rng)), None)
 
     def step(self, state, y, s: Sample, dt: float):
+        """b[n] = b[n-1] + W sqrt(dt) g[n]; y + b."""
         if state is None:
             return None, y
         stream, bias = state
@@ -42,6 +44,7 @@ class RandomWalk(Dynamic):
         return (stream, bias), self.put_back(y, mine + bias)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same numbers, summed up at once."""
         if rng is None:
             return y
         mine = self.mine(y)

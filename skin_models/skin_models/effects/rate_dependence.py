@@ -35,6 +35,7 @@ class PowerDamping(Memoryless):
     )
 
     def apply(self, y, s):
+        """y + F sign(v) |v / 10 mm/s|^p on each branch."""
         f = np.sign(s.v) * np.abs(s.v / self.reference) ** self.exponent
         return y + branches(self.force_sensed, self.force_dispersed, f, s.x)
 
@@ -53,4 +54,5 @@ class HuntCrossley(Memoryless):
     c_dispersed: float = quantity("N*s/m^2", 0.0, lower=0.0, typical=2e5, doc="factor of x v, dispersed")
 
     def apply(self, y, s):
+        """y + c x v on each branch."""
         return y + branches(self.c_sensed, self.c_dispersed, depth_in_contact(s.x) * s.v, s.x)

@@ -6,11 +6,10 @@
 The size of the hard form is not a force but how low L is: it is the identity for L = inf, which is what `absent` gives. It is therefore no
 direction in which a model can be bent a little: identification proposes the leaky form, and the hard one from samples that pile up.
 
-Source: G. Tao and P. V. Kokotović, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.
+Source: H. K. Khalil, Nonlinear Systems, 3rd ed., Prentice Hall 2002, section 1.2.7 (common nonlinearities).
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -18,7 +17,6 @@ import numpy as np
 
 from skin_models.effect import Memoryless, Place
 from skin_models.parameter import SHAPE, quantity
-from skin_models.signals import Motion
 
 LEVELS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 17.0, 22.0)  # N
 
@@ -29,7 +27,8 @@ class Saturation(Memoryless):
 
     cause: ClassVar[str] = "saturation"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
-    source: ClassVar[str] = "Tao and Kokotović 1996, ch. 2"
+    source: ClassVar[str] = "Khalil 2002, section 1.2.7"
+    proposed: ClassVar[bool] = False  # see above
 
     level: float = quantity("N", math.inf, lower=1e-6, typical=8.0, doc="greatest reading L; infinite removes the effect")
 
@@ -37,12 +36,8 @@ class Saturation(Memoryless):
         """No clipping: an infinite level."""
         return self.with_values(level=math.inf)
 
-    @classmethod
-    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """None: see above."""
-        return iter(())
-
     def apply(self, y, s):
+        """min(max(y, -L), L)."""
         return self.put_back(y, np.clip(self.mine(y), -self.level, self.level))
 
 
@@ -53,11 +48,12 @@ class LeakySaturation(Memoryless):
     cause: ClassVar[str] = "saturation"
     form: ClassVar[str] = "leaky"
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
-    source: ClassVar[str] = "Tao and Kokotović 1996, ch. 2"
+    source: ClassVar[str] = "Khalil 2002, section 1.2.7"
 
     lost: float = quantity("1", 0.0, lower=0.0, upper=1.0, typical=0.5, doc="share c of the slope that is lost")
     level: float = quantity("N", 8.0, lower=1e-6, role=SHAPE, typical=8.0, scan=LEVELS, doc="reading L from which it is lost")
 
     def apply(self, y, s):
+        """y - c max(y - L, 0)."""
         mine = self.mine(y)
         return self.put_back(y, mine - self.lost * np.maximum(mine - self.level, 0.0))

@@ -29,11 +29,14 @@ class SpreadDepth(Bending):
     growth: float = quantity("1/m", 0.0, lower=-1e3, upper=1e4, typical=100.0, doc="relative growth g of the width per metre of depth")
 
     def seen(self, offset, x, width):
+        """p / w."""
         factor = self.scale(x)
         return offset / factor if np.ndim(x) == 0 or offset.ndim == 3 else offset[..., None] / factor
 
     def reach(self, r, x, width):
+        """r w."""
         return r * float(self.scale(x))
 
     def scale(self, x):
+        """w = 1 + g x, at least 0.1."""
         return np.maximum(1.0 + self.growth * x, 0.1)

@@ -5,7 +5,7 @@
 c is where K has fallen to 1 / e: there nothing changes, and neither under the contact. A Gaussian becomes exp(-(r / c)^(2 + 2 e)).
 
 Source: the generalised Gaussian; M. T. Subbotin, On the law of frequency of error, Mat. Sb. 31 (1923) 296-301. Flat tops are those of wide
-plungers and taxels, heavy tails those of an elastic layer (Johnson, Contact Mechanics, 1985, ch. 3).
+plungers and taxels, heavy tails those of an elastic half space (K. L. Johnson, Contact Mechanics, 1985, ch. 3).
 """
 
 from dataclasses import dataclass
@@ -30,8 +30,10 @@ class SpreadShape(Bending):
     flatness: float = quantity("1", 0.0, lower=-0.75, upper=9.0, typical=0.5, doc="relative change e of the kernel's power")
 
     def seen(self, offset, x, width):
+        """p (|p| / c)^e."""
         r = np.hypot(*offset) / width
         return offset * np.power(r, self.flatness, out=np.ones_like(r), where=r > 0.0)
 
     def reach(self, r, x, width):
+        """c (r / c)^(1 / (1 + e))."""
         return width * float((r / width) ** (1.0 / (1.0 + self.flatness)))

@@ -25,7 +25,9 @@ class SpreadWidth(Bending):
     wider: float = quantity("1", 0.0, lower=-0.9, upper=9.0, typical=0.25, doc="relative change g of the width")
 
     def seen(self, offset, x, width):
+        """p / (1 + g)."""
         return offset / (1.0 + self.wider)
 
     def reach(self, r, x, width):
+        """r (1 + g)."""
         return r * (1.0 + self.wider)

@@ -32,10 +32,11 @@ def _series(alpha: float) -> Relaxing:
 
 @dataclass(frozen=True)
 class SpringpotRelaxation(Dynamic):
-    """A fractional element. State: first and last depth in contact (m), the arms' forces of unit size, (A,) or (A, C); None at rest."""
+    """A fractional element."""
 
     cause: ClassVar[str] = "stress_relaxation"
     form: ClassVar[str] = "springpot"
+    proposed: ClassVar[bool] = False
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "springpot; Koeller 1984"
     linear: ClassVar[bool] = True
@@ -45,9 +46,14 @@ class SpringpotRelaxation(Dynamic):
     alpha: float = quantity("1", 0.3, lower=0.02, upper=0.98, role=SHAPE, typical=0.3, doc="order of the derivative")
 
     def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest.
+
+        From then on the state is the first and the last depth in contact (m) and the arms' forces, (A,) or (A, C), for k = 1 (N).
+        """
         return None
 
     def step(self, state, y, s: Sample, dt: float):
+        """The Prony series by one sample at constant speed, times k on each branch."""
         series, x = _series(self.alpha), depth_in_contact(s.x)
         start, last, arms = (x, x, np.zeros((series.tau.size, *np.shape(x)))) if state is None else state
         v = (x - last) / dt
@@ -57,5 +63,6 @@ class SpringpotRelaxation(Dynamic):
         return (start, x, arms), y + branches(self.k_sensed, self.k_dispersed, f, s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The series over the whole recording."""
         x = depth_in_contact(s.x)
         return y + branches(self.k_sensed, self.k_dispersed, _series(self.alpha).batch(x - x[0], s.dt), s.x)

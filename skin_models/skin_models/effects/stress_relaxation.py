@@ -40,9 +40,11 @@ class StressRelaxation(Dynamic):
     )  # fmt: skip
 
     def initial(self, rng=None) -> tuple[float, float | None]:
+        """Stretch of the arm's spring, m, and last depth in contact, m: None before the first sample."""
         return 0.0, None  # stretch of the arm's spring (m); last depth in contact (m): at rest at the first sample
 
     def step(self, state, y, s: Sample, dt: float):
+        """f[n] / k = e f[n-1] / k + (1 - e) tau / dt (x[n] - x[n-1]); f on each branch."""
         stretch, last = state
         x = depth_in_contact(s.x)
         last = x if last is None else last
@@ -51,6 +53,7 @@ class StressRelaxation(Dynamic):
         return (stretch, x), y + branches(self.k_sensed, self.k_dispersed, stretch, s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same recursion as a filter."""
         e = np.exp(-s.dt / self.tau)
         gain = (1.0 - e) * self.tau / s.dt
         x = depth_in_contact(s.x)

@@ -13,7 +13,6 @@ mean is a delay, the rest noise that grows with the slope.
 Source: T. I. Laakso et al., Splitting the unit delay, IEEE Signal Processing Magazine 13 (1996) 30-60 (linear interpolation).
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -29,7 +28,7 @@ PLACES = {"clock": Place.LOAD_CELL, "clock_taxels": Place.TAXEL, "clock_depth": 
 
 @dataclass(frozen=True)
 class TimeShift(Dynamic):
-    """A late channel. State: the number of samples so far and the last of them, newest last."""
+    """A late channel."""
 
     cause: ClassVar[str] = "time_shift"
     places: ClassVar = PLACES
@@ -39,15 +38,18 @@ class TimeShift(Dynamic):
     skew: float = quantity("ppm", 0.0, lower=-1e4, upper=1e4, typical=200.0, doc="how much later it gets, in µs per s")
 
     def initial(self, rng=None) -> tuple[int, tuple]:
+        """How many samples there were, and the last of them, newest last: none."""
         return 0, ()
 
     def step(self, state, y, s: Sample, dt: float):
+        """y(t - delay - skew T), looked up among the samples kept; the present one where that is still to come."""
         n, past = state
         late = self._late(n * dt) / dt
         past = _remembered(past, y, late)
         return (n + 1, past), _looked_up(past, late)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """y at the shifted times; also for a channel that is early."""
         n = np.arange(len(s))
         return _shifted(y, n - self._late(n * s.dt) / s.dt)
 
@@ -57,19 +59,22 @@ class TimeShift(Dynamic):
 
 @dataclass(frozen=True)
 class TimeJitter(Dynamic):
-    """A channel that is late by chance. State: a random stream and the last samples, newest last; None without a generator."""
+    """A channel that is late by chance."""
 
     cause: ClassVar[str] = "time_shift"
     form: ClassVar[str] = "jitter"
+    proposed: ClassVar[bool] = False
     places: ClassVar = PLACES
     source: ClassVar[str] = "Laakso et al. 1996, with a random delay"
 
     jitter: float = quantity("s", 0.0, lower=0.0, upper=1.0, typical=0.01, doc="longest delay J")
 
     def initial(self, rng=None) -> tuple[Stream, tuple] | None:
+        """A random stream and the last samples, newest last; None without a generator."""
         return None if rng is None else (Stream(new_key(rng)), ())
 
     def step(self, state, y, s: Sample, dt: float):
+        """y(t - J u), u the next number of the stream."""
         if state is None:
             return None, y
         stream, past = state
@@ -78,15 +83,11 @@ class TimeJitter(Dynamic):
         return (stream, past), _looked_up(past, float(u) * self.jitter / dt)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same numbers at once."""
         if rng is None:
             return y
         n = np.arange(len(s))
         return _shifted(y, n - whole(new_key(rng), n.shape, uniform) * self.jitter / s.dt)
-
-    @classmethod
-    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """None: it is not proposed."""
-        return iter(())
 
 
 def _remembered(past: tuple, y, late: float) -> tuple:

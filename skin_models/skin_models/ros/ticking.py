@@ -28,6 +28,7 @@ class Ticking(threading.Thread):
         self._ending, self._skipped, self._late, self._since = False, 0, [], time.monotonic()
 
     def run(self) -> None:
+        """Sleep until a deadline, tick, and set the next one a period later; by /clock where that is used."""
         sleep, now = (self._sleep_simulated, self._simulated) if self._clock.ros_time_is_active else (self._sleep, time.monotonic)
         deadline = now()
         while not self._ending:

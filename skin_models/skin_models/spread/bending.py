@@ -12,7 +12,6 @@ or several places at once decides on them.
 
 import math
 from abc import abstractmethod
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
@@ -23,13 +22,14 @@ from skin_models.effect import Memoryless
 from skin_models.errors import ModelError
 from skin_models.signals import Motion, Sample
 from skin_models.spread.footprint import Footprint
-from skin_models.spread.kernels import Kernel
+from skin_models.spread.kernels import Wrapped
 
 
 class Bending(Memoryless):
     """An effect of the spread. `rank` orders them from the contact inwards; `radial`: the same in all directions."""
 
     finds_taxels: ClassVar[bool] = True
+    proposed: ClassVar[bool] = False
     rank: ClassVar[int]
     radial: ClassVar[bool] = True
     deep: ClassVar[bool] = False  # depends on the depth
@@ -59,16 +59,12 @@ class Bending(Memoryless):
         return replace(f, offset=self.seen(f.offset, np.maximum(x, 0.0), f.width))
 
     def apply(self, y, s: Sample | Motion):
+        """share * K(seen(p)) / K(p) / scale^2, 0 where K(p) is. Raises `ModelError` where nobody knows where the taxels are."""
         if s.footprint is None:
             raise ModelError(f"{self.cause} needs to know where the taxels are: give the model their positions, or a layout")
         before, after = (_over_time(f.shape(), np.ndim(y)) for f in (s.footprint, self.bent(s.footprint, s.x)))
         felt = np.broadcast_to(before > 0.0, np.broadcast_shapes(before.shape, after.shape))
         return y * np.divide(after, before, out=np.zeros(felt.shape), where=felt) * self.scale(np.maximum(s.x, 0.0)) ** -2.0
-
-    @classmethod
-    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
-        """None: it is not proposed."""
-        return iter(())
 
 
 def _over_time(a: np.ndarray, ndim: int) -> np.ndarray:
@@ -81,10 +77,12 @@ def in_order(effects: tuple) -> tuple:
 
 
 @dataclass(frozen=True)
-class Bent(Kernel):
-    """`kernel` with the effects of the spread in it, under a contact `depth` (m) deep."""
+class Bent(Wrapped):
+    """`kernel` with the effects of the spread in it, under a contact `depth` (m) deep.
 
-    kernel: Kernel
+    Its `area` stays that of the kernel: effects of the spread change the shape around a height that was measured.
+    """
+
     effects: tuple[Bending, ...]
     depth: float = field(default=0.0)
 
@@ -94,6 +92,7 @@ class Bent(Kernel):
 
     @property
     def radial(self) -> bool:
+        """Whether kernel and all effects are the same in all directions."""
         return self.kernel.radial and all(e.radial for e in self.effects)
 
     @property
@@ -102,6 +101,10 @@ class Bent(Kernel):
         return self.kernel.deep or any(e.deep for e in self.effects)
 
     def straightened(self):
+        """The product of the effects' matrices, and the kernel bent by the radial effects alone.
+
+        None where an effect does more than stretch and turn, or the kernel inside is not radial.
+        """
         turning = [e for e in in_order(self.effects) if not e.radial]
         if not self.kernel.radial or any(e.matrix() is None for e in turning):
             return None
@@ -111,15 +114,18 @@ class Bent(Kernel):
         return matrix, replace(self, effects=tuple(e for e in self.effects if e.radial))
 
     def scale(self, depth):
+        """The product of all scales."""
         x = np.maximum(np.nan_to_num(depth), 0.0)
         return math.prod((e.scale(x) for e in self.effects), start=self.kernel.scale(depth))
 
     def shape(self, r):
+        """The kernel's shape / scale^2. Where an effect is not radial `r` is what `distance` gives; else it is bent here."""
         if self.radial:
             r = self._seen(np.asarray(r), np.zeros_like(r))
         return float(math.prod(e.scale(self.depth) for e in self.effects)) ** -2.0 * self.kernel.shape(r)
 
     def distance(self, u, v):
+        """The distance after all effects that a taxel at these offsets is seen at, where one of them is not radial."""
         return super().distance(u, v) if self.radial else self._seen(u, v)
 
     def _seen(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -128,15 +134,13 @@ class Bent(Kernel):
             offset = e.seen(offset, self.depth, self._width)
         return self.kernel.distance(*offset)
 
-    @property
-    def area(self):
-        return self.kernel.area
-
     def reach(self, tolerance):
+        """The kernel's reach, widened by every effect from the kernel outwards."""
         r = self.kernel.reach(tolerance)
         for e in reversed(in_order(self.effects)):
             r = e.reach(r, self.depth, self._width)
         return r
 
     def at_depth(self, depth):
+        """Kernel and effects at `depth`; at the surface where that is negative or unknown."""
         return replace(self, kernel=self.kernel.at_depth(depth), depth=max(float(np.nan_to_num(depth)), 0.0))

@@ -40,14 +40,18 @@ class Finite(Kernel):
             object.__setattr__(self, name, value)
 
     def shape(self, r):
+        """The average, relative to that in the middle; 0 beyond the table."""
         return np.interp(r, self._r, self._shape, right=0.0)
 
     @property
     def area(self):
+        """Area of the kernel over the average in the middle."""
         return self.kernel.area / self._peak
 
     def reach(self, tolerance):
-        return float(self._r[np.flatnonzero(self._shape >= tolerance)[-1]])
+        """The entry of the table behind the last that is `tolerance` or more."""
+        above = np.flatnonzero(self._shape >= tolerance)[-1]
+        return float(self._r[min(above + 1, self._r.size - 1)])
 
 
 def _radii(kernel: Kernel, radius: float) -> np.ndarray:

@@ -2,13 +2,15 @@
 
     Gaussian              exp(-(r / c)^2)                    thesis section 4.3.4
     GeneralisedGaussian   exp(-(r / c)^p)                    flat top for p > 2, pointed for p < 2
-    HeavyTail             (1 + (r / c)^2)^-q                 q = 1.5 is an elastic layer's bell (Boussinesq: q = 2.5 at depth c)
+    HeavyTail             (1 + (r / c)^2)^-q                 c deep in an elastic half space: pressure q = 1.5, normal stress q = 2.5
     DepthWidth            any of them, c grows with the depth
     Anisotropic           any of them, c differs by direction
 
 `shape` has peak 1; `area` is its integral over the plane, so that shape / area is a density that conserves force. Where a width was
 fitted to the readings of a real taxel under a real plunger (c = 5.25 mm of the thesis) the kernel contains both their areas; to see
 the skin through another taxel, take a narrower kernel and `spread.finite`.
+
+Source of the heavy tails: Boussinesq's point force; K. L. Johnson, Contact Mechanics, 1985, ch. 3.
 """
 
 import math
@@ -18,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import gamma
 
+from skin_models.errors import ModelError
 from skin_models.parameter import SHAPE, check_parameters, quantity
 
 
@@ -75,13 +78,16 @@ class Gaussian(Kernel):
     width: float = quantity("m", lower=1e-6, upper=1.0, role=SHAPE, doc="c of the Gaussian")
 
     def shape(self, r):
+        """exp(-(r / c)^2)."""
         return np.exp(-((np.asarray(r) / self.width) ** 2))
 
     @property
     def area(self):
+        """pi c^2."""
         return math.pi * self.width**2
 
     def reach(self, tolerance):
+        """c sqrt(-ln tolerance)."""
         return self.width * math.sqrt(-math.log(tolerance))
 
 
@@ -93,13 +99,16 @@ class GeneralisedGaussian(Kernel):
     power: float = quantity("1", 2.0, lower=0.5, upper=20.0, role=SHAPE, doc="2 is the Gaussian, more is a flat top")
 
     def shape(self, r):
+        """exp(-(r / c)^p)."""
         return np.exp(-((np.asarray(r) / self.width) ** self.power))
 
     @property
     def area(self):
+        """pi c^2 Gamma(1 + 2 / p)."""
         return math.pi * self.width**2 * float(gamma(1.0 + 2.0 / self.power))
 
     def reach(self, tolerance):
+        """c (-ln tolerance)^(1 / p)."""
         return self.width * (-math.log(tolerance)) ** (1.0 / self.power)
 
 
@@ -111,85 +120,114 @@ class HeavyTail(Kernel):
     power: float = quantity("1", 1.5, lower=1.05, upper=20.0, role=SHAPE, doc="half the exponent of the tail")
 
     def shape(self, r):
+        """(1 + (r / c)^2)^-q."""
         return (1.0 + (np.asarray(r) / self.width) ** 2) ** -self.power
 
     @property
     def area(self):
+        """pi c^2 / (q - 1)."""
         return math.pi * self.width**2 / (self.power - 1.0)
 
     def reach(self, tolerance):
+        """c sqrt(tolerance^(-1 / q) - 1)."""
         return self.width * math.sqrt(tolerance ** (-1.0 / self.power) - 1.0)
 
 
 @dataclass(frozen=True)
-class DepthWidth(Kernel):
-    """A kernel that is `1 + growth * depth` as wide at depth as at the surface; never narrower than a tenth."""
+class Wrapped(Kernel):
+    """A kernel made of another one: what its subclass does not say is as there."""
 
     kernel: Kernel
-    growth: float = quantity("1/m", 0.0, lower=-1e4, upper=1e4, doc="relative growth of the width per metre of depth")
 
     @property
     def radial(self) -> bool:
+        """As the kernel inside."""
         return self.kernel.radial
 
     @property
     def deep(self) -> bool:
-        return True
+        """As the kernel inside."""
+        return self.kernel.deep
 
     def distance(self, u, v):
+        """As the kernel inside."""
         return self.kernel.distance(u, v)
 
     def shape(self, r):
+        """As the kernel inside."""
         return self.kernel.shape(r)
 
     @property
     def area(self):
+        """As the kernel inside."""
         return self.kernel.area
 
     def reach(self, tolerance):
+        """As the kernel inside."""
         return self.kernel.reach(tolerance)
 
-    def straightened(self):
-        inner = self.kernel.straightened()
-        return inner and (inner[0], replace(self, kernel=inner[1]))
-
     def scale(self, depth):
-        return np.maximum(1.0 + self.growth * np.maximum(np.nan_to_num(depth), 0.0), 0.1) * self.kernel.scale(depth)
+        """As the kernel inside."""
+        return self.kernel.scale(depth)
 
     def at_depth(self, depth):
+        """The same around the kernel inside at that depth."""
+        return replace(self, kernel=self.kernel.at_depth(depth))
+
+
+@dataclass(frozen=True)
+class DepthWidth(Wrapped):
+    """A kernel that is `1 + growth * depth` as wide at depth as at the surface; never narrower than a tenth.
+
+    Raises `ModelError` around a kernel without a `width`: wrap this in that instead.
+    """
+
+    growth: float = quantity("1/m", 0.0, lower=-1e4, upper=1e4, doc="relative growth of the width per metre of depth")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not hasattr(self.kernel, "width"):
+            raise ModelError(f"{type(self.kernel).__name__} has no width that grows with the depth: put it around DepthWidth, not inside")
+
+    @property
+    def deep(self) -> bool:
+        """True."""
+        return True
+
+    def straightened(self):
+        """Itself: radial at any depth."""
+        return np.eye(2), self
+
+    def scale(self, depth):
+        """1 + growth * depth, at least 0.1; 1 for a depth that is negative or unknown."""
+        return np.maximum(1.0 + self.growth * np.maximum(np.nan_to_num(depth), 0.0), 0.1)
+
+    def at_depth(self, depth):
+        """The kernel inside, `scale` times as wide."""
         return replace(self.kernel, width=self.kernel.width * float(self.scale(np.float64(depth))))
 
 
 @dataclass(frozen=True)
-class Anisotropic(Kernel):
+class Anisotropic(Wrapped):
     """A kernel stretched by sqrt(ratio) along `angle` and by 1 / sqrt(ratio) across it; the area stays.
 
     The angle counts from the skin's x axis, counter-clockwise about the normal.
     """
 
-    kernel: Kernel
     ratio: float = quantity("1", 1.0, lower=0.1, upper=10.0, role=SHAPE, doc="width along the angle over width across it")
     angle: float = quantity("rad", 0.0, lower=-math.pi, upper=math.pi, role=SHAPE, doc="direction of the first width")
 
     @property
     def radial(self) -> bool:
+        """False."""
         return False
 
-    @property
-    def deep(self) -> bool:
-        return self.kernel.deep
-
-    def shape(self, r):
-        return self.kernel.shape(r)
-
-    @property
-    def area(self):
-        return self.kernel.area
-
     def reach(self, tolerance):
+        """That of the kernel inside, along the wider direction."""
         return self.kernel.reach(tolerance) * math.sqrt(max(self.ratio, 1.0 / self.ratio))
 
     def straightened(self):
+        """The stretch and turn, in front of what the kernel inside needs."""
         inner = self.kernel.straightened()
         return inner and (inner[0] @ self._matrix, inner[1])
 
@@ -198,12 +236,7 @@ class Anisotropic(Kernel):
         c, s = math.cos(self.angle), math.sin(self.angle)
         return np.diag([self.ratio**-0.5, self.ratio**0.5]) @ np.array([[c, s], [-s, c]])
 
-    def scale(self, depth):
-        return self.kernel.scale(depth)
-
-    def at_depth(self, depth):
-        return replace(self, kernel=self.kernel.at_depth(depth))
-
     def distance(self, u, v):
+        """|(a u + b v, c u + d v)|, ((a, b), (c, d)) the stretch by 1 / sqrt(ratio) along the angle and by sqrt(ratio) across it."""
         (a, b), (c, d) = self._matrix
-        return np.hypot(a * u + b * v, c * u + d * v)
+        return self.kernel.distance(a * u + b * v, c * u + d * v)

@@ -30,10 +30,12 @@ class Tabulated(Kernel):
             raise ModelError("a table of the spread starts at distance 0 with share 1, its distances increase, its shares are 0 to 2")
 
     def shape(self, r):
+        """Linear between the entries of the table, 0 beyond the last."""
         return np.interp(np.asarray(r) / self.width, self.at, self.shares, right=0.0)
 
     @property
     def area(self):
+        """2 pi times the integral of r shape(r), exact for straight lines between the entries."""
         # r times a straight line, integrated exactly over each piece
         a, b = np.array(self.at[:-1]), np.array(self.at[1:])
         s, t = np.array(self.shares[:-1]), np.array(self.shares[1:])
@@ -41,5 +43,6 @@ class Tabulated(Kernel):
         return 2.0 * math.pi * self.width**2 * float(pieces.sum())
 
     def reach(self, tolerance):
+        """The entry behind the last share that is `tolerance` or more."""
         above = np.flatnonzero(np.array(self.shares) >= tolerance)[-1]
         return self.width * self.at[min(above + 1, len(self.at) - 1)]
