@@ -18,11 +18,13 @@ Where the taxels are, for effects of the spread and contacts that move: `positio
 
 An effect that comes in several forms also says which: `form: hunt_crossley`. Without the entry it is the plainest.
 
-Every parameter must be there, with its unit: a file that leaves one out, or says mm where m is meant, is refused with one sentence.
+Every parameter must be there, with its unit: a file that leaves one out, says one twice, or says mm where m is meant, is refused with one
+sentence.
 """
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +36,7 @@ from skin_models.effect import Effect
 from skin_models.errors import ModelError
 from skin_models.model import Model
 from skin_models.parameter import parameters_of
+from skin_models.strict_yaml import load_yaml
 
 SCHEMA = 1
 
@@ -41,7 +44,7 @@ SCHEMA = 1
 def load_model(path: str | os.PathLike) -> Model:
     """The model in a YAML file. Raises `ModelError` naming the file and what is wrong with it."""
     try:
-        return model_from_dict(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
+        return model_from_dict(load_yaml(Path(path).read_text(encoding="utf-8")))
     except (OSError, UnicodeDecodeError) as error:
         raise ModelError(f"cannot read the model {path}: {getattr(error, 'strerror', None) or error}") from error
     except yaml.YAMLError as error:
@@ -51,11 +54,19 @@ def load_model(path: str | os.PathLike) -> Model:
 
 
 def save_model(model: Model, path: str | os.PathLike, std: Mapping[str, float] | None = None) -> None:
-    """Write a model whole or not at all. `std` gives standard errors by parameter, keyed `k1`, or `stress_relaxation.skin.tau`."""
-    path = Path(path)
+    """Write a model whole or not at all. `std` gives standard errors by parameter, keyed `k1`, or `stress_relaxation.skin.tau`.
+
+    Raises `ModelError` where it cannot be written.
+    """
+    path, text = Path(path), yaml.safe_dump(model_to_dict(model, std or {}), sort_keys=False, allow_unicode=True)
     partial = path.with_name(path.name + ".partial")
-    partial.write_text(yaml.safe_dump(model_to_dict(model, std or {}), sort_keys=False, allow_unicode=True), encoding="utf-8")
-    partial.replace(path)
+    try:
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    except OSError as error:
+        with suppress(OSError):
+            partial.unlink()
+        raise ModelError(f"cannot write the model {path}: {error.strerror or error}") from error
 
 
 def model_to_dict(model: Model, std: Mapping[str, float] | None = None) -> dict[str, Any]:
@@ -82,10 +93,13 @@ def model_from_dict(content: Any) -> Model:
     shares = content.get("shares", [1.0])
     if not isinstance(shares, list) or not all(_is_number(share) for share in shares):
         raise ModelError("shares must be a list of numbers, one per taxel")
+    effects = content.get("effects") or []
+    if not isinstance(effects, list):
+        raise ModelError("effects must be a list, every entry with cause, where and parameters")
     return Model(
         dispersion=Dispersion(**_values(Dispersion, content.get("dispersion"), "dispersion")),
         shares=tuple(float(share) for share in shares),
-        effects=tuple(_effect(entry) for entry in content.get("effects") or []),
+        effects=tuple(_effect(entry) for entry in effects),
         name=str(content.get("name", "model")),
         source=str(content.get("source", "")),
         notes=_mapping(content.get("notes", {}), "notes"),
@@ -135,7 +149,8 @@ def _values(cls: type, entries: Any, label: str) -> dict[str, float]:
 def _value(label: str, entry: Any, unit: str) -> float:
     if not isinstance(entry, Mapping) or "value" not in entry or "unit" not in entry:
         raise ModelError(f"{label} must be written as {{value: …, unit: {unit}}}")
-    if entry["unit"] != unit:
+    _only(entry, {"value", "unit", "std"}, label)
+    if str(entry["unit"]) != unit:  # a bare 1 is read as a number
         raise ModelError(f"{label} is in {entry['unit']!r}, but must be in {unit!r}")
     if not _is_number(entry["value"]):
         raise ModelError(f"{label} must have a number as its value, not {entry['value']!r}")

@@ -6,7 +6,6 @@ from skin_models.layout import row
 from skin_models.materials import material
 from skin_models.model import Model
 from skin_models.model_file import load_model, save_model
-from skin_models.ros.skin_settings import SkinSettings
 from skin_models.simulated_skin import Presses, SimulatedSkin
 from skin_models.spread.kernels import Anisotropic, DepthWidth, Gaussian
 from skin_models.spread.noted import kernel_of
@@ -31,7 +30,7 @@ def test_a_table_of_a_gaussian_is_that_gaussian():
 def test_notes_reach_the_simulated_skin_through_a_file(tmp_path):
     growth, ratio = {"value": 100.0, "unit": "1/m"}, {"value": 1.2, "unit": "1"}
     save_model(tabled(growth=growth, ratio=ratio), tmp_path / "m.yaml")
-    kernel = SkinSettings(model=str(tmp_path / "m.yaml")).make_kernel(load_model(tmp_path / "m.yaml"))
+    kernel = kernel_of(load_model(tmp_path / "m.yaml"))
     assert isinstance(kernel, Anisotropic) and isinstance(kernel.kernel, DepthWidth) and isinstance(kernel.kernel.kernel, Tabulated)
     skin = SimulatedSkin(load_model(tmp_path / "m.yaml"), row(3, 5e-3), 0.01)
     where = Presses(("a",), np.zeros((1, 3)), np.array([np.nan]), np.array([1e-3]), np.zeros(1))
@@ -42,9 +41,13 @@ def test_notes_reach_the_simulated_skin_through_a_file(tmp_path):
     assert 0.3 < beside / under < 0.6  # exp(-(5 / 5.5 / sqrt(1.2))^2) = 0.50
 
 
-def test_a_setting_of_the_node_goes_before_the_notes():
-    assert SkinSettings(spread_width=4e-3).make_kernel(tabled()) == Gaussian(width=4e-3)
+def test_a_model_without_notes_has_the_width_of_the_thesis():
     assert kernel_of(Model(SILICONE.dispersion)) == Gaussian(width=5.25e-3)
+
+
+@pytest.mark.parametrize(("value", "unit"), [(1.2, 1), (1.2, "1"), (2, "1")])
+def test_whole_numbers_and_a_bare_unit_of_one_are_as_good(value, unit):
+    assert kernel_of(Model(SILICONE.dispersion, notes={"spread": {"ratio": {"value": value, "unit": unit}}})).ratio == value
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from skin_models.layout import A201_AREA
 from skin_models.materials import material
 from skin_models.model_file import save_model
 from skin_models.ros.skin_settings import SkinSettings
+from skin_models.spread.kernels import Gaussian
 
 CONFIG = Path(__file__).parents[1] / "config" / "skin.yaml"
 
@@ -40,3 +41,9 @@ def test_a_model_that_knows_where_its_taxels_are_is_laid_out_so(tmp_path):
     settings = SkinSettings(model=str(tmp_path / "m.yaml"))
     layout = settings.make_layout(settings.make_model())
     assert layout.positions[:, :2] == pytest.approx(np.array(positions)) and layout.area[0] == A201_AREA
+
+
+def test_a_setting_of_the_node_goes_before_the_notes_of_its_model():
+    model = replace(material("silicone_4mm").model, notes={"spread_width": {"value": 5e-3, "unit": "m"}})
+    assert SkinSettings(spread_width=4e-3).make_kernel(model) == Gaussian(width=4e-3)
+    assert SkinSettings().make_kernel(model) == Gaussian(width=5e-3)

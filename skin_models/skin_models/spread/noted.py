@@ -52,6 +52,7 @@ def _shape(table: Any, width: float) -> Kernel:
 
 def _number(notes: Mapping, name: str, unit: str, default: float | None = None) -> float:
     entry = notes.get(name, {"value": default, "unit": unit})
-    if not isinstance(entry, Mapping) or entry.get("unit") != unit or not isinstance(entry.get("value"), float):
+    value = entry.get("value") if isinstance(entry, Mapping) else None
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or str(entry.get("unit")) != unit:  # a bare 1 is read as a number
         raise ModelError(f"notes.{name} must be written as {{value: …, unit: {unit}}}")
-    return entry["value"]
+    return float(value)
