@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import norm
 
+from skin_models.arrays import numbers
 from skin_models.errors import ModelError
 from skin_models.layout import A201_AREA, Layout, grid
 from skin_models.spread.kernels import Gaussian, Kernel
@@ -45,14 +46,19 @@ class Design:
     def __post_init__(self) -> None:
         if self.along not in ("x", "xy"):
             raise ModelError(f"a contact is located along x or xy, not {self.along!r}")
-        if not self.noise > 0.0:
+        if not 0.0 < self.noise < np.inf:
             raise ModelError(f"the noise of a taxel must be a positive force in N, not {self.noise}")
+        if not 0.0 < self.peak <= 1.0:
+            raise ModelError(f"a taxel feels a share between 0 and 1 of the force right above it, not {self.peak}")
         if np.ptp(self.layout.positions[:, 2]) > 1e-6:
             raise ModelError("design figures are for flat patches: these taxels are not in one plane")
 
     def shares(self, position: np.ndarray) -> np.ndarray:
-        """w, shape (P, T), for contacts at (P, 2) m."""
-        offset = np.asarray(position, float)[:, None, :] - self.layout.positions[None, :, :2]
+        """w, shape (P, T), for contacts at (P, 2) m. Raises `ModelError` for places of another shape."""
+        position = numbers(position, "places of contacts")
+        if position.ndim != 2 or position.shape[1] != 2:
+            raise ModelError(f"places of contacts must be a (P, 2) array, not one of shape {position.shape}")
+        offset = position[:, None, :] - self.layout.positions[None, :, :2]
         return self.peak * self.layout.area / self.reference_area * self.kernel.shape(np.hypot(offset[..., 0], offset[..., 1]))
 
     def slopes(self, position: np.ndarray) -> np.ndarray:
@@ -89,8 +95,11 @@ def detectable_force(design: Design, position: np.ndarray, false_alarm: float = 
 
         F = sigma (z(1 - false_alarm) + z(1 - missed)) / |w|
 
-    The place is taken as known; searching N places for a contact raises the false alarms N-fold.
+    The place is taken as known; searching N places for a contact raises the false alarms N-fold. Raises `ModelError` for probabilities
+    that are none.
     """
+    if not (0.0 < false_alarm < 1.0 and 0.0 < missed < 1.0):
+        raise ModelError(f"false alarms and misses are probabilities between 0 and 1, not {false_alarm} and {missed}")
     size = np.linalg.norm(design.shares(position), axis=1)
     return design.noise * (norm.isf(false_alarm) + norm.isf(missed)) / np.maximum(size, 1e-300)
 
@@ -98,8 +107,11 @@ def detectable_force(design: Design, position: np.ndarray, false_alarm: float = 
 def monte_carlo(design: Design, position: np.ndarray, force: float, trials: int, seed: int) -> np.ndarray:
     """Root mean square error, (P,) m, of the estimate of maximum likelihood over `trials` noisy readings at each of (P, 2) m.
 
-    The search starts from the best place of a grid a third of the spread apart, as an estimator without knowledge would.
+    The search starts from the best place of a grid a third of the spread apart, as an estimator without knowledge would. Raises
+    `ModelError` for less than one trial.
     """
+    if trials < 1:
+        raise ModelError(f"an error is measured by one trial or more, not {trials}")
     rng = np.random.default_rng(seed)
     clean = force * design.shares(position)
     start = _search_grid(design)
@@ -170,8 +182,10 @@ def acuity(width: float, pitches: np.ndarray, force: float, noise: float, peak: 
     """Error and detectable force against the pitch, for a Gaussian spread of `width` (m) under a contact of `force` (N).
 
     Taxels keep their `area` (m^2), but never more than their cell, and stand in a square grid that reaches four widths around the cell
-    looked at. `peak` is the share of a taxel of `area`.
+    looked at. `peak` is the share of a taxel of `area`. Raises `ModelError` for a pitch that is not positive.
     """
+    if not all(0.0 < pitch < np.inf for pitch in pitches):
+        raise ModelError("every pitch must be a positive length in m")
     return [_acuity(Gaussian(width=width), float(pitch), force, noise, peak, area) for pitch in pitches]
 
 

@@ -5,10 +5,12 @@ positions with normals describe skin on a curved surface.
 """
 
 from dataclasses import dataclass, field
+from numbers import Real
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from skin_models.arrays import numbers
 from skin_models.errors import SkinError
 
 A201_DIAMETER = 9.53e-3  # m, sensing disc of the FlexiForce A201 (thesis section 3.3.1)
@@ -38,7 +40,7 @@ class Layout:
 
     def __post_init__(self) -> None:
         for name in ("positions", "normals", "area"):
-            value = np.array(getattr(self, name), float)
+            value = np.array(numbers(getattr(self, name), f"{name} of a layout", LayoutError))
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         object.__setattr__(self, "names", self.names or tuple(f"taxel_{i}" for i in range(len(self.positions))))
@@ -88,10 +90,10 @@ def _flat(xy: np.ndarray, area: float) -> Layout:
 
 
 def _check_size(pitch: float, *counts: int) -> None:
-    if not (np.isfinite(pitch) and pitch > 0.0):
+    if not (isinstance(pitch, Real) and np.isfinite(pitch) and pitch > 0.0):
         raise LayoutError(f"the pitch must be a positive length in m, not {pitch}")
-    if any(count < 1 for count in counts):
-        raise LayoutError(f"a layout needs at least one taxel in every direction, not {' x '.join(map(str, counts))}")
+    if not all(isinstance(count, Real) and count >= 1 and float(count).is_integer() for count in counts):
+        raise LayoutError(f"a layout needs a whole number, at least one taxel in every direction, not {' x '.join(map(str, counts))}")
 
 
 def grid(columns: int, rows: int, pitch: float, area: float | None = None) -> Layout:
@@ -123,7 +125,7 @@ def hexagonal(columns: int, rows: int, pitch: float, area: float | None = None) 
 
 def arbitrary(positions: np.ndarray, normals: np.ndarray, area: np.ndarray | float | None = None, names: tuple[str, ...] = ()) -> Layout:
     """Any positions (T, 3) m and normals (T, 3) of any length. `area` (m^2) defaults to a disc that touches the nearest neighbour's."""
-    positions, normals = np.asarray(positions, float), np.asarray(normals, float)
+    positions, normals = numbers(positions, "positions of taxels", LayoutError), numbers(normals, "normals of taxels", LayoutError)
     if positions.ndim != 2 or positions.shape[1:] != (3,) or normals.shape != positions.shape:
         raise LayoutError(f"positions and normals must both be (T, 3) arrays, not {positions.shape} and {normals.shape}")
     length = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -136,7 +138,9 @@ def arbitrary(positions: np.ndarray, normals: np.ndarray, area: np.ndarray | flo
 
 def flat(positions: np.ndarray, area: float = A201_AREA) -> Layout:
     """Taxels at (T, 2) m in the plane z = 0, as a model that knows its taxels' positions has them."""
-    xy = np.asarray(positions, float)
+    xy = numbers(positions, "positions of taxels", LayoutError)
+    if xy.ndim != 2 or xy.shape[1:] != (2,):
+        raise LayoutError(f"flat positions must be a (T, 2) array, not one of shape {xy.shape}")
     return Layout(np.column_stack([xy, np.zeros(len(xy))]), np.tile([0.0, 0.0, 1.0], (len(xy), 1)), np.full(len(xy), area))
 
 

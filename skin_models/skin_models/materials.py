@@ -94,8 +94,10 @@ def population(skin: str | Material, n: int, seed: int) -> tuple[Model, ...]:
 
     Each parameter is lognormal (a stiffness is positive) with the material's mean and unit-to-unit standard deviation, independent of
     the others: three specimens tell nothing of a correlation, and fix the deviation itself only to a factor of 0.5 to 6 (95 %).
-    Raises `ModelError` for a material of which one specimen was measured.
+    Raises `ModelError` for a material of which one specimen was measured, and for a number below one.
     """
+    if n < 1:
+        raise ModelError(f"a population needs one specimen or more, not {n}")
     skin = material(skin) if isinstance(skin, str) else skin
     if not skin.unit_to_unit:
         raise ModelError(f"{skin.name} was measured on one specimen: how units differ is not known, so no population can be drawn")

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from skin_models.arrays import numbers
 from skin_models.dispersion import Dispersion, Surface
 from skin_models.effect import Effect, Place
 from skin_models.errors import ModelError
@@ -52,11 +53,14 @@ class Model:
     positions: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
-        if self.positions and np.shape(self.positions) != (len(self.shares), 2):
+        shares, positions = numbers(self.shares, "shares of the taxels"), numbers(self.positions, "positions of the taxels")
+        if self.positions and positions.shape != (len(self.shares), 2):
             raise ModelError(f"a model of {len(self.shares)} taxels needs as many positions (x, y) or none, not {len(self.positions)}")
-        if not np.all(np.isfinite(self.positions)):
+        if not np.isfinite(positions).all():
             raise ModelError("positions of the taxels must be finite")
-        if not all(np.isfinite(share) and share >= 0.0 for share in self.shares):
+        if len(set(map(tuple, self.positions))) < len(self.positions):
+            raise ModelError(f"{_twins(self.positions)} are at the same place")
+        if not np.all(np.isfinite(shares) & (shares >= 0.0)):
             raise ModelError(f"shares of the taxels must be finite and not negative, not {self.shares}")
         for e in self.effects:
             if e.taxel is not None and e.taxel >= len(self.shares):
@@ -88,7 +92,12 @@ class Model:
         return State(tuple(e.initial(rng) for e, rng in zip(self.effects, self._generators(seed), strict=True)))
 
     def step(self, state: "State", s: Sample, dt: float) -> tuple["State", Response]:
-        """One sample: `state, response = step(state, sample, dt)`. `state` itself is left as it was, so a step can be tried."""
+        """One sample, `dt` s after the last: `state, response = step(state, sample, dt)`. `state` is left as it was: a step can be tried.
+
+        Raises `ModelError` unless time advances.
+        """
+        if not dt > 0.0:
+            raise ModelError(f"a sample must come later than the one before, not {dt} s later")
         after = _Stepper(self.effects, state, dt)
         response = self._run(s, after.act, after.moved, lambda tip: after.touched(self.dispersion, tip)).response
         return State(tuple(after.states), after.shift, after.surface), response
@@ -161,6 +170,8 @@ class Model:
         offset = self._places.positions.T
         if s.lateral is not None:
             lateral = np.asarray(s.lateral, float)
+            if lateral.shape != (2, *np.shape(s.x)):
+                raise ModelError(f"a contact that moves needs a place (x, y) for every sample, not an array of shape {lateral.shape}")
             offset = offset.reshape(2, -1, *([1] * (lateral.ndim - 1))) - lateral[:, None]
         return replace(s, footprint=Footprint(self._places, offset, self._kernel))
 
@@ -193,6 +204,12 @@ class Model:
         for e in self.at(place):
             y = act(e, y, context)
         return y
+
+
+def _twins(positions: tuple) -> str:
+    """The first two taxels that share a place, by name."""
+    j = next(j for j, place in enumerate(positions) if place in positions[:j])
+    return f"taxel_{positions.index(positions[j])} and taxel_{j}"
 
 
 def _pressed(s: Any) -> bool:

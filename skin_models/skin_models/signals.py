@@ -1,10 +1,11 @@
 """What an effect may look at: time and the motion of the plunger, sampled at one rate."""
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
+from skin_models.arrays import numbers
 from skin_models.errors import ModelError
 
 if TYPE_CHECKING:
@@ -65,14 +66,23 @@ class Motion:
 def motion(t, x, v=None, a=None) -> Motion:
     """A `Motion` from samples; speed and acceleration are central differences of the depth unless they are known.
 
-    Raises `ModelError` where the samples are not finite, not evenly spaced (0.1 % of the period) or fewer than three.
+    Raises `ModelError` where the samples are not finite, not evenly spaced (0.1 % of the period), fewer than three or of unlike number.
     """
-    t, x = np.asarray(t, float), np.asarray(x, float)
+    t, x = numbers(t, "times of a motion"), numbers(x, "depths of a motion")
     if t.ndim != 1 or t.shape != x.shape or t.size < 3:
         raise ModelError(f"a motion needs matching time and depth of at least 3 samples, not {t.shape} and {x.shape}")
     dt = (t[-1] - t[0]) / (t.size - 1)
     if not (dt > 0 and np.all(np.isfinite(x)) and np.max(np.abs(np.diff(t) - dt)) <= 1e-3 * dt):
         raise ModelError("a motion must be finite and evenly sampled: resample the recording first")
-    v = np.gradient(x, dt) if v is None else np.asarray(v, float)
-    a = np.gradient(v, dt) if a is None else np.asarray(a, float)
-    return Motion(t, x, v, a, dt)
+    v = _rate_of(x, v, dt)
+    return Motion(t, x, v, _rate_of(v, a, dt), dt)
+
+
+def _rate_of(y: np.ndarray, known: Any, dt: float) -> np.ndarray:
+    """The rate of change of `y`: the one that is known, or central differences."""
+    if known is None:
+        return np.gradient(y, dt)
+    known = numbers(known, "speed and acceleration")
+    if known.shape != y.shape or not np.isfinite(known).all():
+        raise ModelError(f"speed and acceleration must be finite and as many as the {y.size} depths")
+    return known

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from skin_models.arrays import numbers
 from skin_models.column import NOTHING, Columns, press, skin_of
 from skin_models.effect import Effect, Place
 from skin_models.errors import ModelError
@@ -42,8 +43,8 @@ __all__ = ["MEMORY", "Presses", "Reading", "SimulatedSkin", "SkinState", "spread
 class Presses:
     """Everything that touches at one instant: `key` tells contacts apart from one sample to the next.
 
-    Forces and depths that are negative do not press. Raises `ContactError` for arrays of different lengths, and for a contact without a
-    finite place, or with neither a force nor a depth.
+    Forces and depths that are negative do not press. Raises `ContactError` for arrays of different lengths, two contacts of one key, and
+    a contact without a finite place, or with neither a force nor a depth.
     """
 
     key: tuple[str, ...] = ()
@@ -54,12 +55,16 @@ class Presses:
 
     def __post_init__(self) -> None:
         count = len(self.key)
+        if len(set(self.key)) < count:
+            raise ContactError("two contacts bear the same key: then nobody can tell which of them was where before")
+        for name in ("position", "force", "depth", "radius"):
+            object.__setattr__(self, name, numbers(getattr(self, name), f"{name} of contacts", ContactError))
         if np.shape(self.position) != (count, 3) or not np.shape(self.force) == np.shape(self.depth) == np.shape(self.radius) == (count,):
             raise ContactError(f"{count} contacts need as many positions (x, y, z), forces, depths and radii")
-        if not np.isfinite(self.position).all() or not (self.radius >= 0.0).all():
-            raise ContactError("every contact needs a finite position, and a radius that is not negative")
+        if not np.isfinite(self.position).all() or not ((self.radius >= 0.0) & np.isfinite(self.radius)).all():
+            raise ContactError("every contact needs a finite position, and a finite radius that is not negative")
         driven = np.where(np.isnan(self.force), self.depth, self.force)
-        if not np.isfinite(driven).all():
+        if not np.isfinite(driven).all() or np.isinf(self.depth).any():
             raise ContactError("every contact needs a finite force, or a finite depth")
 
     @property
@@ -72,7 +77,7 @@ class Presses:
         """Points at (C, 3) m pressed with forces (C,) N; without keys, told apart by their order."""
         count = len(force)
         keys = tuple(key) or tuple(map(str, range(count)))
-        return cls(keys, np.array(position, float).reshape(-1, 3), np.array(force, float), np.full(count, np.nan), np.zeros(count))
+        return cls(keys, np.array(position), np.array(force), np.full(count, np.nan), np.zeros(count))
 
     def faded(self, factor: float) -> "Presses":
         """The same contacts with force and depth scaled."""
@@ -108,8 +113,11 @@ class SimulatedSkin:
     ) -> None:
         """`kernel` defaults to the one that the model's notes describe. Raises `ModelError` for an effect on a taxel that is not there.
 
-        `fast`: use the compiled path where there is one. Then part of the state lives here and not in `SkinState`.
+        `dt` is the sample period, s. `fast`: use the compiled path where there is one. Then part of the state lives here and not in
+        `SkinState`.
         """
+        if not 0.0 < dt < np.inf:
+            raise ModelError(f"the sample period must be a positive time in s, not {dt}")
         for e in model.effects:
             if e.taxel is not None and e.taxel >= len(layout):
                 raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {len(layout)} taxels, counted from taxel_0")

@@ -7,13 +7,14 @@ import pytest
 import yaml
 
 from skin_models.dispersion import Dispersion
+from skin_models.effects.gain_error import GainError
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.errors import ModelError
 from skin_models.layout import grid
 from skin_models.materials import material
 from skin_models.model import Model
 from skin_models.model_file import load_model, model_to_dict
-from skin_models.signals import Sample
+from skin_models.signals import Sample, motion
 from skin_models.simulated_skin import Presses, SimulatedSkin
 from skin_models.spread.contacts import ContactError
 
@@ -56,6 +57,13 @@ def changed(*path, to):
         (changed("effects", 0, "where", to=None), "has no 'where'"),
         (changed("effects", 0, "parameters", "tau", "value", to=0.0), "tau = 0 s is outside"),
         (changed("effects", 0, "parameters", "tau", to=None), "lacks tau"),
+        (changed("effects", 0, "parameters", "tau", "sdt", to=0.1), "unknown entry 'sdt'"),
+        (changed("effects", to=5), "effects must be a list"),
+        (changed("effects", to={"cause": "lag"}), "effects must be a list"),
+        (changed("positions", to={"value": [[0.0, 0.0]], "unit": "mm"}), "unit: m"),
+        (changed("shares", to=[1.0, 0.5]).replace("effects:", "positions: {value: [[0, 0], [0, 0]], unit: m}\neffects:"), "same place"),
+        (changed("name", to="twice") + "name: again\n", "'name' stands twice in one mapping"),
+        (changed("dispersion", "k1", "value", to="NUMBER").replace("NUMBER", "1e-3 N"), "must have a number"),
         ("- a list", "must be a mapping"),
         ("{", "is not YAML"),
         ("", "must be a mapping"),
@@ -75,6 +83,13 @@ def test_a_model_file_that_is_not_there_or_is_no_text(tmp_path):
     for path in (tmp_path / "missing.yaml", tmp_path, tmp_path / "binary.yaml"):
         with pytest.raises(ModelError, match="cannot read the model"):
             load_model(path)
+
+
+def test_numbers_may_be_written_without_a_point_and_the_unit_one_bare(tmp_path):
+    content = model_to_dict(SILICONE.extended(GainError(where="taxel_0", gain=0.125)))
+    path = tmp_path / "skin.yaml"
+    path.write_text(yaml.safe_dump(content).replace("0.000432", "432e-6").replace("0.125", "125E-3").replace("unit: '1'", "unit: 1"))
+    assert load_model(path).effects[0].gain == 0.125 and load_model(path).dispersion.m == 432e-6
 
 
 def test_an_unknown_material_is_named_with_those_there_are():
@@ -99,12 +114,30 @@ def presses(**wrong):
         {"force": np.full(2, np.nan), "depth": np.array([1e-3, np.inf])},
         {"radius": np.array([1e-3, -1e-3])},
         {"radius": np.array([1e-3, np.nan])},
+        {"radius": np.array([1e-3, np.inf])},
+        {"depth": np.array([np.nan, np.inf])},
+        {"key": ("a", "a")},
     ],
     ids=str,
 )
 def test_contacts_that_make_no_sense_are_refused(wrong):
     with pytest.raises(ContactError, match="contact"):
         presses(**wrong)
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.01, float("nan"), float("inf")])
+def test_time_must_advance(dt):
+    with pytest.raises(ModelError, match="sample"):
+        SimulatedSkin(RELAXING, grid(2, 2, 5e-3), dt)
+    if dt != float("inf"):
+        with pytest.raises(ModelError, match="later"):
+            RELAXING.step(RELAXING.initial(), Sample(0.0, 1e-3, 0.0, 0.0), dt)
+
+
+@pytest.mark.parametrize("odd", [{"v": np.zeros(4)}, {"v": np.full(5, np.nan)}, {"a": np.full(5, np.inf)}], ids=str)
+def test_a_motion_has_as_many_speeds_as_depths(odd):
+    with pytest.raises(ModelError, match="as many as the 5 depths"):
+        motion(np.arange(5) * 0.01, np.zeros(5), **odd)
 
 
 @pytest.mark.parametrize("model", [SILICONE, RELAXING], ids=["filter", "column"])

@@ -78,7 +78,14 @@ def test_the_array_of_the_thesis_drops_less_than_the_model_says():
     assert design.shares(np.array([[14e-3, 0.0]]))[0, 1] / centre < 1e-3
 
 
-@pytest.mark.parametrize("bad", [dict(noise=0.0), dict(noise=0.1, along="z")])
+def test_what_is_no_probability_or_pitch_is_refused():
+    with pytest.raises(ModelError, match="probabilities"):
+        detectable_force(Design(grid(2, 2, 5e-3), GAUSSIAN, 0.1), INSIDE, false_alarm=0.0)
+    with pytest.raises(ModelError, match="pitch"):
+        acuity(C, np.array([5e-3, 0.0]), force=5.0, noise=0.1)
+
+
+@pytest.mark.parametrize("bad", [dict(noise=0.0), dict(noise=np.inf), dict(noise=0.1, along="z"), dict(noise=0.1, peak=1.5)])
 def test_impossible_designs_are_refused(bad):
     with pytest.raises(ModelError):
         Design(grid(2, 2, 5e-3), GAUSSIAN, **bad)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from skin_models.layout import A201_AREA, Layout, LayoutError, arbitrary, grid, hexagonal, row
+from skin_models.layout import A201_AREA, Layout, LayoutError, arbitrary, flat, grid, hexagonal, row
 
 UP = [[0.0, 0.0, 1.0]]
 
@@ -45,6 +45,11 @@ def test_arbitrary_normals_become_unit_vectors():
         (lambda: arbitrary([[0, 0]], [[0, 0]]), "T, 3"),
         (lambda: arbitrary([[0, 0, 0], [1, 0, 0]], UP * 2, names=("a", "a")), "all different"),
         (lambda: Layout([[0, 0, 0]], [[0, 0, 2.0]], [1e-6]), "length 1"),
+        (lambda: Layout([["left", 0, 0]], UP, [1e-6]), "numbers"),
+        (lambda: arbitrary([[0, 0, 0], [1, 0]], UP * 2), "numbers"),
+        (lambda: flat([[0, 0, 0]]), "T, 2"),
+        (lambda: grid(2.5, 3, 5e-3), "whole number"),
+        (lambda: row(float("nan"), 5e-3), "whole number"),
     ],
 )
 def test_bad_layouts_are_refused_with_a_sentence(make, says):

@@ -44,6 +44,8 @@ def test_population_has_the_mean_and_the_spread():
 def test_one_specimen_is_no_population():
     with pytest.raises(ModelError, match="one specimen"):
         population("frubber_4mm", 3, seed=1)
+    with pytest.raises(ModelError, match="one specimen or more"):
+        population("silicone_4mm", 0, seed=1)
 
 
 def test_unknown_material_lists_the_known():

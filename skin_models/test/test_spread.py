@@ -70,8 +70,8 @@ def test_reach_keeps_what_it_promises(kernel, tolerance):
         edge = np.linspace(0, 2 * np.pi, 100)
         r = kernel.distance(kernel.reach(tolerance) * np.cos(edge), kernel.reach(tolerance) * np.sin(edge))
     else:
-        r = kernel.reach(tolerance) * np.linspace(1.001, 3, 100)
-    assert np.all(kernel.shape(r) <= tolerance * 1.001)
+        r = kernel.reach(tolerance) * np.linspace(1.0 + 1e-9, 3, 100)
+    assert np.all(kernel.shape(r) <= tolerance * (1.0 + 1e-6))
 
 
 def test_a_dense_field_passes_everything_inside_and_half_at_its_edge():
@@ -173,7 +173,33 @@ def test_impossible_contacts_are_refused(bad):
         Contacts([[0, np.nan, 0]], [1.0])
 
 
-@pytest.mark.parametrize("bad", [dict(peak=1.2), dict(peak=-0.1), dict(tolerance=0.0)])
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"position": [[0.0, 0.0]]}, "x, y, z"),
+        ({"depth": [np.inf]}, "finite depth"),
+        ({"normal": [[0.0, 0.0, 0.0]]}, "direction"),
+        ({"normal": [[0.0, np.nan, 1.0]]}, "direction"),
+        ({"normal": [0.0, 1.0]}, "as many normals"),
+    ],
+)
+def test_contacts_without_place_depth_or_direction_are_refused(wrong, says):
+    with pytest.raises(ContactError, match=says):
+        Contacts(**{"position": [[0.0, 0.0, 0.0]], "force": [1.0], **wrong})
+
+
+def test_only_the_direction_of_a_normal_counts():
+    field = SpreadField(grid(5, 5, 5e-3), Gaussian(width=C))
+    one, three = (field.spread(Contacts([[0, 0, 0]], [1.0], normal=[[0, 0, n]])).taxels for n in (1.0, 3.0))
+    assert np.array_equal(one, three)
+
+
+def test_a_kernel_without_a_width_cannot_grow_with_depth():
+    with pytest.raises(ModelError, match="put it around DepthWidth"):
+        DepthWidth(Anisotropic(Gaussian(width=C), ratio=1.5), growth=100.0)
+
+
+@pytest.mark.parametrize("bad", [dict(peak=1.2), dict(peak=-0.1), dict(tolerance=0.0), dict(reference_area=-1e-6)])
 def test_impossible_fields_are_refused(bad):
     with pytest.raises(ModelError):
         SpreadField(grid(2, 2, 5e-3), Gaussian(width=C), **bad)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skin_models.arrays import numbers
 from skin_models.errors import SkinError
 
 
@@ -19,9 +20,9 @@ class Contacts:
     force    (C,)    N, pressing into the skin, not negative
     radius   (C,)    m, of a disc with even pressure; 0 is a point
     depth    (C,)    m, for kernels whose width depends on it; NaN if unknown
-    normal   (C, 3)  out of the skin; None takes that of the nearest taxel
+    normal   (C, 3)  out of the skin, of any length; None takes that of the nearest taxel
 
-    Raises `ContactError` for shapes that do not match, NaN and negative numbers.
+    Raises `ContactError` for shapes that do not match, numbers that are not finite, and forces and radii that are negative.
     """
 
     position: np.ndarray
@@ -31,17 +32,20 @@ class Contacts:
     normal: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        position = np.array(self.position, float).reshape(-1, 3)
+        position = numbers(self.position, "positions of contacts", ContactError)
+        if position.size % 3 or (position.ndim > 1 and position.shape[-1] not in (0, 3)):
+            raise ContactError(f"every contact needs a position (x, y, z), not an array of shape {position.shape}")
+        position = np.array(position.reshape(-1, 3))
         count = len(position)
         object.__setattr__(self, "position", position)
         for name in ("force", "radius", "depth"):
             try:
-                value = np.array(np.broadcast_to(np.asarray(getattr(self, name), float), (count,)))
+                value = np.array(np.broadcast_to(numbers(getattr(self, name), f"{name} of contacts", ContactError), (count,)))
             except ValueError as error:
                 raise ContactError(f"{count} contacts need as many values of {name}") from error
             object.__setattr__(self, name, value)
         if self.normal is not None:
-            object.__setattr__(self, "normal", np.array(self.normal, float).reshape(count, 3))
+            object.__setattr__(self, "normal", _unit(numbers(self.normal, "normals of contacts", ContactError), count))
         _check(self)
 
     def __len__(self) -> int:
@@ -49,12 +53,24 @@ class Contacts:
 
 
 def _check(c: Contacts) -> None:
-    if not (np.all(np.isfinite(c.position)) and (c.normal is None or np.all(np.isfinite(c.normal)))):
-        raise ContactError("every contact needs a finite position and normal")
+    if not np.all(np.isfinite(c.position)):
+        raise ContactError("every contact needs a finite position")
     if not np.all((c.force >= 0.0) & np.isfinite(c.force)):
         raise ContactError("every contact needs a finite force that presses into the skin (not negative)")
     if not np.all((c.radius >= 0.0) & np.isfinite(c.radius)):
         raise ContactError("every contact needs a finite radius, 0 for a point")
+    if np.isinf(c.depth).any():
+        raise ContactError("every contact needs a finite depth, or NaN where it is unknown")
+
+
+def _unit(normal: np.ndarray, count: int) -> np.ndarray:
+    if normal.size != 3 * count:
+        raise ContactError(f"{count} contacts need as many normals (x, y, z), not an array of shape {normal.shape}")
+    normal = normal.reshape(count, 3)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    if not np.all((length > 0.0) & np.isfinite(length)):
+        raise ContactError("every normal of a contact must be a direction, not zero or NaN")
+    return normal / length
 
 
 def sphere_patch(radius: float, depth: float) -> float:

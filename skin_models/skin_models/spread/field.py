@@ -56,6 +56,8 @@ class SpreadField:
             raise ModelError(f"the tolerance of the spread must lie between 0 and 0.1, not {tolerance}")
         if peak is not None and not 0.0 <= peak <= 1.0:
             raise ModelError(f"a taxel can collect a share between 0 and 1 of the force above it, not {peak}")
+        if reference_area is not None and not 0.0 < reference_area < np.inf:
+            raise ModelError(f"the reference area must be positive, in m^2, not {reference_area}")
         self.layout, self.kernel, self.tolerance = layout, kernel, tolerance
         self.gain = layout.area / kernel.area if peak is None else peak * layout.area / (reference_area or layout.area)
         self.tree = cKDTree(layout.positions)
@@ -80,7 +82,7 @@ class SpreadField:
         """Unit normals of the contacts, (C, 3)."""
         if contacts.normal is None:
             return self.layout.normals[self.tree.query(contacts.position)[1]].reshape(-1, 3)
-        return contacts.normal / np.maximum(np.linalg.norm(contacts.normal, axis=1, keepdims=True), 1e-300)
+        return contacts.normal
 
     def _shares(self, i: int, contacts: Contacts, normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         kernel, radius = self.kernel.at_depth(contacts.depth[i]), float(contacts.radius[i])
