@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from skin_models.effects.stress_relaxation import StressRelaxation
-from skin_models.layout import A201_AREA, LayoutError, grid, row
-from skin_models.layout_file import load_layout
+from skin_models.layout import A201_AREA, grid, row
 from skin_models.live import LiveModel, under_plunger
 from skin_models.materials import material
 from skin_models.signals import motion
@@ -41,38 +40,3 @@ def test_shares_of_a_layout_come_from_the_spread_unless_they_were_measured():
     beside = np.exp(-((10 / 5.25) ** 2))
     assert spread.shares == pytest.approx([beside, 1.0, beside])
     assert under_plunger(MODEL, row(1, 1.0), Gaussian(width=5.25e-3)) is MODEL
-
-
-def test_a_layout_file_gives_positions_normals_and_areas(tmp_path):
-    path = tmp_path / "taxels.csv"
-    path.write_text(
-        "# a finger tip\nname, x_mm, y_mm, z_mm, nx, ny, nz, area_mm2\nleft, -2, 0, 1, -1, 0, 1, 4\nright, 2, 0, 1, 1, 0, 1, 4\n"
-    )
-    layout = load_layout(path)
-    assert layout.names == ("left", "right") and layout.positions[1] == pytest.approx([2e-3, 0, 1e-3])
-    assert layout.normals[0] == pytest.approx([-(0.5**0.5), 0, 0.5**0.5]) and layout.area == pytest.approx([4e-6, 4e-6])
-    path.write_text("x_m,y_m\n0,0\n0.004,0\n")
-    assert load_layout(path).names == ("taxel_0", "taxel_1")
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("", "header and one or more"),
-        ("x_mm,y_mm\n", "header and one or more"),
-        ("x,y\n1,2\n", "positions need a unit"),
-        ("x_mm,y_mm\n1,two\n", "no number"),
-        ("x_mm,y_mm\n1\n", "ends before"),
-        ("x_mm,y_mm\n1,nan\n", "not finite"),
-        ("x_mm,y_mm\n1,2\n1,2\n", "same place"),
-        ("x_mm,y_mm,nx\n1,2,0\n", "no column ny"),
-    ],
-)
-def test_bad_layout_files_are_refused_with_the_file_named(tmp_path, text, says):
-    path = tmp_path / "taxels.csv"
-    path.write_text(text)
-    with pytest.raises(LayoutError, match=says) as error:
-        load_layout(path)
-    assert "taxels.csv" in str(error.value)
-    with pytest.raises(LayoutError, match="cannot read"):
-        load_layout(tmp_path / "missing.csv")
