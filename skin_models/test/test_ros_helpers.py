@@ -118,6 +118,13 @@ def test_a_start_with_values_that_cannot_be_used_is_one_line_and_status_2(start,
     assert words in process.output() and len(process.output().splitlines()) == 1
 
 
+def test_a_slip_in_a_name_is_warned_of(start):
+    process = start("done", "--ros-args", "-p", "rtae:=5.0", "-p", "rate:=20.0", "-p", "use_sim_time:=false")
+    assert process.wait(60.0) == 0
+    warnings = [line for line in process.output().splitlines() if "WARN" in line]
+    assert len(warnings) == 1 and "parameter rtae is not known here" in warnings[0] and "mean rate" in warnings[0]
+
+
 def test_what_is_not_installed_is_named():
     with pytest.raises(SkinError, match="no_such_package is not installed"):
         executable("no_such_package", "node")

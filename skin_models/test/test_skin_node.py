@@ -218,10 +218,11 @@ def test_it_can_be_looked_at_and_says_how_it_fares(graph):
     assert image.encoding == "rgb8" and len(image.data) == image.height * image.step
     force = np.frombuffer(bytes(cloud.data), "<f4").reshape(-1, 4)[:, 3]
     assert force.size == 30 and force.max() > 1.0
-    contacts.publish(
-        ContactArray(contacts=[Contact(force=math.nan, depth=math.nan), Contact(position=Point(x=5.0), force=1.0, depth=math.nan)])
-    )
-    graph.until(lambda: any("neither" in s.message and "beside" in s.message for d in diagnostics for s in d.status), "the complaint")
+    odd = ContactArray(contacts=[Contact(force=math.nan, depth=math.nan), Contact(position=Point(x=5.0), force=1.0, depth=math.nan)])
+    odd.header.frame_id = "world"
+    contacts.publish(odd)
+    for words in ("neither", "beside", "frame world"):
+        graph.until(lambda words=words: any(words in s.message for d in diagnostics for s in d.status), f"the complaint with {words}")
     assert {v.key for v in diagnostics[-1].status[0].values} >= {"achieved_rate_hz", "skipped"}
 
 

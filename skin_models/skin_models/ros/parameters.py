@@ -7,12 +7,14 @@
     self.settings = Parameters(self, Settings)
     self.settings.now.sample_rate
 
-A check that involves several parameters belongs into `__post_init__` of the dataclass and raises `SkinError`.
+A check that involves several parameters belongs into `__post_init__` of the dataclass and raises `SkinError`. A start value for a parameter
+that no node here knows, such as one with a slip in its name, is warned of: ROS itself passes over it in silence.
 """
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import field, fields, replace
+from difflib import get_close_matches
 from typing import Any, Generic, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
@@ -63,6 +65,7 @@ class Parameters(Generic[Settings]):
         values = {f.name: _declare(node, f) for f in fields(cls) if f.name in self._names}
         self.now: Settings = _checked(cls, cls(**values))
         node.add_on_set_parameters_callback(self._set)
+        _warn_of_strangers(node, self._names)
 
     def _set(self, parameters: list[Parameter]) -> SetParametersResult:
         changes = {p.name: _plain(p.value) for p in parameters if p.name in self._names}
@@ -89,6 +92,14 @@ def _declare(node: Node, f: Any) -> Any:
         raise SkinError(f"parameter {f.name} must be {_EXAMPLES.get(f.type, 'a list')}: {_tail(error)}") from error
     except InvalidParameterValueException as error:
         raise SkinError(f"parameter {f.name} {_allowed(f)}: {_tail(error)}") from error
+
+
+def _warn_of_strangers(node: Node, names: set[str]) -> None:
+    for name in getattr(node, "_parameter_overrides", {}):  # rclpy has no public way to ask what was given
+        if not node.has_parameter(name) and not name.startswith("qos_overrides."):
+            close = get_close_matches(name, names, 1)
+            meant = f": did you mean {close[0]}?" if close else ""
+            node.get_logger().warning(f"parameter {name} is not known here and changes nothing{meant}")
 
 
 def _descriptor(f: Any) -> ParameterDescriptor:

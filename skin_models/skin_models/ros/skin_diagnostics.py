@@ -14,6 +14,12 @@ class SkinDiagnostics:
     def __init__(self, node: Node) -> None:
         self._node, self._publisher = node, node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._outside = self._stale = 0
+        self._foreign = ""
+
+    def frame(self, frame: str, skin_frame: str) -> None:
+        """Note the frame in which contacts come."""
+        if frame not in ("", skin_frame):
+            self._foreign = f"contacts in the frame {frame} are taken as if in {skin_frame}"
 
     def sample(self, outside: int, stale: bool) -> None:
         """Note one sample: contacts that no taxel is near, and whether contacts were stale."""
@@ -28,12 +34,14 @@ class SkinDiagnostics:
                 (self._outside, f"{self._outside} contacts touch beside the skin"),
                 (self._stale, "contacts fell silent"),
                 (unusable, f"{unusable} contacts had neither a usable force nor a depth"),
+                (self._foreign, self._foreign),
             )
             if bad
         ]
         values = {"achieved_rate_hz": f"{ticks.rate:.2f}", "skipped": ticks.skipped, "late_p99_us": f"{1e6 * ticks.late_p99:.0f}"}
         self._publish(about, complaints, {**values, "unusable_contacts": unusable, "stale_samples": self._stale})
         self._outside = self._stale = 0
+        self._foreign = ""
 
     def encoder(self, about: str, refused: int, restarts: int) -> None:
         """Report on a skin that an encoder drives."""

@@ -6,7 +6,8 @@ drive:=encoder    every sample of `encoder` (JointState) moves a plunger at the 
                   predicts them, bear its stamp. So the simulation runs beside a measurement, live or replayed.
 
 `taxel_layout` is latched; `markers`, `heat_map` and `points` are there to look at. The service `~/load_model` reads the model file again,
-and setting the parameter `model` loads another one; the skin is then at rest. Silence: see `contact_input`.
+and setting the parameter `model` loads another one; the skin is then at rest. Silence: see `contact_input`. Contacts are taken as given in
+`skin_frame`; a message that names another frame is reported on /diagnostics.
 """
 
 import math
@@ -57,9 +58,9 @@ class SkinNode(Node):
         self._output = TaxelOutput(self, settings.rate, settings.skin_frame, force_frame)
         self._viewing: Viewing | None = None
         self._build(settings)
+        self._diagnostics = SkinDiagnostics(self)
         self._listen()
         self._ticking = None if self._encoder else Ticking(self._tick, settings.rate, self.get_clock())
-        self._diagnostics = SkinDiagnostics(self)
         self.create_timer(1.0, self._diagnose)
         if settings.view_rate:
             self._viewing = Viewing(self, self._layout, settings.skin_frame)
@@ -115,12 +116,17 @@ class SkinNode(Node):
         if self._encoder:  # reliable: a sample that is lost would be missing from the comparison with the measurement
             subscribe(JointState, "encoder", self._sample, stream(1000.0))
             return
-        subscribe(ContactArray, "contacts", lambda m: self._input.take("contacts", from_contacts(m), self._now()))
+        subscribe(ContactArray, "contacts", self._contacts)
         subscribe(WrenchStamped, "wrench", self._wrench)
         if GazeboContacts is not None:
             subscribe(GazeboContacts, "gz_contacts", lambda m: self._input.take("gz", from_gazebo(m), self._now()))
 
+    def _contacts(self, message: ContactArray) -> None:
+        self._diagnostics.frame(message.header.frame_id, self._settings.now.skin_frame)
+        self._input.take("contacts", from_contacts(message), self._now())
+
     def _wrench(self, message: WrenchStamped) -> None:
+        self._diagnostics.frame(message.header.frame_id, self._settings.now.skin_frame)
         self._input.take("wrench", from_wrench(message, self._settings.now.plunger_radius), self._now())
 
     def _now(self) -> float:
