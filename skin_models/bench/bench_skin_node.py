@@ -6,6 +6,8 @@ depth is looked for. On a machine without a core to spare the achieved rate fall
 
 The rival is the same node with every array handed to rclpy as a list of floats, as most Python nodes do: one message of the two is filled
 and published alone, in this process, both ways.
+
+It drives the installed node from outside, over DDS; that is why this bench, unlike the others here, imports ROS.
 """
 
 import math

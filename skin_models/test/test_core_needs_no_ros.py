@@ -1,5 +1,7 @@
 """Of every package only `ros/` knows ROS, no package looks where the design forbids it, and its manifest says what it needs.
 
+Programs beside a package are no part of it: a test or a bench that runs a node imports ROS to talk to it over DDS, as any graph would.
+
 Run as a program, this file imports the modules named on its command line in a Python where every import of ROS fails.
 """
 
