@@ -24,17 +24,20 @@ from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
 from skin_ident.criticism.noise import pursue
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session
+from skin_ident.criticism.steps import sharpest
 from skin_ident.criticism.telemetry.symptom import place_of
 from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.effects.position_offset import PositionOffset
 from skin_models.model import Model
+from skin_models.signals import Motion
 
 CONSTANT, STEPS, BEND = "constant", "steps", "bend"
 ZERO, SLOPE, DEPTH = "zero", "slope", "zero of depth"
 CAUSES = {(ZERO, CONSTANT): "force_offset", (ZERO, BEND): "drift", (SLOPE, STEPS): "gain_error", (DEPTH, STEPS): "position_offset"}
 PROBE = 1e-6  # m
 MOMENTS = 24  # where a step is looked for first, evenly through a session
+SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
 KNOT_S = 20.0
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
@@ -75,7 +78,7 @@ class Run:
 def zeros(sessions: list[Session]) -> list[np.ndarray]:
     """Every bend of every channel's zero, (K, C, n) by session; what bends one session's is nothing in the others."""
     every = [Course(ZERO, BEND, c, "") for c in range(len(sessions[0].channels))]
-    own = [np.array([s.band.thin(_unit(c, s) * phi) for c in every for phi in _on(_moments(c, s), c, s)]) for s in sessions]
+    own = [np.array([s.band.thin(_unit(c, s) * phi) for c in every for phi in _on(_knots(c, s), c, s)]) for s in sessions]
     return [
         np.concatenate([o if i == j else np.zeros((len(o), *s.measured.shape)) for j, o in enumerate(own)]) for i, s in enumerate(sessions)
     ]
@@ -122,6 +125,12 @@ class _Ground:
     plain: dict[str, np.ndarray]
     left: np.ndarray
 
+    def of(self, session: Session) -> np.ndarray:
+        """The part of `left` that belongs to one session, (C, n)."""
+        sizes = [s.measured.size for s in self.sessions]
+        i = next(i for i, s in enumerate(self.sessions) if s is session)
+        return self.left[sum(sizes[:i]) : sum(sizes[: i + 1])].reshape(session.measured.shape)
+
     def beside(self, rows: np.ndarray) -> np.ndarray:
         """Whitened rows (R, …) less what `Q` spans."""
         return rows if self.Q is None else rows - self.Q @ (self.Q.T @ rows)
@@ -159,15 +168,38 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener) -> np.
 
 
 def _run(course: Course, g: _Ground) -> Run:
-    carriers = {s.name: _carrier(course, g, s) for s in g.sessions}
-    moments = {s.name: _moments(course, s) for s in g.sessions}
-    z, score = _solve(course, g, carriers, moments)
+    moments = {s.name: _moments(course, g, s) for s in g.sessions}
+    z, score = _solve(course, g, moments)
     if course.shape == STEPS and score > 0.0:
         moments = {s.name: _around(moments[s.name], z[s.name], s) for s in g.sessions}
-        z, score = _solve(course, g, carriers, moments)
-    values = {s.name: carriers[s.name] * (z[s.name] @ _on(moments[s.name], course, s)) for s in g.sessions}
+        z, score = _solve(course, g, moments, exactly=True)
+        moments = {name: m[z[name] != 0.0] for name, m in moments.items()}
+        z = {name: row[row != 0.0] for name, row in z.items()}
+    values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, moments[s.name], z[s.name]) for s in g.sessions}
-    return Run(course, score, max(float(np.abs(row).max()) for row in z.values()), values, said)
+    return Run(course, score, max(float(np.abs(row).max(initial=0.0)) for row in z.values()), values, said)
+
+
+def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:
+    rows = _rows(course, g, s, moments, course.shape == STEPS)
+    return sum((a * row for a, row in zip(z, rows, strict=True)), np.zeros_like(s.raw))
+
+
+def _rows(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> Iterator[np.ndarray]:
+    """What a unit of every z_k adds, (C, N) N. A step of the depth is done `exactly` when the speed that it feigns is felt, too."""
+    if exactly and course.carrier == DEPTH:
+        yield from (_after_jump(g, s, m) for m in moments)
+    else:
+        carrier = _carrier(course, g, s)
+        yield from (carrier * phi for phi in _on(moments, course, s))
+
+
+def _after_jump(g: _Ground, s: Session, moment: float) -> np.ndarray:
+    """Newtons per metre by which the depth read is too small from `moment` on, as the session's filters have smoothed the jump."""
+    step, m = (s.motion.t >= moment).astype(float), s.motion
+    speed = s.band.speed(step)
+    jumped = Motion(m.t, m.x + PROBE * s.band.smooth(step), m.v + PROBE * speed, m.a + PROBE * np.gradient(speed, m.dt), m.dt)
+    return (simulated(g.model, replace(s, motion=jumped)) - g.plain[s.name]) / PROBE
 
 
 def _carrier(course: Course, g: _Ground, s: Session) -> np.ndarray:
@@ -184,15 +216,21 @@ def _unit(course: Course, s: Session) -> np.ndarray:
     return out
 
 
-def _moments(course: Course, s: Session) -> np.ndarray:
-    """Moments of steps, or of knots; empty for a constant."""
+def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
+    """Moments of steps: some evenly through the session, and where the residual itself points to."""
     t = s.motion.t
-    if course.shape == CONSTANT:
-        return np.zeros(1)
-    if course.shape == BEND:
-        return np.linspace(t[0], t[-1], max(2, round((t[-1] - t[0]) / KNOT_S) + 1))
-    moments = np.linspace(t[0], t[-1], MOMENTS + 2)[:-1]
-    return moments if course.carrier == DEPTH else moments[1:]  # a slope that is wrong from the start on is the skin's own
+    if course.shape != STEPS:
+        return _knots(course, s)
+    even = np.linspace(t[0], t[-1], MOMENTS + 2)[:-1]
+    sharp = sharpest(s.band.thin(_carrier(course, g, s)), g.of(s), s.weight, s.t, g.noise, SHARPEST)
+    every = np.union1d(even, sharp)
+    return every if course.carrier == DEPTH else every[every > t[0]]  # a slope that is wrong from the start on is the skin's own
+
+
+def _knots(course: Course, s: Session) -> np.ndarray:
+    """Where the straight lines of a bend meet; one for a constant."""
+    t = s.motion.t
+    return np.linspace(t[0], t[-1], max(2, round((t[-1] - t[0]) / KNOT_S) + 1)) if course.shape == BEND else np.zeros(1)
 
 
 def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
@@ -206,23 +244,22 @@ def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
 
 
 def _around(moments: np.ndarray, z: np.ndarray, s: Session) -> np.ndarray:
-    """A finer grid about the moments that were used."""
-    gap = (s.motion.t[-1] - s.motion.t[0]) / (MOMENTS + 1)
+    """Finer grids about the moments that were used: one as wide as those were apart, one from sample to sample."""
+    dt, gap = s.motion.dt, (s.motion.t[-1] - s.motion.t[0]) / (MOMENTS + 1)
+    around = np.union1d(np.linspace(-gap, gap, 17), dt * s.band.every * np.linspace(-1.0, 1.0, 9))
     used = moments[z != 0.0]
-    finer = [max(m + d, s.motion.t[0]) for m in used for d in np.linspace(-gap, gap, 17)]
-    return np.unique(finer) if used.size else moments[:1]
+    return np.unique(np.maximum(np.add.outer(used, around), s.motion.t[0])) if used.size else moments[:1]
 
 
-def _solve(course: Course, g: _Ground, carriers: dict, moments: dict) -> tuple[dict[str, np.ndarray], float]:
+def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: bool = False) -> tuple[dict[str, np.ndarray], float]:
     """Amplitudes by session, and the fall of the squared whitened error less the charge for each of them."""
-    sessions, r = g.sessions, g.left
-    rows = [[s.band.thin(carriers[s.name] * phi) for phi in _on(moments[s.name], course, s)] for s in sessions]
-    A = g.beside(block_diag(*(stack([np.array(own)], [s], g.noise) for own, s in zip(rows, sessions, strict=True))))
-    steps = course.shape == STEPS
-    z = pursue(A, r, MOST_STEPS * len(sessions)) if steps else np.linalg.lstsq(A, r, rcond=1e-8)[0]
+    rows = [[s.band.thin(row) for row in _rows(course, g, s, moments[s.name], exactly)] for s in g.sessions]
+    A = g.beside(block_diag(*(stack([np.array(own)], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
+    steps, r = course.shape == STEPS, g.left
+    z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else np.linalg.lstsq(A, r, rcond=1e-8)[0]
     charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
-    return dict(zip((s.name for s in sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge)
+    return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge)
 
 
 def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> str:

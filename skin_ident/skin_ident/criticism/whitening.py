@@ -28,14 +28,15 @@ class Whitener:
     filters: np.ndarray
     root: np.ndarray
 
+    @property
+    def to_unit(self) -> np.ndarray:
+        """What makes innovations (C, n) independent and of unit variance, (C, C)."""
+        return solve_triangular(self.root, np.eye(len(self.root)), lower=True)
+
     def apply(self, e: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """Whiten (..., C, n), in the precision that comes in. Samples that a channel or its neighbourhood spoils, and the first p,
         come back as zeros."""
-        order = self.filters.shape[1] - 1
-        believed = lfilter(np.ones(order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
-        believed[:order] = False
-        to_unit = solve_triangular(self.root, np.eye(len(self.root)), lower=True).astype(e.dtype)
-        mix, believed = self.mix.astype(e.dtype), believed.astype(e.dtype)
+        to_unit, mix, believed = (a.astype(e.dtype) for a in (self.to_unit, self.mix, self._believed(weight)))
         if not self.filters[:, 1:].any():  # white: one product does it all
             return np.matmul(to_unit @ mix, e) * believed
         mixed = np.matmul(mix, e)
@@ -43,6 +44,17 @@ class Whitener:
             mixed[..., c, :] = lfilter(taps.astype(e.dtype), np.ones(1, e.dtype), mixed[..., c, :], axis=-1)
         mixed *= believed
         return np.matmul(to_unit, mixed)
+
+    def turned(self, w: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """The adjoint of `apply` on (C, n): sum of apply(e) * w = sum of e * turned(w)."""
+        back = (self.to_unit.T @ w * self._believed(weight))[:, ::-1]
+        return self.mix.T @ np.array([lfilter(taps, [1.0], row) for taps, row in zip(self.filters, back, strict=True)])[:, ::-1]
+
+    def _believed(self, weight: np.ndarray) -> np.ndarray:
+        order = self.filters.shape[1] - 1
+        believed = lfilter(np.ones(order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
+        believed[:order] = False
+        return believed
 
 
 def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], order: int = ORDER) -> Whitener:

@@ -1,0 +1,37 @@
+"""Where a step would explain most: the adjoint of the whitening, and steps hidden in strongly coloured noise."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from skin_ident.criticism.steps import sharpest
+from skin_ident.criticism.whitening import fit_whitener
+
+
+def coloured(rng, channels=2, n=1500, pole=0.99):
+    """AR(1) noise of unit size, partly shared by the channels."""
+    shared, own = (lfilter([np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal((c, n))) for c in (1, channels))
+    return 0.6 * shared + 0.8 * own
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_adjoint_is_one(seed):
+    rng = np.random.default_rng(seed)
+    e, w = rng.standard_normal((2, 2, 300))
+    weight = (rng.random((2, 300)) > 0.05).astype(float)
+    noise = fit_whitener([coloured(rng, n=300)], [np.ones((2, 300))])
+    assert np.sum(noise.apply(e, weight) * w) == pytest.approx(np.sum(e * noise.turned(w, weight)), rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_step_smaller_than_the_noise_is_found_to_the_sample(seed):
+    """Noise of AR(0.99) is worth a seventh of its size from sample to sample; a grid of seconds would miss what is plain there."""
+    rng = np.random.default_rng(100 + seed)
+    t = np.arange(1500) / 25.0
+    at = rng.uniform(8.0, 52.0)
+    carrier = np.array([1.0 + 0.5 * np.sin(t), 0.7 * np.ones(t.size)])
+    plain = coloured(rng)
+    noise = fit_whitener([plain], [np.ones(plain.shape)])
+    r = noise.apply(plain + 0.8 * carrier * (t >= at), np.ones(plain.shape))
+    moments = sharpest(carrier, r, np.ones(plain.shape), t, noise, most=3)
+    assert np.min(np.abs(moments - at)) <= 1.0 / 25.0
