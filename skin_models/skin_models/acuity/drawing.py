@@ -45,7 +45,7 @@ def _against_pitch(axis, patch: Patch) -> None:
 
 def _map(figure, axis, patch: Patch, x: np.ndarray, y: np.ndarray, values: np.ndarray, label: str) -> None:
     """Colours over the patch on a logarithmic scale; white where it cannot be told."""
-    axis.plot(*(1e3 * patch.layout.positions[:, :2].T), "o", color="white", markeredgecolor="#374151", markersize=5)
+    axis.plot(*(1e3 * patch.layout.positions[:, :2].T), "o", color="white", markeredgecolor="#374151", markersize=5, clip_on=False)
     axis.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
     axis.margins(0.04)
     axis.set_title(label, fontsize=9)
@@ -57,6 +57,6 @@ def _map(figure, axis, patch: Patch, x: np.ndarray, y: np.ndarray, values: np.nd
     norm = matplotlib.colors.LogNorm(low, max(high, 1.05 * low))
     shading = "nearest" if np.ma.is_masked(shown) else "gouraud"
     image = axis.pcolormesh(1e3 * x, 1e3 * y, shown, norm=norm, cmap="viridis", shading=shading, zorder=0)
-    bar = figure.colorbar(image, ax=axis, shrink=0.85)
+    bar = figure.colorbar(image, ax=axis, shrink=0.85, extend="max")
     for which in (bar.ax.yaxis.set_major_formatter, bar.ax.yaxis.set_minor_formatter):
         which(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:.2g}"))

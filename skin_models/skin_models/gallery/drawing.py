@@ -48,6 +48,8 @@ def overview(shown: list[Picture], columns: int = 5) -> bytes:
             axis.set_title(title(p), fontsize=7.5, loc="left", color="#111827")
         for axis in axes.flat[len(shown) :]:
             axis.set_axis_off()
+        figure.supxlabel("time (s)", fontsize=8)
+        figure.supylabel("force (N)", fontsize=8)
         out = io.BytesIO()
         figure.savefig(out, format="png", dpi=110)
         plt.close(figure)
@@ -61,9 +63,8 @@ def title(p: Picture) -> str:
 
 
 def _trace(axis, p: Picture, labelled: bool = True) -> None:
-    seen = (p.t >= p.close_up[0]) & (p.t <= p.close_up[1])
-    axis.plot(p.t[seen], p.without[seen], color=WITHOUT, linewidth=1.6, label="without")
-    axis.plot(p.t[seen], p.with_it[seen], color=WITH, linewidth=0.9, label="with")
+    axis.plot(p.t[p.seen], p.without[p.seen], color=WITHOUT, linewidth=1.6, label="without")
+    axis.plot(p.t[p.seen], p.with_it[p.seen], color=WITH, linewidth=0.9, label="with")
     if labelled:
         axis.set_xlabel("time (s)")
         axis.set_ylabel(f"{p.channel} (N)")
@@ -83,12 +84,12 @@ def _profile(axis, p: Picture) -> None:
     axis.plot(1e3 * x, without, color=WITHOUT, linewidth=1.6)
     axis.plot(1e3 * x, with_it, color=WITH, linewidth=0.9)
     axis.set_xlabel("from the place declared, along x (mm)")
-    axis.set_ylabel("share")
+    axis.set_ylabel("share, 1 mm deep")
 
 
 def _difference(axis, p: Picture, labelled: bool = True) -> None:
-    change = p.with_it - p.without
-    axis.plot(p.t, change, color=CHANGE, linewidth=0.9)
+    change = (p.with_it - p.without)[p.seen]
+    axis.plot(p.t[p.seen], change, color=CHANGE, linewidth=0.9)
     axis.axhline(0.0, color="#6b7280", linewidth=0.6)
     if labelled:
         axis.set_xlabel("time (s)")

@@ -25,7 +25,7 @@ SHARES = (1.0, 0.45, 0.12)  # three taxels, the first under the plunger
 POSITIONS = ((0.0, 0.0), (4.7e-3, 0.0), (-5.4e-3, 5.4e-3))  # m, where a spread of 5.25 mm gives those
 CLOSE_UPS = {  # s: where a cause is best seen
     "adhesion": (4.8, 5.8),
-    "dead_zone": (4.6, 5.6),
+    "dead_zone": (4.95, 5.35),
     "friction": (2.4, 3.8),
     "inertia": (5.7, 6.4),
     "interference": (1.0, 2.8),
@@ -34,7 +34,13 @@ CLOSE_UPS = {  # s: where a cause is best seen
     "quantization": (6.5, 7.9),
     "time_shift": (6.5, 7.9),
 }
-LARGER = {"lag": {"tau": 0.12}, "time_shift": {"delay": 0.08, "skew": 0.0}, "quantization": {"step_force": 1.5}}  # to be seen at all
+LARGER = {  # to be seen at all
+    "hysteresis": {"relative": 0.4},
+    "lag": {"tau": 0.12},
+    "mount_compliance": {"late": 0.04},
+    "quantization": {"step_force": 1.5},
+    "time_shift": {"delay": 0.08, "skew": 0.0, "jitter": 0.04},
+}
 NOISE = (Noise(where="load_cell", white=0.04), Noise(where="taxel", white=0.04))  # of a fair sensor, the same with and without
 
 
@@ -52,10 +58,14 @@ class Picture:
     profile: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None  # of a spread: distance along x (m), share without and with it
 
     @property
+    def seen(self) -> np.ndarray:
+        """Which samples the close-up shows, (N,) of bool."""
+        return (self.t >= self.close_up[0]) & (self.t <= self.close_up[1])
+
+    @property
     def faint(self) -> bool:
         """Whether the two traces can hardly be told apart."""
-        seen = (self.t >= self.close_up[0]) & (self.t <= self.close_up[1])
-        return float(np.ptp((self.with_it - self.without)[seen])) < 0.06 * float(np.ptp(self.without[seen]))
+        return float(np.ptp((self.with_it - self.without)[self.seen])) < 0.06 * float(np.ptp(self.without[self.seen]))
 
 
 def press() -> Motion:
