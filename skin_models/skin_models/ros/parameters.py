@@ -89,13 +89,23 @@ def _declare(node: Node, f: Any) -> Any:
     try:
         return _plain(node.declare_parameter(f.name, default, descriptor).value)
     except InvalidParameterTypeException as error:
-        raise SkinError(f"parameter {f.name} must be {_EXAMPLES.get(f.type, 'a list')}: {_tail(error)}") from error
+        raise SkinError(f"parameter {f.name} must be {_EXAMPLES.get(f.type, 'a list')}, not {_given(node, f.name)}") from error
     except InvalidParameterValueException as error:
-        raise SkinError(f"parameter {f.name} {_allowed(f)}: {_tail(error)}") from error
+        raise SkinError(f"parameter {f.name} {_allowed(f)}, not {_given(node, f.name)}") from error
+
+
+def _start_values(node: Node) -> dict[str, Parameter]:
+    """What was given for the node at its start; rclpy has no public way to ask."""
+    return getattr(node, "_parameter_overrides", {})
+
+
+def _given(node: Node, name: str) -> str:
+    given = _start_values(node).get(name)
+    return "this" if given is None else repr(given.value)
 
 
 def _warn_of_strangers(node: Node, names: set[str]) -> None:
-    for name in getattr(node, "_parameter_overrides", {}):  # rclpy has no public way to ask what was given
+    for name in _start_values(node):
         if not node.has_parameter(name) and not name.startswith("qos_overrides."):
             close = get_close_matches(name, names, 1)
             meant = f": did you mean {close[0]}?" if close else ""
@@ -133,7 +143,3 @@ def _allowed(f: Any) -> str:
 
 def _plain(value: Any) -> Any:
     return value if isinstance(value, (bool, int, float, str)) else tuple(value or ())
-
-
-def _tail(error: Exception) -> str:
-    return " ".join(str(error).split())
