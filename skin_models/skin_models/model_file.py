@@ -25,6 +25,7 @@ sentence.
 import os
 from collections.abc import Mapping
 from contextlib import suppress
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ from skin_models.effect import Effect
 from skin_models.errors import ModelError
 from skin_models.model import Model
 from skin_models.parameter import parameters_of
+from skin_models.spread.noted import kernel_of
 from skin_models.strict_yaml import load_yaml
 
 SCHEMA = 1
@@ -70,7 +72,7 @@ def save_model(model: Model, path: str | os.PathLike, std: Mapping[str, float] |
 
 
 def model_to_dict(model: Model, std: Mapping[str, float] | None = None) -> dict[str, Any]:
-    """The content of the YAML file."""
+    """The content of the YAML file; changing it leaves the model as it is."""
     std = std or {}
     return {
         "schema": SCHEMA,
@@ -80,7 +82,7 @@ def model_to_dict(model: Model, std: Mapping[str, float] | None = None) -> dict[
         "shares": [float(share) for share in model.shares],
         **({"positions": {"value": [[float(x), float(y)] for x, y in model.positions], "unit": "m"}} if model.positions else {}),
         "effects": [_effect_to_dict(e, std) for e in model.effects],
-        **({"notes": model.notes} if model.notes else {}),
+        **({"notes": deepcopy(model.notes)} if model.notes else {}),
     }
 
 
@@ -96,7 +98,7 @@ def model_from_dict(content: Any) -> Model:
     effects = content.get("effects") or []
     if not isinstance(effects, list):
         raise ModelError("effects must be a list, every entry with cause, where and parameters")
-    return Model(
+    model = Model(
         dispersion=Dispersion(**_values(Dispersion, content.get("dispersion"), "dispersion")),
         shares=tuple(float(share) for share in shares),
         effects=tuple(_effect(entry) for entry in effects),
@@ -105,6 +107,8 @@ def model_from_dict(content: Any) -> Model:
         notes=_mapping(content.get("notes", {}), "notes"),
         positions=_positions(content["positions"]) if "positions" in content else (),
     )
+    kernel_of(model)  # raises for notes on the spread that cannot be understood
+    return model
 
 
 def _positions(entry: Any) -> tuple[tuple[float, float], ...]:

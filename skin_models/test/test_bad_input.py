@@ -62,6 +62,8 @@ def changed(*path, to):
         (changed("effects", to={"cause": "lag"}), "effects must be a list"),
         (changed("positions", to={"value": [[0.0, 0.0]], "unit": "mm"}), "unit: m"),
         (changed("shares", to=[1.0, 0.5]).replace("effects:", "positions: {value: [[0, 0], [0, 0]], unit: m}\neffects:"), "same place"),
+        (changed("notes", "spread_width", "value", to=-5e-3), "skin.yaml: notes.spread_width must be a positive length"),
+        (changed("notes", "spread_width", to=5e-3), "skin.yaml: notes.spread_width must be written as"),
         (changed("name", to="twice") + "name: again\n", "'name' stands twice in one mapping"),
         (changed("dispersion", "k1", "value", to="NUMBER").replace("NUMBER", "1e-3 N"), "must have a number"),
         ("- a list", "must be a mapping"),

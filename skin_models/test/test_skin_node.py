@@ -234,12 +234,13 @@ def test_it_can_be_looked_at_and_says_how_it_fares(graph):
         ({"rate": 0.0}, "rate must lie between"),
         ({"layout": "spiral"}, "must be one of"),
         ({"spread_kernel": "heavy_tail", "spread_power": 1.0}, "above 1"),
-        ({"model": "rubber"}, "cannot read the model"),
+        ({"model": "rubber"}, "no material is called 'rubber'; known are frubber_4mm"),
         ({"model": "soft.yaml"}, "k1 = -9619 N/m is outside"),
         ({"layout": "file", "layout_file": "twice.csv"}, "same place"),
         ({"layout": "file", "layout_file": "nan.csv"}, "not finite"),
         ({"layout": "file", "layout_file": "empty.csv"}, "one or more"),
-        ({"layout": "grid", "columns": 0}, "columns"),
+        ({"layout": "grid", "columns": 0}, "between 1 and 1000 (taxels along x), not 0"),
+        ({"rate": 100}, "rate must be a number with a decimal point, not 100"),
     ],
 )
 def test_bad_parameters_end_with_one_sentence(graph, tmp_path, monkeypatch, parameters, says):

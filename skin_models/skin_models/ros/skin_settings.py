@@ -1,6 +1,8 @@
 """The parameters of the skin node, and what they make: model, layout and kernel."""
 
+import os
 from dataclasses import dataclass
+from pathlib import Path
 
 from skin_models import layout as layouts
 from skin_models.errors import SkinError
@@ -59,7 +61,9 @@ class SkinSettings:
         """The model. Raises `SkinError` for a file or a name that cannot be used."""
         if not self.model:
             raise SkinError(f"parameter model names a YAML file or a material: {', '.join(names())}")
-        return material(self.model).model if self.model in names() else load_model(self.model)
+        if self.model in names() or not (Path(self.model).suffix or os.path.sep in self.model or Path(self.model).exists()):
+            return material(self.model).model
+        return load_model(self.model)
 
     def make_layout(self, model: Model) -> Layout:
         """Where the taxels are. Raises `SkinError` for a layout that cannot be used."""

@@ -25,7 +25,10 @@ THESIS_WIDTH = 5.25e-3  # m, c of 4 mm silicone (section 4.3.4), for models that
 
 def spread_width(model: "Model") -> float:
     """c of the model's spread (m): `notes: {spread_width: {value, unit: m}}`, or the thesis's. Raises `ModelError` for nonsense."""
-    return _number(model.notes, "spread_width", "m", THESIS_WIDTH)
+    width = _number(model.notes, "spread_width", "m", THESIS_WIDTH)
+    if not 0.0 < width < 1.0:
+        raise ModelError(f"notes.spread_width must be a positive length in m, not {width}")
+    return width
 
 
 def kernel_of(model: "Model") -> Kernel:
