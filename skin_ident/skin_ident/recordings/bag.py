@@ -61,7 +61,7 @@ def read_bag(
 def _read(bag: Storage, chosen: Chosen, log_time: bool) -> tuple[dict[str, Decoded], tuple[str, ...], tuple, list[str]]:
     """Every chosen topic as arrays, names and positions of the taxels, and warnings."""
     gatherers = {role: decode.gatherer(*pair) for role, pair in chosen.items()}
-    takers = {topic.name: gatherers[role].add for role, (topic, _) in chosen.items()}
+    takers = {topic.name: gatherers[role] for role, (topic, _) in chosen.items()}
     layouts = [t for t in bag.topics.values() if t.kind == decode.LAYOUT_TYPE and t.count]
     raws: list[bytes] = []
     if "taxels" in chosen and len(layouts) == 1:

@@ -1,5 +1,6 @@
 """Messages of one topic to arrays, a chunk at a time: one fancy index per field instead of one call per message."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -7,7 +8,9 @@ import numpy as np
 
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.layout import Layout, NotPlain, learn
+from skin_ident.recordings.mcap_chunk import BEFORE
 from skin_ident.recordings.places import Places
+from skin_ident.recordings.runs import LOGGED, Copier, Run
 
 STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 
@@ -43,12 +46,29 @@ class Gatherer:
     size: int = 0
     lost: int = 0
     odd: int = 0
+    copiers: dict[int, Copier] = field(default_factory=dict)  # by channel
 
     def __post_init__(self) -> None:
-        self.log_ns = np.empty(self.count, np.int64)
-        self.stamp_ns = np.zeros(self.count, np.int64)
+        self.log_ns, self.stamp_ns = np.zeros((2, self.count), np.int64)
 
-    def add(self, places: Places, sizes: np.ndarray, log_ns: np.ndarray) -> None:
+    def add_runs(self, channel: int, runs: Sequence[Run]) -> bool:
+        """Take in records of an MCAP channel that lie evenly spaced; False, and nothing taken, where they must be looked at one by one."""
+        if self.layout is None or self.layout.size < 0:
+            return False
+        if channel not in self.copiers:
+            self.copiers[channel] = Copier(self.layout, self.layout.fields[self.chosen], channel)
+        more = sum(run.count for run in runs)
+        self._make_room(more)
+        at = slice(self.size, self.size + more)
+        found = self.copiers[channel].copied(runs, self.rows[at])
+        if found is None:
+            return False
+        self.log_ns[at] = found.at(LOGGED, "<i8")
+        self._stamp(found.moved(BEFORE), at)
+        self.size += more
+        return True
+
+    def __call__(self, places: Places, sizes: np.ndarray, log_ns: np.ndarray) -> None:
         """Take in messages of these sizes (bytes), in their order."""
         if self.layout is None and not self._learn(places, sizes):
             self.lost += len(places)
@@ -119,13 +139,10 @@ class Gatherer:
         return good
 
     def _bulk(self, places: Places, log_ns: np.ndarray) -> None:
-        at, f = slice(self.size, self.size + len(places)), self.layout.fields
-        if STAMP[0] in f and STAMP[1] in f:
-            sec, nanosec = (places.at(f[path].offset, f[path].code) for path in STAMP)
-            np.multiply(sec, 1_000_000_000, out=self.stamp_ns[at], dtype=np.int64)
-            self.stamp_ns[at] += nanosec
+        at = slice(self.size, self.size + len(places))
+        self._stamp(places, at)
         self.log_ns[at] = log_ns
-        rows, chosen = self.rows[at], f[self.chosen]
+        rows, chosen = self.rows[at], self.layout.fields[self.chosen]
         if np.dtype(chosen.code) == rows.dtype and chosen.count:
             whole = f"V{8 * chosen.count}"
             rows.view(whole)[:, 0] = places.at(chosen.offset, whole)
@@ -133,6 +150,14 @@ class Gatherer:
             found = places.at(chosen.offset, f"V{chosen.count * int(chosen.code[2:])}")
             rows[...] = np.ascontiguousarray(found).view(chosen.code).reshape(rows.shape)
         self.size += len(places)
+
+    def _stamp(self, places: Places, at: slice) -> None:
+        """The stamps of messages whose heads lie at these places."""
+        f = self.layout.fields
+        if STAMP[0] in f and STAMP[1] in f:
+            sec, nanosec = (places.at(f[path].offset, f[path].code) for path in STAMP)
+            np.multiply(sec, 1_000_000_000, out=self.stamp_ns[at], dtype=np.int64)
+            self.stamp_ns[at] += nanosec
 
     def _single(self, raw: bytes, log_ns: int) -> None:
         try:

@@ -1,12 +1,16 @@
 """One MCAP chunk: decompressed, checked, and its messages found."""
 
 import struct
-from binascii import crc32
 from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from skin_ident.recordings.places import Places
+
+try:
+    from zlib_ng.zlib_ng import crc32  # eight times as quick as the interpreter's own, where it is installed
+except ImportError:
+    from binascii import crc32
 
 HEADER = struct.Struct("<QQQIi")  # message start, message end, uncompressed size, crc, length of the compression's name
 BEFORE = 31  # bytes of a message record before its data: opcode, size, channel, sequence, log time, publish time

@@ -2,8 +2,9 @@
 
 import struct
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
@@ -11,32 +12,56 @@ import numpy as np
 from skin_ident.recordings.mcap_chunk import ChunkError, Found, indexed_messages, open_chunk, scan_messages
 from skin_ident.recordings.mcap_file import DATA_END, HEAD, INDEX, Survey, records
 from skin_ident.recordings.places import Places
+from skin_ident.recordings.runs import Run
 from skin_ident.recordings.timing import counted
 
 Add = Callable[[Places, np.ndarray, np.ndarray], None]  # where, sizes, log times (ns)
 
 AHEAD = 2  # groups of chunks
-AT_ONCE = 2 << 20  # bytes of a group, as they lie in the file
+AT_ONCE = 3 << 20  # bytes of a group, as they lie in the file
 MOST = 3  # chunks of a group: unpacked, it should still fit into the cache
+ENTRIES = struct.Struct("<BQHI")  # opcode, size, channel and bytes of the entries of a message index
+OFFSET = struct.Struct("<Q")
 
 
 def read_messages(found: Survey, takers: dict[int, Add]) -> tuple[str, ...]:
-    """Hand the messages of the channels in `takers` over, chunk by chunk; returns warnings about what is damaged or missing."""
+    """Hand the messages of the channels in `takers` over, a few chunks at a time; returns warnings about what is damaged or missing.
+
+    A taker that has a method `add_runs`, as `gather.Gatherer`, is offered what lies evenly spaced in all of them at once.
+    """
     damaged, handed = 0, dict.fromkeys(takers, 0)
-    with found.path.open("rb", buffering=0) as file:
-        for body, data in _opened(file, found.chunks):
-            if data is None:
-                damaged += 1
-                continue
-            for channel, places, sizes, logs in _messages(found, body, data, takers):
-                takers[channel](places, sizes, logs)
-                handed[channel] += len(places)
-        if found.loose:
-            for channel, places, sizes, logs in _loose(file, found):
-                if channel in takers:
-                    takers[channel](places, sizes, logs)
-                    handed[channel] += len(places)
+    complete = all(found.indexed.get(channel, 0) == found.counts.get(channel, 0) for channel in takers)
+    for group in _opened(found.path, found.chunks):
+        whole = [(body, data) for body, data in group if data is not None]
+        damaged += len(group) - len(whole)
+        rest = _in_runs(whole, takers, handed) if complete else takers
+        for body, data in whole if rest else ():
+            _hand(_messages(body, data, rest, complete), rest, handed)
+    if found.loose:
+        with found.path.open("rb", buffering=0) as file:
+            _hand((f for f in _loose(file, found) if f[0] in takers), takers, handed)
     return _warnings(found, damaged, handed)
+
+
+def _hand(messages: Iterable[Found], takers: dict[int, Add], handed: dict[int, int]) -> None:
+    for channel, places, sizes, logs in messages:
+        takers[channel](places, sizes, logs)
+        handed[channel] += len(places)
+
+
+def _in_runs(chunks: list[tuple[memoryview, object]], takers: dict[int, Add], handed: dict[int, int]) -> dict[int, Add]:
+    """Hand over what lies evenly spaced in all of the chunks; the takers whose messages do not."""
+    runs = [runs_of(body, data) for body, data in chunks]
+    if None in runs:
+        return takers
+    rest = {}
+    for channel, taker in takers.items():
+        mine = [r[channel] for r in runs if channel in r]
+        if hasattr(taker, "add_runs") and None not in mine and taker.add_runs(channel, mine):
+            handed[channel] += sum(run.count for run in mine)
+        else:
+            rest[channel] = taker
+    return rest
 
 
 def _warnings(found: Survey, damaged: int, handed: dict[int, int]) -> tuple[str, ...]:
@@ -53,57 +78,76 @@ def _warnings(found: Survey, damaged: int, handed: dict[int, int]) -> tuple[str,
     return tuple(notes)
 
 
-def _opened(file: BinaryIO, chunks: list[tuple[int, int]]) -> Iterator[tuple[memoryview, object]]:
-    """Chunk after chunk: its bytes with what follows, and its records or None where it is damaged. A few are fetched ahead."""
+def _opened(path: Path, chunks: list[tuple[int, int]]) -> Iterator[list[tuple[memoryview, object]]]:
+    """A few chunks at a time: the bytes of each with what follows, and its records or None where it is damaged. Some are fetched ahead."""
     groups = _grouped(chunks)
-    size = max((sum(length for _, length in group) for group in groups), default=0)
-    buffers = [bytearray(size) for _ in range(AHEAD + 1)]  # used again and again: fresh memory costs more than reading
+    size = max((_size(group) for group in groups), default=0)
+    buffers = np.empty((AHEAD + 1, size), np.uint8)  # used again and again: fresh memory costs more than reading
+    with path.open("rb", buffering=0) as file, ThreadPoolExecutor(1) as reader:
 
-    def fetch(i: int) -> list[tuple[memoryview, object]]:
-        left, out = memoryview(buffers[i % len(buffers)]), []
-        for offset, length in groups[i]:
-            out.append(_fetched(file, offset, left[:length]))
-            left = left[length:]
-        return out
+        def fetch(i: int) -> list[tuple[memoryview, object]]:
+            return _fetched(file, groups[i], buffers[i % len(buffers)])
 
-    with ThreadPoolExecutor(1) as reader:
         ahead = deque(reader.submit(fetch, i) for i in range(min(AHEAD, len(groups))))
         for i in range(len(groups)):
-            yield from ahead.popleft().result()
+            yield ahead.popleft().result()
             if i + AHEAD < len(groups):
                 ahead.append(reader.submit(fetch, i + AHEAD))
 
 
 def _grouped(chunks: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
-    """A few neighbouring chunks together: handing each over by itself costs as much as reading it."""
+    """Chunks that lie one after the other in the file, a few together: handing each over by itself costs as much as reading it."""
     groups: list[list[tuple[int, int]]] = []
-    size = AT_ONCE
     for chunk in chunks:
-        if size + chunk[1] > AT_ONCE or len(groups[-1]) == MOST:
+        last = groups[-1] if groups else []
+        if not last or sum(last[-1]) != chunk[0] or len(last) == MOST or _size([*last, chunk]) > AT_ONCE:
             groups.append([])
-            size = 0
         groups[-1].append(chunk)
-        size += chunk[1]
     return groups
 
 
-def _fetched(file: BinaryIO, offset: int, body: memoryview) -> tuple[memoryview, object]:
-    file.seek(offset)
-    got = file.readinto(body)
-    try:
-        return body[:got], open_chunk(body[9:got])[0]
-    except ChunkError:
-        return body[:got], None
+def _size(group: list[tuple[int, int]]) -> int:
+    return sum(length for _, length in group)
 
 
-def _messages(survey: Survey, body, data, takers) -> Iterator[Found]:
+def _fetched(file: BinaryIO, group: list[tuple[int, int]], buffer: np.ndarray) -> list[tuple[memoryview, object]]:
+    file.seek(group[0][0])
+    left, out = memoryview(buffer)[: file.readinto(memoryview(buffer)[: _size(group)])], []
+    for _, length in group:
+        body, left = left[:length], left[length:]
+        try:
+            out.append((body, open_chunk(body[9:])[0]))
+        except ChunkError:
+            out.append((body, None))
+    return out
+
+
+def _messages(body, data, takers: dict[int, Add], complete: bool) -> Iterator[Found]:
     """The wanted channels' messages: by the indexes after the chunk where they fit, else by walking through the records."""
-    complete = all(survey.indexed.get(channel, 0) == survey.counts.get(channel, 0) for channel in takers)
     indexes = _indexes(body) if complete else {}
     found = [indexed_messages(data, channel, entries) for channel, entries in indexes.items() if channel in takers]
     if not indexes or any(f is None for f in found):
         found = [f for f in scan_messages(data) if f[0] in takers]
     return iter(found)
+
+
+def runs_of(body, data) -> dict[int, Run | None] | None:
+    """By channel, the records of a chunk by the first, second and last entry of its index, or None where these are not evenly spaced.
+
+    None for all of it where there is no whole index.
+    """
+    at, out = 9 + struct.unpack_from("<Q", body, 1)[0], {}
+    while at + 15 <= len(body):
+        op, size, channel, length = ENTRIES.unpack_from(body, at)
+        if op != INDEX or at + 9 + size > len(body) or length + 6 != size:
+            return None
+        count = length // 16
+        if count:
+            (first,), (last,) = OFFSET.unpack_from(body, at + 23), OFFSET.unpack_from(body, at + 7 + length)
+            step = OFFSET.unpack_from(body, at + 39)[0] - first if count > 1 else 1
+            out[channel] = Run(data, first, step, count) if step > 0 and first + (count - 1) * step == last else None
+        at += 9 + size
+    return out if out and at == len(body) else None
 
 
 def _indexes(body) -> dict[int, np.ndarray]:

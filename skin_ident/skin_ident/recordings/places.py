@@ -18,6 +18,13 @@ class Places:
             if step > 0 and np.count_nonzero(np.subtract(starts[1:], starts[:-1]) == step) == starts.size - 1:
                 self.step = step
 
+    @classmethod
+    def evenly(cls, buffer: Any, step: int, count: int) -> "Places":
+        """`count` of them, `step` bytes apart from the beginning of the buffer on."""
+        out = cls.__new__(cls)
+        out.buffer, out.count, out.first, out.step, out._starts = buffer, count, 0, step, None
+        return out
+
     def __len__(self) -> int:
         return self.count
 
