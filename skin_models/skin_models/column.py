@@ -14,10 +14,9 @@ from skin_models.effect import Place
 from skin_models.model import Model, State
 from skin_models.operators.growing_root import growing_root
 from skin_models.operators.tree import chosen, joined
-from skin_models.signals import Sample
+from skin_models.signals import DEEPEST, Sample
 
 _SKIN = (Place.SKIN, Place.SURFACE)
-_DEEPEST = 0.1  # m; a search that has not met the force here gives up
 
 
 def skin_of(model: Model) -> Model:
@@ -81,7 +80,7 @@ def press(
     if driven.any():
         where = np.flatnonzero(driven)
         part = trial if where.size == driven.size else _Trial(skin, _chosen(columns, where), t, dt)
-        x, found = growing_root(lambda x: part.at(x) - force[where], *part.start(), slope[where], force[where], _DEEPEST)
+        x, found = growing_root(lambda x: part.at(x) - force[where], *part.start(), slope[where], force[where], DEEPEST)
         slope = slope.copy()
         slope[where] = found
         if part is not trial:

@@ -7,7 +7,7 @@ import numpy as np
 
 from skin_models.layout import A201_AREA, Layout
 from skin_models.model import Model, Response, State
-from skin_models.signals import Sample
+from skin_models.signals import DEEPEST, Sample
 from skin_models.spread.contacts import Contacts
 from skin_models.spread.field import SpreadField
 from skin_models.spread.kernels import Kernel
@@ -19,8 +19,8 @@ class LiveModel:
     """Steps a model from stamp to stamp.
 
     The speed is the one given, or the backward difference of the depth; the acceleration is the backward difference of the speed. A
-    stamp that does not advance is refused (`step` gives None), a silence of more than a second starts from rest. `refused` and
-    `restarts` count both.
+    stamp that does not advance and a depth beyond 100 mm are refused (`step` gives None), a silence of more than a second starts from
+    rest. `refused` and `restarts` count both.
     """
 
     def __init__(self, model: Model, seed: int | None = None) -> None:
@@ -32,7 +32,7 @@ class LiveModel:
 
     def step(self, t: float, x: float, v: float = math.nan) -> Response | None:
         """The response at time `t` (s) to depth `x` (m) and speed `v` (m/s); None for a sample that cannot be used."""
-        if not math.isfinite(t + x) or (self._last is not None and t <= self._last.t):
+        if not math.isfinite(t + x) or x > DEEPEST or (self._last is not None and t <= self._last.t):
             self.refused += 1
             return None
         if self._last is None or t - self._last.t > GAP:

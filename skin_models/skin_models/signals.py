@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from skin_models.spread.footprint import Footprint
 
 GRAVITY = 9.80665  # m/s^2, standard acceleration of free fall
+DEEPEST = 0.1  # m; no skin is as thick, so a greater depth is most likely one in mm
 
 
 @dataclass(frozen=True)

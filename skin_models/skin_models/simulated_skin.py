@@ -24,7 +24,7 @@ from skin_models.effect import Effect, Place
 from skin_models.errors import ModelError
 from skin_models.layout import A201_AREA, Layout
 from skin_models.model import Model
-from skin_models.signals import Sample
+from skin_models.signals import DEEPEST, Sample
 from skin_models.spread.bending import Bending, Bent
 from skin_models.spread.compiled import compiles
 from skin_models.spread.contacts import ContactError
@@ -36,6 +36,7 @@ from skin_models.spread.spreaders import CompiledSpreader, DenseSpreader, Patche
 from skin_models.transmission import Transmission
 
 MEMORY = 16
+HARDEST = 1e6  # N; what presses harder than that is a slip
 __all__ = ["MEMORY", "Presses", "Reading", "SimulatedSkin", "SkinState", "spread_width"]
 
 
@@ -44,7 +45,7 @@ class Presses:
     """Everything that touches at one instant: `key` tells contacts apart from one sample to the next.
 
     Forces and depths that are negative do not press. Raises `ContactError` for arrays of different lengths, two contacts of one key, and
-    a contact without a finite place, or with neither a force nor a depth.
+    a contact without a finite place, with neither a force nor a depth, or with one that no skin ever meets (1 MN, 100 mm).
     """
 
     key: tuple[str, ...] = ()
@@ -64,8 +65,10 @@ class Presses:
         if not np.isfinite(self.position).all() or not ((self.radius >= 0.0) & np.isfinite(self.radius)).all():
             raise ContactError("every contact needs a finite position, and a finite radius that is not negative")
         driven = np.where(np.isnan(self.force), self.depth, self.force)
-        if not np.isfinite(driven).all() or np.isinf(self.depth).any():
-            raise ContactError("every contact needs a finite force, or a finite depth")
+        if not np.isfinite(driven).all() or (self.force > HARDEST).any():
+            raise ContactError("every contact needs a finite force up to 1 MN, or a finite depth")
+        if (self.depth > DEEPEST).any():
+            raise ContactError(f"no contact is {self.depth[self.depth > DEEPEST][0]:g} m deep: depths are in m, up to 100 mm")
 
     @property
     def patches(self) -> Patches:

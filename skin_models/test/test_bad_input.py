@@ -118,6 +118,8 @@ def presses(**wrong):
         {"radius": np.array([1e-3, np.nan])},
         {"radius": np.array([1e-3, np.inf])},
         {"depth": np.array([np.nan, np.inf])},
+        {"depth": np.array([np.nan, 1.0])},
+        {"force": np.array([1.0, 1e7])},
         {"key": ("a", "a")},
     ],
     ids=str,

@@ -37,9 +37,10 @@ def test_sources_add_up_and_replace_only_themselves():
 def test_unusable_contacts_are_left_out_and_counted_and_pulling_does_not_press():
     got, nan = ContactInput(), math.nan
     bad = [("", HERE, nan, nan, 0.0), ("", (nan, 0.0, 0.0), 1.0, nan, 0.0), ("", HERE, 1.0, nan, -1.0), ("", HERE, math.inf, nan, 0.0)]
+    bad += [("", HERE, 1e9, nan, 0.0), ("", HERE, nan, 1.0, 0.0), ("", HERE, nan, -math.inf, 0.0)]
     got.take("contacts", [*bad, ("pull", HERE, -3.0, nan, 0.0)], now=0.0)
     presses, _ = got.at(0.0, 1.0, 1.0)
-    assert got.unusable == 4 and presses.key == ("contacts/pull",) and presses.force == pytest.approx([0.0])
+    assert got.unusable == 7 and presses.key == ("contacts/pull",) and presses.force == pytest.approx([0.0])
 
 
 def test_two_contacts_of_one_name_stay_two():

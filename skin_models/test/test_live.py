@@ -25,7 +25,8 @@ def test_stamps_that_do_not_advance_and_lost_depths_are_refused():
     live = LiveModel(MODEL)
     assert live.step(1.0, 1e-4) is not None
     assert live.step(1.0, 1e-4) is None and live.step(0.5, 1e-4) is None and live.step(1.1, float("nan")) is None
-    assert live.refused == 3 and live.step(1.2, 1e-4) is not None
+    assert live.step(1.1, 0.4) is None and live.step(1.15, -0.4) is not None  # 0.4 mm in m; far in the air is a place to be
+    assert live.refused == 4 and live.step(1.2, 1e-4) is not None
 
 
 def test_a_long_silence_starts_from_rest():

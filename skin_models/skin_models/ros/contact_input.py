@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import WrenchStamped
 
-from skin_models.simulated_skin import Presses
+from skin_models.signals import DEEPEST
+from skin_models.simulated_skin import HARDEST, Presses
 from skin_testbed_msgs.msg import ContactArray
 
 _GONE = 1e-3
@@ -28,7 +29,7 @@ class _Message:
 
 
 class ContactInput:
-    """The last message of every source; `unusable` counts contacts that had neither a force nor a depth, or no position."""
+    """The last message of every source; `unusable` counts contacts without a position, or without a force or depth that a skin can meet."""
 
     def __init__(self) -> None:
         self._messages: dict[str, _Message] = {}
@@ -56,7 +57,8 @@ class ContactInput:
 def _usable(c: Press) -> bool:
     _, position, force, depth, radius = c
     numbers = math.isfinite(sum(position)) and math.isfinite(radius) and radius >= 0.0
-    return numbers and (math.isfinite(force) or math.isfinite(depth)) and not math.isinf(force) and not math.isinf(depth)
+    pressed = not math.isnan(force) or not math.isnan(depth)
+    return numbers and pressed and not abs(force) > HARDEST and not abs(depth) > DEEPEST
 
 
 def _presses(source: str, contacts: list[Press]) -> Presses:

@@ -45,7 +45,7 @@ class SkinDiagnostics:
 
     def encoder(self, about: str, refused: int, restarts: int) -> None:
         """Report on a skin that an encoder drives."""
-        complaints = [f"{refused} encoder samples had no depth or no newer stamp"] if refused else []
+        complaints = [f"{refused} encoder samples had no depth below 100 mm or no newer stamp"] if refused else []
         self._publish(about, complaints, {"refused_samples": refused, "restarts": restarts})
 
     def _publish(self, about: str, complaints: list[str], values: dict) -> None:
