@@ -28,6 +28,14 @@ def test_a_row_is_located_along_itself_and_a_lone_taxel_locates_nothing():
     assert alone.force.min() == pytest.approx(alone.force[alone.y.size // 2, alone.x.size // 2], rel=1e-3)
 
 
+def test_far_apart_places_tell_nothing():
+    some, none = (looked_at(patch(grid(3, 3, pitch, A201_AREA))) for pitch in (17e-3, 40e-3))
+    told, felt = np.isfinite(some.error), np.isfinite(none.force)
+    assert 0.0 < told.mean() < 1.0 and some.error[told].max() < 0.05 and "not at all in" in some.sentence()
+    assert 0.0 < felt.mean() < 1.0 and none.force[felt].max() < 1e3 and none.sentence().startswith("located nowhere; forces from 0.")
+    assert "none in" in none.sentence() and "e+" not in some.sentence() + none.sentence()
+
+
 def test_the_picture_is_written_and_the_numbers_are_said(tmp_path, capsys):
     assert main([str(tmp_path / "a.png"), "--pitch-mm", "8", "--columns", "3", "--rows", "2"]) == 0
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and [p.name for p in tmp_path.iterdir()] == ["a.png"]

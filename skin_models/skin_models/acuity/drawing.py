@@ -35,7 +35,7 @@ def _against_pitch(axis, patch: Patch) -> None:
     axis.semilogy(mm, mm, ":", color="#6b7280", label="the pitch itself")
     axis.semilogy(mm, [1e3 * a.error_worst for a in rows], color="#c4391d", label="worst place")
     axis.semilogy(mm, [1e3 * a.error_median for a in rows], color="#1f5fa8", label="median place")
-    if np.isfinite(patch.layout.pitch):
+    if mm[0] <= 1e3 * patch.layout.pitch <= mm[-1]:
         axis.axvline(1e3 * patch.layout.pitch, color="#9aa3ad", linewidth=0.8, label="pitch of this patch")
     best = min(a.error_median for a in rows)
     axis.set(xlabel="pitch of a square grid, mm", ylabel="error of the position, mm", xlim=(mm[0], mm[-1]))
@@ -51,12 +51,18 @@ def _map(figure, axis, patch: Patch, x: np.ndarray, y: np.ndarray, values: np.nd
     axis.set_title(label, fontsize=9)
     shown = np.ma.masked_invalid(values)
     if shown.count() == 0:
-        axis.text(0.5, 0.7, "cannot be told", transform=axis.transAxes, ha="center")
+        axis.text(0.5, 0.5, "cannot be told", transform=axis.transAxes, ha="center", va="center", bbox={"color": "white"})
         return
     low, high = float(shown.min()), float(np.quantile(shown.compressed(), 0.98))
     norm = matplotlib.colors.LogNorm(low, max(high, 1.05 * low))
     shading = "nearest" if np.ma.is_masked(shown) else "gouraud"
     image = axis.pcolormesh(1e3 * x, 1e3 * y, shown, norm=norm, cmap="viridis", shading=shading, zorder=0)
     bar = figure.colorbar(image, ax=axis, shrink=0.85, extend="max")
-    for which in (bar.ax.yaxis.set_major_formatter, bar.ax.yaxis.set_minor_formatter):
-        which(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:.2g}"))
+    bar.ax.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=_marks(norm.vmax / norm.vmin), numticks=20))
+    bar.ax.yaxis.set_minor_locator(matplotlib.ticker.NullLocator())
+    bar.ax.yaxis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:.3g}"))
+
+
+def _marks(ratio: float) -> tuple[float, ...]:
+    """Which multiples of a power of ten are marked on a scale from 1 to `ratio`, so that a few are and none overlap."""
+    return (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0) if ratio < 8.0 else (1.0, 2.0, 5.0) if ratio < 300.0 else (1.0,)

@@ -10,6 +10,7 @@ from skin_models.layout import Layout
 from skin_models.spread.kernels import Gaussian
 
 SIDE = 121  # places along the longer side of the patch
+FELT = 1e3  # N; what needs more is not felt
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,10 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Error (m, infinite where the place cannot be told) and smallest force (N) at places x (X,), y (Y,), m: arrays (Y, X)."""
+    """Error (m) and smallest force (N) at places x (X,), y (Y,), m: arrays (Y, X).
+
+    The error is infinite where it would exceed the patch, the force where it would exceed 1 kN: nothing can be told there.
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -46,10 +50,19 @@ class Map:
 
     def sentence(self) -> str:
         """The patch in one line. The patch is what lies between the outer taxels."""
+        return f"{self._located()}; forces {self._felt()}"
+
+    def _located(self) -> str:
         told = np.isfinite(self.error)
-        error = f"located to {1e3 * np.median(self.error[told]):.3g} mm in the middle of all places" if told.any() else "located nowhere"
+        if not told.any():
+            return "located nowhere"
         worst = f"{1e3 * self.error.max():.3g} mm at the worst" if told.all() else f"not at all in {100 * np.mean(~told):.0f} % of them"
-        return f"{error}, {worst}; forces from {self.force.min():.3g} N are felt at the best place, from {self.force.max():.3g} N at any"
+        return f"located to {1e3 * np.median(self.error[told]):.3g} mm in the middle of all places, {worst}"
+
+    def _felt(self) -> str:
+        felt = np.isfinite(self.force)
+        anywhere = f"from {self.force.max():.3g} N at any" if felt.all() else f"none in {100 * np.mean(~felt):.0f} % of all places"
+        return f"from {self.force.min():.3g} N are felt at the best place, {anywhere}"
 
 
 def looked_at(patch: Patch) -> Map:
@@ -63,4 +76,5 @@ def looked_at(patch: Patch) -> Map:
     places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     shape = (y.size, x.size)
     error = localisation_bound(patch.design, places, patch.force).reshape(shape)
-    return Map(x, y, error, detectable_force(patch.design, places).reshape(shape))
+    force = detectable_force(patch.design, places).reshape(shape)
+    return Map(x, y, np.where(error < np.hypot(*(high - low)), error, np.inf), np.where(force < FELT, force, np.inf))
