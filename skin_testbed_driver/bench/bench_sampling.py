@@ -7,11 +7,13 @@ Same machine, same minute, same messages (JointState, WrenchStamped, TaxelArray)
     real-time    the same with a real-time priority, where this user may have one
     replay       the first with a recording for its rig: nothing is simulated, so that this is what sampling and publishing cost
     rclpy timer  a node whose timer publishes, on SingleThreadedExecutor: what a tutorial shows
-    bare loop    time.sleep to absolute deadlines, nothing else: what this machine can do
 
 Every publisher is a process of its own; period and latency are those of the force messages as they reach this process. Jitter is the
-deviation of the period between publications (source timestamps; of the loop's own clock for the bare loop). CPU is that of the publisher:
-of its busiest thread, which publishes, and of the whole process. The driver's also simulates the rig, checks limits and watches sensors.
+deviation of the period between publications (source timestamps) from the wanted one. CPU is that of the publisher: of its busiest thread,
+which publishes, and of the whole process. The driver's also simulates the rig, checks limits and watches sensors.
+
+What the machine can do is told by a bare loop, time.sleep to absolute deadlines and nothing else, in a process of its own: `beside` every
+publisher, in the same seconds and so under the same load, and `alone`, for half as long before each.
 """
 
 import argparse
@@ -44,6 +46,8 @@ class Row:
     latencies: np.ndarray
     thread: float
     cpu: float
+    beside: np.ndarray  # periods of the bare loop meanwhile, s
+    alone: np.ndarray  # and before
 
 
 class Timer(Node):
@@ -81,8 +85,8 @@ def cpu_seconds(pid: int) -> dict[str, float]:
     return {task.name: 1e-9 * int((task / "schedstat").read_text().split()[0]) for task in Path(f"/proc/{pid}/task").iterdir()}
 
 
-def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Periods, latencies and CPU shares (busiest thread, process) of a publisher while it runs steadily."""
+def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tuple[tuple, subprocess.Popen]:
+    """Periods, latencies and CPU shares (busiest thread, process) of a publisher while it runs steadily; and the bare loop beside it."""
     context = rclpy.context.Context()
     rclpy.init(context=context, domain_id=domain.id)
     node = rclpy.create_node("bench", context=context)
@@ -97,6 +101,7 @@ def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tup
     node.create_subscription(WrenchStamped, "force", on_force, QoSProfile(depth=5000))
     while len(sent) < rate:  # the first second is for settling
         executor.spin_once(timeout_sec=0.1)
+    loop = start_loop(rate, seconds)
     skipped, cpu, start = len(sent), cpu_seconds(process.pid), time.monotonic()
     while time.monotonic() - start < seconds:
         executor.spin_once(timeout_sec=0.1)
@@ -105,7 +110,7 @@ def listen(domain: Domain, process: Process, rate: float, seconds: float) -> tup
     executor.shutdown()
     node.destroy_node()
     rclpy.shutdown(context=context)
-    return 1e-9 * np.diff(sent[skipped:]), 1e-9 * np.array(latency[skipped:]), max(shares), sum(shares)
+    return (1e-9 * np.diff(sent[skipped:]), 1e-9 * np.array(latency[skipped:]), max(shares), sum(shares)), loop
 
 
 def recording(taxels: int) -> Path:
@@ -117,6 +122,17 @@ def recording(taxels: int) -> Path:
     return Path(file.name)
 
 
+def start_loop(rate: float, seconds: float) -> subprocess.Popen:
+    """The bare loop, in a process of its own."""
+    command = [sys.executable, __file__, "--loop", "--rates", str(rate), "--seconds", str(seconds)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE)
+
+
+def periods_of(loop: subprocess.Popen) -> np.ndarray:
+    """What it measured, once it has ended."""
+    return np.frombuffer(loop.communicate()[0])
+
+
 def measure(rate: float, taxels: int, seconds: float) -> list[Row]:
     """All publishers, one after the other."""
     rows = []
@@ -126,37 +142,44 @@ def measure(rate: float, taxels: int, seconds: float) -> list[Row]:
     replay = [*driver, "-p", "rig:=replay", "-p", f"recording:={table}", "-p", "loop:=true"]
     urgent = [*driver, "-p", "realtime_priority:=40"]
     for name, command in (("driver", driver), ("real-time", urgent), ("replay", replay), ("rclpy timer", [*here, "--timer"])):
+        alone = periods_of(start_loop(rate, 0.5 * seconds))
         with Domain() as domain:
             os.environ.update(domain.environment())
             process = Process(command, domain.environment(), name)
-            rows.append(Row(name, *listen(domain, process, rate, seconds)))
+            heard, loop = listen(domain, process, rate, seconds)
+            rows.append(Row(name, *heard, periods_of(loop), alone))
             process.end()
-    loop = subprocess.run([*here, "--loop", "--seconds", str(seconds)], capture_output=True, check=True)
     table.unlink()
-    rows.append(Row("bare loop", np.frombuffer(loop.stdout), np.empty(0), float("nan"), float("nan")))
     return rows
 
 
+def percentiles(periods: np.ndarray, rate: float) -> np.ndarray:
+    """Jitter, us: p50, p99 and p99.9."""
+    return 1e6 * np.percentile(np.abs(periods - 1.0 / rate), (50, 99, 99.9))
+
+
 def show(rate: float, taxels: int, rows: list[Row]) -> None:
-    """One block of the table, µs."""
+    """One block of the table."""
     print(f"\n{rate:g} Hz, {taxels} taxels")
     words = f"{'samples':>8}{'missed':>8}{'p50':>8}{'p99':>8}{'p99.9':>8}   {'latency p50':>12}{'p99':>8}{'thread':>8}{'CPU':>7}"
-    print(f"{'':14}{words}   µs, % of a core")
+    print(f"{'':14}{words}   µs, % of a core; p99 of the bare loop beside")
     for row in rows:
-        jitter = 1e6 * np.abs(row.periods - 1.0 / rate)
         missed = max(round(row.periods.sum() * rate) - row.periods.size, 0)
-        p50, p99, p999 = np.percentile(jitter, (50, 99, 99.9))
-        line = f"{row.name:14}{row.periods.size + 1:8d}{missed:8d}{p50:8.0f}{p99:8.0f}{p999:8.0f}"
-        if row.latencies.size:
-            half, most = 1e6 * np.percentile(row.latencies, (50, 99))
-            line += f"   {half:12.0f}{most:8.0f}{100.0 * row.thread:8.1f}{100.0 * row.cpu:7.1f}"
-        print(line)
-    cpu = [np.array([row.thread, row.cpu]) * row.periods.sum() / row.periods.size for row in rows[:4]]
-    p99 = [np.percentile(np.abs(r.periods - 1.0 / rate), 99) for r in rows]
-    for i in range(3):
-        thread, process = cpu[i] / cpu[3]
+        half, most = 1e6 * np.percentile(row.latencies, (50, 99))
+        line = f"{row.name:14}{row.periods.size + 1:8d}{missed:8d}" + "".join(f"{x:8.0f}" for x in percentiles(row.periods, rate))
+        line += f"   {half:12.0f}{most:8.0f}{100.0 * row.thread:8.1f}{100.0 * row.cpu:7.1f}"
+        print(f"{line}{percentiles(row.beside, rate)[1]:8.0f}")
+    alone = percentiles(np.concatenate([row.alone for row in rows]), rate)
+    print(f"{'bare, alone':14}{'':16}" + "".join(f"{x:8.0f}" for x in alone))
+    cost = [np.array([row.thread, row.cpu]) * row.periods.sum() / row.periods.size for row in rows]
+    for row, mine in zip(rows[:3], cost, strict=False):
+        p99 = percentiles(row.periods, rate)[1]
+        thread, process = mine / cost[3]
         ratio = f"CPU per sample x {thread:.2f} (thread), x {process:.2f} (process) of the timer"
-        print(f"{rows[i].name}: p99 jitter x {p99[i] / p99[4]:.2f} of the bare loop; {ratio}")
+        beside = percentiles(row.beside, rate)[1]
+        print(
+            f"{row.name}: p99 jitter x {p99 / beside:.2f} of the bare loop beside, x {p99 / alone[1]:.2f} of it alone; {ratio}", flush=True
+        )
 
 
 def main() -> None:

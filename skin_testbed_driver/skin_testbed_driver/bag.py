@@ -1,11 +1,14 @@
 """A rosbag2 directory with one MCAP file, written so that a crash costs at most the last moments.
 
-Every `flush` ends a chunk and hands it to the operating system: after `kill -9` a streaming reader gets everything up to the last one.
-metadata.yaml is there from the first topic on, and final after `close`.
+A chunk ends, and is in the hands of the operating system, as soon as its first message is `HELD` old: `write` sees to that before it
+returns, and `flush_if_due` where no more messages come. So `kill -9` takes no more than the last `HELD` of what was given to `write`, however
+busy the machine is; a streaming reader gets everything before. metadata.yaml is there from the first topic on, and final after `close`.
 """
 
 import errno
+import math
 import os
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +18,7 @@ from mcap.writer import CompressionType, Writer
 
 from skin_models.errors import SkinError
 
+HELD = 0.2  # s, for which a message may be held back, to be compressed together with others
 _METADATA_VERSION = 9  # of rosbag2 in Jazzy
 # rosbag2 reads lz4 and zstd; at these sizes both are quick, and zstd gets by with half the disk.
 _COMPRESSION = CompressionType.ZSTD
@@ -88,6 +92,7 @@ class BagWriter:
         self.counts: list[int] = []
         self._first, self._last = 2**63 - 1, 0
         self._stale = True  # a topic that metadata.yaml does not have yet
+        self._due = math.inf  # s, monotonic: when the first message that is not on disk has been held for `HELD`
         self._guarded(self._writer.start, profile="ros2", library="skin_testbed_driver recorder")
         self.flush()
 
@@ -111,18 +116,35 @@ class BagWriter:
         self.counts[topic] += 1
         self._first, self._last = min(self._first, log_time), max(self._last, log_time)
         self._guarded(self._writer.add_message, topic + 1, log_time, data, publish_time, self.counts[topic])
+        self._hold()
 
-    def attach(self, name: str, media_type: str, data: bytes, time: int) -> None:
-        """Put a file inside the recording, and a copy beside it; `time` in ns."""
-        self._guarded(self._writer.add_attachment, time, time, name, media_type, data)
+    def attach(self, name: str, media_type: str, data: bytes, when: int) -> None:
+        """Put a file inside the recording, and a copy beside it; `when` in ns."""
+        self._guarded(self._writer.add_attachment, when, when, name, media_type, data)
+        self._hold()
         self._guarded((self.directory / name).write_bytes, data)
 
     def note(self, name: str, entries: dict[str, str]) -> None:
         """Put named texts inside the recording."""
         self._guarded(self._writer.add_metadata, name, entries)
+        self._hold()
+
+    def _hold(self) -> None:
+        """Something was given: hold it back for a while, unless something has been held for that long already."""
+        now = time.monotonic()
+        if now >= self._due:
+            self.flush()
+        elif self._due == math.inf:
+            self._due = now + HELD
+
+    def flush_if_due(self) -> None:
+        """As `flush`, if something has been held back for `HELD` (s)."""
+        if time.monotonic() >= self._due or self._stale:
+            self.flush()
 
     def flush(self) -> None:
         """Make everything so far survive the end of this process."""
+        self._due = math.inf
         self._guarded(self._writer.flush)
         if self._stale:
             self._guarded(self._write_metadata)

@@ -9,9 +9,9 @@ Positions are those of the stage, m, growing towards the skin; the driver subtra
 is NaN, and the driver stops or marks it.
 """
 
+import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,22 +23,20 @@ class RigError(SkinError):
     """The rig cannot be opened, read or commanded."""
 
 
-def _nothing() -> np.ndarray:
-    return np.empty(0)
+NOTHING = np.empty(0)  # of a signal that a rig does not have
 
 
-@dataclass(frozen=True)
-class Reading:
+class Reading(NamedTuple):  # the quickest to make of all that do not change
     """One synchronous sample. A rig gives volts or newtons, whichever its hardware knows; the other stays NaN or empty.
 
     Compression is positive. The two truths are known to a simulation only.
     """
 
     position: float  # m, of the stage
-    load_cell_voltage: float = float("nan")  # V
-    force: float = float("nan")  # N
-    taxel_voltage: np.ndarray = field(default_factory=_nothing)  # V, (T,) or empty
-    taxel_force: np.ndarray = field(default_factory=_nothing)  # N, (T,) or empty
+    load_cell_voltage: float = math.nan  # V
+    force: float = math.nan  # N
+    taxel_voltage: np.ndarray = NOTHING  # V, (T,) or empty
+    taxel_force: np.ndarray = NOTHING  # N, (T,) or empty
     force_truth: float | None = None  # N
     taxels_truth: np.ndarray | None = None  # N, (T,)
 

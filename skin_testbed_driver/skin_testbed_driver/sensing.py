@@ -6,7 +6,7 @@ presses on it changes: real converters never do that under a changing load.
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ _STUCK_DEPTH = 5e-5  # m, by how much the plunger has to move in the skin before
 _STUCK_FORCE = 1.0  # N, and by how much the force has to change before a taxel is
 
 
-@dataclass(frozen=True)
-class Sample:
+class Sample(NamedTuple):  # the quickest to make of all that do not change
     """One published sample: m, m/s, N, V; compression positive; taxel arrays are (T,)."""
 
     depth: float
@@ -65,28 +64,68 @@ class Differentiator:
         self._depths.clear()
 
 
-class Stuckness:
-    """Which of several signals repeat their raw value while what drives them goes farther than `change` from where it was."""
+class StuckCell:
+    """Whether the load cell repeats its raw value while the plunger goes deeper.
 
-    def __init__(self, change: np.ndarray, samples: int) -> None:
-        """`change` (n,), in the unit of each signal's drive; `samples` repeats are needed."""
-        self._change, self._samples = change, samples
-        self._last = np.full(change.size, np.nan)
-        self._repeats = np.zeros(change.size, int)
-        self._start, self._farthest = np.zeros(change.size), np.zeros(change.size)
+    Only its way into the skin counts: on the way out skin that recovers slowly parts from the plunger, and there is nothing to feel.
+    """
 
-    def add(self, raw: np.ndarray, drive: np.ndarray) -> np.ndarray:
-        """Take one more sample (n,) and what drives it (n,); gives booleans (n,)."""
-        same = raw == self._last
-        new = ~same
-        self._last = raw
+    def __init__(self, samples: int) -> None:
+        """`samples` repeats are needed."""
+        self._samples = samples
+        self._last, self._repeats = math.nan, 0
+        self._least, self._advance = 0.0, 0.0
+
+    def add(self, raw: float, depth: float) -> bool:
+        """Take one more value and the depth (m) at which it was taken."""
+        depth = max(depth, 0.0)  # in the air a quiet cell may well repeat itself
+        if raw != self._last:
+            self._last, self._repeats, self._least, self._advance = raw, 0, depth, 0.0
+            return False
         self._repeats += 1
-        self._repeats[new], self._farthest[new] = 0, 0.0
-        np.copyto(self._start, drive, where=new)
-        np.fmax(self._farthest, np.abs(drive - self._start), self._farthest)  # fmax: a drive may be NaN for a while
-        if self._repeats.max() < self._samples:
-            return new & same  # none
-        return (self._repeats >= self._samples) & (self._farthest > self._change)
+        self._least = min(self._least, depth)
+        self._advance = max(self._advance, depth - self._least)
+        return self._repeats >= self._samples and self._advance > _STUCK_DEPTH
+
+
+class StuckTaxels:
+    """Which taxels repeat their raw value while the load goes farther than `_STUCK_FORCE` from where it was when that began.
+
+    Repeats long enough are so rare that only the sample at which each taxel last changed is kept, and looked at when it may be time.
+    """
+
+    def __init__(self, count: int, samples: int) -> None:
+        """`samples` repeats are needed."""
+        self._samples, self._now = samples, 0
+        self._check = 0 if count else math.inf  # no taxel can be suspected before this sample
+        self._last, self._new = np.full(count, np.nan), np.empty(count, bool)
+        self._since = np.zeros(count, int)  # the sample at which each began to repeat itself
+        self._loads: deque[float] = deque(maxlen=samples + 1)
+        self._start, self._farthest = np.zeros(count), np.zeros(count)  # N, of the suspects: load at their `_since`, and way from there
+
+    def add(self, raw: np.ndarray, load: float) -> np.ndarray | None:
+        """Take one more sample (T,) and the load (N); gives booleans (T,), or None for no taxel at all."""
+        self._now += 1
+        self._loads.append(load)
+        new = np.not_equal(raw, self._last, self._new)
+        self._last = raw
+        np.copyto(self._since, self._now, where=new)
+        return self._suspects(load) if self._now >= self._check else None
+
+    def _suspects(self, load: float) -> np.ndarray | None:
+        repeats = self._now - self._since
+        longest = int(repeats.max())
+        self._check = self._now + max(self._samples - longest, 0)
+        if longest < self._samples:
+            return None
+        begin = repeats == self._samples
+        if begin.any():
+            loads = np.array(self._loads)
+            self._start[begin] = loads[0]
+            self._farthest[begin] = np.fmax.reduce(np.abs(loads - loads[0]))
+        np.fmax(self._farthest, np.abs(load - self._start), self._farthest)  # fmax: a load may be NaN for a while
+        stuck = (repeats >= self._samples) & (self._farthest > _STUCK_FORCE)
+        return stuck if stuck.any() else None
 
 
 class Sensing:
@@ -98,23 +137,25 @@ class Sensing:
         self.calibration, self.zero = calibration, zero
         self.force_offset, self.taxel_offset = 0.0, np.zeros(count)
         self._speed = Differentiator(speed_samples, period)
-        # The load cell first: the plunger's depth drives it, and the load drives the taxels.
-        self._stuck = Stuckness(np.array([_STUCK_DEPTH] + count * [_STUCK_FORCE]), repeats)
+        self._stuck_cell, self._stuck_taxels = StuckCell(repeats), StuckTaxels(count, repeats)
+        self._all_calibrated = bool(np.isfinite(calibration.taxels).all())
+        self._all_ok = np.zeros(count, np.uint8)
+        self._all_ok.flags.writeable = False  # every good sample shares it
 
     def sample(self, r: Reading) -> Sample:
         """The sample of one reading."""
         depth = r.position - self.zero
         volts = not math.isnan(r.load_cell_voltage)
         load = self.calibration.force(r.load_cell_voltage) if volts else r.force
-        stuck = self._repeating(r, r.load_cell_voltage if volts else r.force, depth, load)
-        load = math.nan if stuck[0] else load
+        stuck = self._stuck_cell.add(r.load_cell_voltage if volts else r.force, depth)
+        untared, status = self._taxel(r, load)
+        load = math.nan if stuck else load
         saturated = abs(r.load_cell_voltage) >= LOAD_CELL_FULL_SCALE
-        untared, status = self._taxel(r, stuck[1:])
+        force = math.nan if saturated else load - self.force_offset
+        # In the order of its fields: names would be looked up again for every sample.
         return Sample(
-            depth=depth, speed=self._speed.add(depth), force=math.nan if saturated else load - self.force_offset,
-            force_voltage=r.load_cell_voltage, taxel_force=untared - self.taxel_offset, taxel_voltage=r.taxel_voltage,
-            taxel_status=status, position=r.position, load=load, taxel_untared=untared,
-            force_truth=r.force_truth, taxels_truth=r.taxels_truth,
+            depth, self._speed.add(depth), force, r.load_cell_voltage, untared - self.taxel_offset, r.taxel_voltage, status,
+            r.position, load, untared, r.force_truth, r.taxels_truth,
         )  # fmt: skip
 
     def move_zero(self, depth: float) -> None:
@@ -122,21 +163,19 @@ class Sensing:
         self.zero += depth
         self._speed.clear()
 
-    def _repeating(self, r: Reading, load_cell: float, depth: float, load: float) -> np.ndarray:
-        raw, drive = np.empty(self.taxel_offset.size + 1), np.empty(self.taxel_offset.size + 1)
-        raw[0], raw[1:] = load_cell, r.taxel_voltage if r.taxel_voltage.size else r.taxel_force
-        # In the air a quiet cell may well repeat itself.
-        drive[0], drive[1:] = max(depth, 0.0), load
-        return self._stuck.add(raw, drive)
-
-    def _taxel(self, r: Reading, stuck: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _taxel(self, r: Reading, load: float) -> tuple[np.ndarray, np.ndarray]:
+        """Force (N) and status of every taxel."""
         volts = r.taxel_voltage.size > 0
-        raw = r.taxel_voltage if volts else r.taxel_force
+        raw, full = (r.taxel_voltage, TAXEL_FULL_SCALE) if volts else (r.taxel_force, math.inf)
+        stuck = self._stuck_taxels.add(raw, load)
         force = self.calibration.taxel_force(raw) if volts else raw
+        # NaN is not below anything, so that what is silent has to pass the closer look, too.
+        if stuck is None and self._all_calibrated and np.maximum.reduce(raw, initial=-math.inf) < full:
+            return force, self._all_ok
         status = np.zeros(raw.size, np.uint8)
         status[np.isnan(force)] = UNCALIBRATED
-        if volts:
-            status[raw >= TAXEL_FULL_SCALE] = SATURATED
-        status[stuck] = STUCK
+        status[raw >= full] = SATURATED
+        if stuck is not None:
+            status[stuck] = STUCK
         status[np.isnan(raw)] = STALE
         return np.where(status == OK, force, np.nan), status

@@ -1,7 +1,6 @@
 """How well the sampling loop keeps its time: achieved rate, jitter, overruns and skipped samples."""
 
 import math
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,13 +30,13 @@ class LoopStatistics:
         """`period` (s) as wanted, and how many seconds the rate and the jitter look back."""
         self.ticks = self.overruns = self.skipped = 0
         self._period = period
-        self._times: deque[float] = deque(maxlen=max(int(memory / period), 2))
+        self._times = np.zeros(max(int(memory / period), 3))  # a ring, so that a report copies it in no time
 
     def tick(self, began: float, deadline: float) -> None:
         """A sample began at `began` and should have at `deadline`, both s of one monotonic clock."""
+        self._times[self.ticks % self._times.size] = began
         self.ticks += 1
         self.overruns += began - deadline > self._period
-        self._times.append(began)
 
     def skip(self, count: int) -> None:
         """`count` samples were left out."""
@@ -45,9 +44,17 @@ class LoopStatistics:
 
     def report(self) -> LoopReport:
         """The present figures."""
-        periods = np.diff(np.array(self._times))
+        ticks, times = self._present()
+        periods = np.diff(np.roll(times, -ticks)[1:] if ticks >= times.size else times[:ticks])
         if periods.size == 0:
             return LoopReport(self.ticks, self.overruns, self.skipped, math.nan, math.nan, math.nan, math.nan)
         jitter = np.abs(periods - self._period)
         p50, p99 = np.percentile(jitter, (50, 99))
         return LoopReport(self.ticks, self.overruns, self.skipped, 1.0 / float(periods.mean()), float(p50), float(p99), float(jitter.max()))
+
+    def _present(self) -> tuple[int, np.ndarray]:
+        """How many samples there were, and the ring as it was then; its oldest time may be overwritten already."""
+        while True:
+            ticks, times = self.ticks, self._times.copy()
+            if ticks == self.ticks:
+                return ticks, times

@@ -1,3 +1,8 @@
+import multiprocessing
+import random
+import struct
+import time
+
 import pytest
 import yaml
 from mcap.exceptions import McapError
@@ -57,3 +62,41 @@ def test_a_vanished_file_is_noticed(tmp_path):
     (tmp_path / "b" / "b_0.mcap").unlink()
     with pytest.raises(BagError, match="deleted"):
         bag.flush()
+
+
+def write_on_and_on(directory, given) -> None:
+    """In a process of its own: a message every millisecond that holds the time at which it was written; `given` tells the last one's."""
+    bag = BagWriter(directory)
+    topic = bag.add_topic(CLOCK)
+    while True:
+        now = time.monotonic_ns()
+        bag.write(topic, struct.pack("<IQ", 0x100, now), now, now)
+        given.value = now
+        time.sleep(1e-3)
+
+
+def messages_before_the_tear(path) -> list[int]:
+    """The times of all messages that can be read from a file without an end."""
+    found = []
+    with path.open("rb") as file, pytest.raises(McapError):
+        for record in StreamReader(file).records:
+            if type(record).__name__ == "Message":
+                found.append(record.log_time)
+    return found
+
+
+def test_whenever_a_writer_is_killed_all_but_the_last_half_second_reads_back(tmp_path):
+    """By construction no more than `HELD` of what was given is missing, however late the machine lets the writer run."""
+    fork = multiprocessing.get_context("fork")
+    for i in range(12):
+        given = fork.Value("Q", 0)
+        writer = fork.Process(target=write_on_and_on, args=(tmp_path / str(i), given), daemon=True)
+        writer.start()
+        while not given.value:
+            time.sleep(0.01)
+        time.sleep(0.3 + 0.4 * random.random())
+        writer.kill()
+        writer.join()
+        times = messages_before_the_tear(tmp_path / str(i) / f"{i}_0.mcap")
+        assert times == sorted(times) and len(times) > 10
+        assert 1e-9 * (given.value - times[-1]) < 0.5

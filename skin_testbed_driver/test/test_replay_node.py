@@ -10,8 +10,9 @@ from skin_testbed_msgs.msg import DriverState, TaxelArray
 
 
 def record(graph, directory, count):
-    recorder = graph.processes.start("skin_testbed_driver", "recorder", parameters={"directory": str(directory)})
-    recorder.wait_for_output("recording to", 60.0)
+    parameters = {"directory": str(directory), "topics": ["encoder", "force", "taxels"]}
+    recorder = graph.processes.start("skin_testbed_driver", "recorder", parameters=parameters)
+    recorder.wait_for_output("every topic", 60.0)
     taxels = graph.hear(TaxelArray, "taxels")
     graph.wait(lambda: len(taxels) > count, "samples")
     return recorder

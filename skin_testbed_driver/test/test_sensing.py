@@ -48,6 +48,32 @@ def test_a_load_cell_that_repeats_itself_while_the_plunger_presses_is_stuck():
     assert math.isfinite(forces[10]) and math.isnan(forces[-1])
 
 
+def test_a_quiet_load_cell_that_a_slow_skin_has_left_is_not_stuck():
+    """On the way out there is nothing to feel, and without noise nothing changes either."""
+    sensor = sensing()
+    for i in range(200):
+        s = sensor.sample(reading(1e-3 - 4e-6 * i, 0.0))
+    assert s.force == 0.0
+
+
+def test_stuck_is_half_a_second_to_the_sample_and_over_as_soon_as_a_value_changes():
+    """Against the rule itself: repeats counted one by one, and the farthest load of each run."""
+    rng, sensor = np.random.default_rng(2), sensing((10.0,) * 5)
+    last, repeats, start, farthest, seen = np.full(5, np.nan), np.zeros(5), np.zeros(5), np.zeros(5), 0
+    volts = np.zeros(5)
+    for i in range(6000):
+        volts = np.where(rng.random(5) < (0.02, 0.05, 0.5, 0.01, 1.0), rng.random(5), volts)
+        s = sensor.sample(reading(-1e-3, 0.3 * math.sin(0.01 * i) + 0.01 * rng.random(), volts))
+        new = volts != last
+        last, repeats = volts, np.where(new, 0, repeats + 1)
+        start, farthest = np.where(new, s.load, start), np.where(new, 0.0, farthest)
+        farthest = np.maximum(farthest, np.abs(s.load - start))
+        expected = (repeats >= 50) & (farthest > 1.0)
+        assert (s.taxel_status == STUCK).tolist() == expected.tolist()
+        seen += expected.any()
+    assert 100 < seen < 5900
+
+
 def test_a_quiet_sensor_in_the_air_or_at_rest_is_not_stuck():
     sensor = sensing()
     for i in range(200):

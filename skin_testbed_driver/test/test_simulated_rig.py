@@ -104,6 +104,24 @@ def test_the_x_y_stage_brings_other_taxels_under_the_plunger():
     assert reading.taxels_truth[0] == pytest.approx(9.619 * math.exp(-((0.014 / 0.00525) ** 2)), rel=1e-6)
 
 
+def test_a_model_without_effects_takes_a_short_way_that_gives_the_same_readings(monkeypatch):
+    model = replace(SILICONE, shares=(1.0, math.exp(-((0.014 / 0.00525) ** 2))))
+
+    def readings() -> list:
+        rig = rig_of(model, seed=3)
+        found = press(rig, 300)[3]
+        rig.place(0.01, 0.002)
+        rig.command(SURFACE + 1e-3, 0.0)
+        return found + [rig.read() for _ in range(200)]
+
+    short = readings()
+    monkeypatch.setattr("skin_testbed_driver.rigs.simulated.is_bare", lambda _: False)
+    for a, b in zip(short, readings(), strict=True):
+        assert a.position == b.position and a.load_cell_voltage == b.load_cell_voltage and a.force_truth == b.force_truth
+        assert np.array_equal(a.taxel_voltage, b.taxel_voltage)
+        np.testing.assert_allclose(a.taxels_truth, b.taxels_truth, rtol=1e-14)
+
+
 def test_a_contact_off_centre_and_a_spread_of_another_shape_show_wherever_the_stage_is():
     shares = (1.0, math.exp(-((0.014 / 0.00525) ** 2)))
     notes = {**SILICONE.notes, "spread": {"ratio": {"value": 1.5, "unit": "1"}}}

@@ -13,18 +13,20 @@ from typing import Any
 
 import numpy as np
 
+from skin_models.bare import BareSkin, is_bare
+from skin_models.dispersion import Dispersion
 from skin_models.layout import Layout, row_from_origin
 from skin_models.model import Model, Response
 from skin_models.signals import Sample
 from skin_testbed_driver.calibration import Calibration
-from skin_testbed_driver.rig import Reading, Rig
+from skin_testbed_driver.rig import NOTHING, Reading, Rig
 
 TRAVEL = (0.0, 0.15)  # m
 ENCODER_STEP = 1e-6  # m
 CONVERTER_STEP = 20.0 / 4096  # V
 CONVERTER_RANGE = (-2048, 2047)  # counts
 TAXEL_RANGE = (0.0, 5.0)  # V, of the conditioner
-_SCREW_PERIOD = 0.04  # m, of the screw's error
+_SCREW = 2.0 * math.pi / 0.04  # rad/m, of the screw's error: one turn in 40 mm
 _SETTLING = 0.2  # s, with which the servo error dies away or sets in
 _STILL = 1e-9  # m/s
 _BENT = 1e-10  # m, to which the bend of the mount is found
@@ -72,7 +74,11 @@ class SimulatedRig(Rig):
         self._slopes, self._load_cell_slope = calibration.taxels, calibration.load_cell
         self._surface, self._seed, self._real = surface, seed, imperfections or Imperfections()
         self._start = start
+        channels = 1 + len(self.layout)  # of the converter, the load cell first
         self._noise = np.array([self._real.load_cell_noise] + len(self.layout) * [self._real.taxel_noise])
+        self._volts_now, self._white = np.empty(channels), np.empty(channels)
+        self._taxel_volts = self._volts_now[1:]
+        self._loud = self._real.taxel_noise > 0.1  # V: may leave the converter's range, which is twice the conditioner's
 
     def open(self, sample_rate: float) -> None:
         self._dt = 1.0 / sample_rate
@@ -86,7 +92,10 @@ class SimulatedRig(Rig):
         self._time = 0.0
         skin, self._bend = self._model.dispersion, 0.0
         self._steepness = skin.k1 + skin.k2 + (skin.b1 + skin.b2) / self._dt  # N/m, of the force over the depth of one sample
-        self._xy = self._xy_target = np.zeros(2)
+        self._xy = self._xy_target = (0.0, 0.0)
+        self._fade = math.exp(-self._dt / _SETTLING)
+        self._bare = BareSkin(self._model, self._dt) if is_bare(self._model) and not self._real.mount_compliance else None
+        self._shares = self._shares_here() if self._bare is not None else NOTHING
 
     def command(self, position: float, velocity: float) -> None:
         self._next = (min(max(position, self.travel[0]), self.travel[1]), velocity)
@@ -95,10 +104,10 @@ class SimulatedRig(Rig):
         self._next = (self._x, 0.0)
 
     def place(self, x: float, y: float) -> None:
-        self._xy_target = np.array([x, y])
+        self._xy_target = (x, y)
 
     def placed(self) -> tuple[float, float]:
-        return float(self._xy[0]), float(self._xy[1])
+        return self._xy
 
     def facts(self) -> dict[str, Any]:
         facts = {"plunger_diameter_mm": 1e3 * PLUNGER_DIAMETER}
@@ -110,23 +119,25 @@ class SimulatedRig(Rig):
 
     def read(self) -> Reading:
         self._move()
-        tip, speed = self._tip()
-        self._move_laterally()
-        lateral = self._xy if self._xy.any() else None
-        response = self._press(tip, speed, lateral)
+        x, v = self._tip()
+        if self._xy != self._xy_target:
+            self._move_laterally()
+        if self._bare is None:
+            response = self._press(x, v)
+            force, taxels = float(response.force), response.taxels
+            force_truth, truth = float(response.force_truth), response.taxels_truth
+        else:
+            force, sensed = self._bare.press(x, v, self._a)
+            force_truth, taxels = force, self._shares * sensed
+            truth = taxels
         self._time += self._dt
-        volts = self._volts(float(response.force), response.taxels)
-        return Reading(
-            position=self._encoder(self._x + self._error),
-            load_cell_voltage=float(volts[0]),
-            taxel_voltage=volts[1:],
-            force_truth=float(response.force_truth),
-            taxels_truth=np.asarray(response.taxels_truth),
-        )
+        volts = self._volts(force, taxels)
+        return Reading(self._encoder(self._x + self._error), float(volts[0]), math.nan, volts[1:], NOTHING, force_truth, truth)
 
-    def _press(self, x: float, v: float, lateral: np.ndarray | None) -> Response:
+    def _press(self, x: float, v: float) -> Response:
         """The skin's answer to a mount at depth `x` (m): the plunger's face is at x - C F, found by Newton's method."""
         compliance, dt, before = self._real.mount_compliance, self._dt, self._bend
+        lateral = np.array(self._xy) if any(self._xy) else None
         for _ in range(_TRIES):
             sample = Sample(self._time, x - self._bend, v - (self._bend - before) / dt, self._a, lateral)
             state, response = self._model.step(self._state, sample, dt)
@@ -148,24 +159,28 @@ class SimulatedRig(Rig):
         elif came_to_rest:
             size = self._rng.uniform(0.2, 1.0) * self._real.rest_error
             self._rest_error = size if self._rng.random() < 0.5 else -size
-        fade = math.exp(-h / _SETTLING)
-        self._error = self._rest_error + fade * (self._error - self._rest_error)
+        self._error = self._rest_error + self._fade * (self._error - self._rest_error)
         self._error_speed = (self._rest_error - self._error) / _SETTLING
         self._x, self._v = x1, v1
 
     def _move_laterally(self) -> None:
         """One period towards the place asked for."""
-        way = self._xy_target - self._xy
-        distance = float(np.hypot(*way))
-        if distance == 0.0:
-            return
-        self._xy = self._xy + way * min(1.0, _LATERAL_SPEED * self._dt / distance)
+        (x, y), (to_x, to_y) = self._xy, self._xy_target
+        step = min(1.0, _LATERAL_SPEED * self._dt / math.hypot(to_x - x, to_y - y))
+        self._xy = (x + (to_x - x) * step, y + (to_y - y) * step)
+        self._shares = self._shares_here() if self._bare is not None else NOTHING
+
+    def _shares_here(self) -> np.ndarray:
+        """Each taxel's share of the sensed force, (T,), where the plunger is: what a skin of 1 N/m says of a depth of 1 m."""
+        unit = replace(self._model, dispersion=Dispersion(k1=1.0, b1=0.0, k2=0.0, b2=0.0, m=0.0))
+        sample = Sample(0.0, 1.0, 0.0, 0.0, np.array(self._xy) if any(self._xy) else None)
+        return unit.step(unit.initial(), sample, self._dt)[1].taxels_truth
 
     def _tip(self) -> tuple[float, float]:
         """Depth (m) and speed (m/s) of the plunger's face: the servo's position with the screw's error."""
-        phase = 2.0 * math.pi * self._x / _SCREW_PERIOD + self._screw_phase
+        phase = _SCREW * self._x + self._screw_phase
         position = self._x + self._error + self._real.screw_error * math.sin(phase)
-        slope = 1.0 + self._real.screw_error * 2.0 * math.pi / _SCREW_PERIOD * math.cos(phase)
+        slope = 1.0 + self._real.screw_error * _SCREW * math.cos(phase)
         return position - self._surface, (self._v + self._error_speed) * slope
 
     def _encoder(self, position: float) -> float:
@@ -173,12 +188,15 @@ class SimulatedRig(Rig):
 
     def _volts(self, force: float, taxels: np.ndarray) -> np.ndarray:
         """What the converter says, load cell first: (1 + T,)."""
-        volts = np.empty(1 + taxels.size)
+        volts = self._volts_now
         volts[0] = force / self._load_cell_slope
-        np.divide(taxels, self._slopes, volts[1:])
-        volts[1:] = np.minimum(np.maximum(volts[1:], TAXEL_RANGE[0]), TAXEL_RANGE[1])
-        volts += self._noise * self._rng.standard_normal(volts.size)
-        if self._real.quantised:
-            counts = np.rint(volts / CONVERTER_STEP)
-            volts = CONVERTER_STEP * np.minimum(np.maximum(counts, CONVERTER_RANGE[0]), CONVERTER_RANGE[1])
-        return volts
+        np.divide(taxels, self._slopes, self._taxel_volts)
+        np.minimum(np.maximum(self._taxel_volts, TAXEL_RANGE[0], self._taxel_volts), TAXEL_RANGE[1], self._taxel_volts)
+        self._rng.standard_normal(out=self._white)
+        volts += np.multiply(self._noise, self._white, self._white)
+        if not self._real.quantised:
+            return volts.copy()
+        counts = np.rint(np.divide(volts, CONVERTER_STEP, volts), volts)
+        if self._loud or abs(counts[0]) > CONVERTER_RANGE[1]:
+            np.minimum(np.maximum(counts, CONVERTER_RANGE[0], counts), CONVERTER_RANGE[1], counts)
+        return counts * CONVERTER_STEP

@@ -5,6 +5,8 @@
 `configure` opens the rig, `activate` starts to sample and obey, `deactivate` brakes and rests, `cleanup` releases the rig.
 """
 
+import gc
+import sys
 import time
 import traceback
 
@@ -26,6 +28,8 @@ from skin_testbed_driver.ros.sampling import SamplingThread
 from skin_testbed_driver.statistics import LoopStatistics
 from skin_testbed_driver.testbed import Status, Testbed
 
+# s, after which a thread that runs Python hands the interpreter to one that waits: sampling waits no longer than this for a report.
+_TURN = 2e-4
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 
@@ -114,6 +118,8 @@ class DriverNode(LifecycleNode):
             self._tick, self._clock_ns, 1.0 / settings.sample_rate, self._statistics, owned, settings.time_scale,
             settings.realtime_priority, self.get_logger().warning,
         )  # fmt: skip
+        gc.collect()
+        gc.freeze()  # what is there stays: going through all of it again would take a period or more
         self._thread.start()
         self._requests.heeded = True
         self.get_logger().info(f"sampling at {settings.sample_rate:g} Hz, rig {settings.rig}")
@@ -184,4 +190,5 @@ def _stamp(nanoseconds: int) -> Time:
 
 def main() -> None:
     """Run the node until a signal."""
+    sys.setswitchinterval(_TURN)
     run(DriverNode)

@@ -38,8 +38,10 @@ class Publishing:
             return node.create_lifecycle_publisher(kind, topic, qos, qos_overriding_options=overridable())
 
         self._streams = [publisher(JointState, "encoder"), publisher(WrenchStamped, "force"), publisher(TaxelArray, "taxels")]
-        self._encoder, self._force, self._taxels = self._streams
         self._truth = publisher(TaxelArray, "taxels_truth") if rig.owns_time and rig.moves else None
+        # What `publish` comes to for bytes, without its look at type and lifecycle: there are samples only while the node is active.
+        self._send = [p.handle.publish_raw for p in self._streams]
+        self._send_truth = self._truth.handle.publish_raw if self._truth else None
         self._layout = node.create_publisher(TaxelLayout, "taxel_layout", LATCHED)
         self._texts = {name: node.create_publisher(String, name, LATCHED) for name in ("rig_description", "calibration")}
         self._stage = node.create_publisher(PointStamped, "stage_position", 10) if rig.placed() else None
@@ -65,15 +67,15 @@ class Publishing:
         """Publish one sample; all its messages bear the same stamp (s, ns)."""
         if self._clock is not None:
             self._clock.publish(Clock(clock=Time(sec=stamp[0], nanosec=stamp[1])))
-        encoder = self._encoder_bytes.with_stamp(stamp).set_number("position", s.depth).set_number("velocity", s.speed)
-        self._encoder.publish(encoder.data())
+        send_encoder, send_force, send_taxels = self._send
+        send_encoder(self._encoder_bytes.with_stamp(stamp).set_number("position", s.depth).set_number("velocity", s.speed).data())
         # Compression pushes the load cell along its -z.
-        self._force.publish(self._force_bytes.with_stamp(stamp).set_number("wrench.force.z", -s.force).data())
+        send_force(self._force_bytes.with_stamp(stamp).set_number("wrench.force.z", -s.force).data())
         taxels = self._taxels_bytes[s.taxel_voltage.size].with_stamp(stamp).set("force", s.taxel_force)
-        self._taxels.publish(taxels.set("voltage", s.taxel_voltage).set("status", s.taxel_status).data())
-        if self._truth is not None:
+        send_taxels(taxels.set("voltage", s.taxel_voltage).set("status", s.taxel_status).data())
+        if self._send_truth is not None:
             truth = s.taxels_truth if s.taxels_truth is not None else self._unknown
-            self._truth.publish(self._truth_bytes.with_stamp(stamp).set("force", truth).data())
+            self._send_truth(self._truth_bytes.with_stamp(stamp).set("force", truth).data())
 
     def stage(self, stamp: tuple[int, int]) -> None:
         """Publish now and then which point of the skin is under the plunger, where that is known."""

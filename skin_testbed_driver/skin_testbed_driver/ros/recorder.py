@@ -3,16 +3,15 @@
     ros2 run skin_testbed_driver recorder --ros-args -p directory:=session_1
     ros2 run skin_testbed_driver recorder --ros-args -p "topics:=[force, encoder, taxels]"
 
-Subscriptions take messages as they were sent, without decoding. A thread writes; callbacks only queue. Topics that appear later are
-recorded from then on. The recording ends with SIGINT, SIGTERM or the service `~/stop`.
+Subscriptions take messages as they were sent, without decoding, and callbacks write them: a second thread would hold the interpreter
+for whole chunks while messages wait to be taken. Topics that appear later are recorded from then on. The recording ends with SIGINT,
+SIGTERM or the service `~/stop`.
 """
 
 import datetime
 import functools
 import importlib
 import importlib.metadata
-import threading
-from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,12 +25,12 @@ from skin_models.errors import SkinError
 from skin_models.ros.node import end, run
 from skin_models.ros.parameters import Parameters, setting
 from skin_models.ros.qos import LATCHED
-from skin_testbed_driver.bag import BagError, BagWriter, TopicInfo
+from skin_testbed_driver.bag import BagWriter, TopicInfo
 from skin_testbed_driver.ros.definitions import DefinitionError, definition
 from skin_testbed_driver.ros.offered_qos import matching, offered
 
-# s, between two looks at the graph, and between two times that the queue is written: what a crash costs on an idle machine.
-_PERIOD = 0.2
+_LOOK = 0.2  # s, between two looks at the graph
+_IDLE = 0.1  # s, between two looks whether messages wait for others that do not come
 
 
 @dataclass(frozen=True)
@@ -56,24 +55,22 @@ class Recorder(Node):
         self._left_out = {self.resolve_topic_name(name) for name in self._settings.exclude}
         rig = _read_rig(self._settings.rig_file)
         self._bag = BagWriter(self._settings.directory or datetime.datetime.now().strftime("session_%Y-%m-%d_%H-%M-%S"))
-        self._queue: deque[tuple[int, bytes, int, int]] = deque()
         self._known: set[str] = set()
         self._complete = False  # every topic asked for was seen
-        self._ending = threading.Event()
-        self._lock = threading.Lock()  # around the bag: topics are announced from callbacks, messages from the thread
         self._describe(rig)
         self._look()
-        self.create_timer(_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(_LOOK, self._look, clock=steady)
+        self.create_timer(_IDLE, self._bag.flush_if_due, clock=steady)
         self.create_service(Trigger, "~/stop", self._on_stop)
-        self._thread = threading.Thread(target=self._write, name="writer", daemon=True)
-        self._thread.start()
         self.get_logger().info(f"recording to {self._bag.directory}")
 
     def destroy_node(self) -> None:
         """End the recording, whole."""
-        self._ending.set()
-        self._thread.join()
-        super().destroy_node()
+        try:
+            self._bag.close()
+        finally:
+            super().destroy_node()
 
     def _describe(self, rig: bytes | None) -> None:
         now = self.get_clock().now().nanoseconds
@@ -112,38 +109,19 @@ class Recorder(Node):
             self.get_logger().warning(f"{name} is not recorded: {error}")
             return
         type_hash = str(infos[0].topic_type_hash) if infos and hasattr(infos[0], "topic_type_hash") else ""
-        with self._lock:
-            index = self._bag.add_topic(TopicInfo(name, type_name, text, offered(infos), type_hash))
+        index = self._bag.add_topic(TopicInfo(name, type_name, text, offered(infos), type_hash))
         callback = functools.partial(self._on_message, index)
         self.create_subscription(message_class, name, callback, matching(infos, self._settings.depth), raw=True)
 
     def _on_message(self, index: int, data: bytes) -> None:
         # The time of publication would come with the message, but the events executor of Jazzy cannot pass it on.
         now = self.get_clock().now().nanoseconds
-        self._queue.append((index, data, now, now))
+        self._bag.write(index, data, now, now)
 
     def _on_text(self, file_name: str, message: String) -> None:
         """A latched description: also kept as a file, inside the recording and beside it."""
         data = message.data.encode()
-        with self._lock:
-            self._bag.attach(file_name, "application/yaml", data, self.get_clock().now().nanoseconds)
-
-    def _write(self) -> None:
-        try:
-            while not self._ending.wait(_PERIOD):
-                self._drain()
-                with self._lock:
-                    self._bag.flush()
-            self._drain()
-            with self._lock:
-                self._bag.close()
-        except BagError as error:
-            end(error)
-
-    def _drain(self) -> None:
-        with self._lock:
-            for _ in range(len(self._queue)):
-                self._bag.write(*self._queue.popleft())
+        self._bag.attach(file_name, "application/yaml", data, self.get_clock().now().nanoseconds)
 
     def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         response.success, response.message = True, f"{sum(self._bag.counts)} messages in {self._bag.directory}"

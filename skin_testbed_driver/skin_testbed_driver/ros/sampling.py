@@ -1,10 +1,10 @@
 """The thread that samples: absolute deadlines, so that lateness never adds up."""
 
-import os
 import threading
 import time
 from collections.abc import Callable
 
+from skin_testbed_driver.scheduling import be_punctual, be_urgent
 from skin_testbed_driver.statistics import LoopStatistics
 
 
@@ -56,13 +56,11 @@ class SamplingThread(threading.Thread):
             self.join()
 
     def _hurry(self) -> None:
+        be_punctual()
         if not self._priority:
             return
         try:
-            # All threads of the process: one that is put aside while it holds the interpreter or a lock of DDS would keep this one waiting.
-            for task in os.listdir("/proc/self/task"):  # noqa: PTH208
-                mine = int(task) == threading.get_native_id()
-                os.sched_setscheduler(int(task), os.SCHED_FIFO, os.sched_param(self._priority if mine else max(self._priority - 1, 1)))
+            be_urgent(self._priority)
         except (AttributeError, OSError) as error:
             self._complain(f"no real-time priority for sampling ({error}): it needs CAP_SYS_NICE or an rtprio limit; going on without")
 
