@@ -1,8 +1,9 @@
 """A rosbag2 directory with one MCAP file, written so that a crash costs at most the last moments.
 
 A chunk ends, and is in the hands of the operating system, as soon as its first message is `HELD` old: `write` sees to that before it
-returns, and `flush_if_due` where no more messages come. So `kill -9` takes no more than the last `HELD` of what was given to `write`, however
-busy the machine is; a streaming reader gets everything before. metadata.yaml is there from the first topic on, and final after `close`.
+returns, and `flush_if_due` where no more messages come. So `kill -9` takes no more than the last `HELD` of what was given to `write`,
+however busy the machine is; a streaming reader gets everything before. metadata.yaml is there from the first topic on, and final after
+`close`.
 """
 
 import errno
