@@ -34,6 +34,7 @@ ROSDEP_KEYS = {
     "rosbags": "python3-rosbags-pip",
     "scipy": "python3-scipy",
     "yaml": "python3-yaml",
+    "zlib_ng": None,
     "zstandard": "mcap-ros2-support",
 }
 
