@@ -32,7 +32,8 @@ def _energy(carrier: np.ndarray, weight: np.ndarray, noise: Whitener) -> np.ndar
     order = noise.filters.shape[1] - 1
     whole = _from_here_on(np.sum(noise.apply(carrier, weight) ** 2, axis=0))
     settled = np.append(whole[order:], np.zeros(order))
-    begun = np.cumsum(noise.filters, axis=1)[:, :order]  # what the filter makes of a step, sample by sample
+    alike = np.ones(order)
+    begun = np.array([noise.innovation(alike, alike > 0.0, c) for c in range(len(carrier))])  # what becomes of a step, sample by sample
     mixed = noise.mix @ carrier
     starting = sum(np.sum((noise.to_unit @ (taps[:, None] * mixed)) ** 2, axis=0) for taps in begun.T)
     return np.maximum(settled + starting, 1e-12 * (1.0 + whole[0]))

@@ -1,31 +1,38 @@
 """The noise of a recording: autoregressive, and correlated between channels.
 
 A residual that is not white makes every test too sure of itself. The channels are first turned into uncorrelated mixtures (an encoder's
-error reaches all of them and makes the strongest one; the eigenvectors of the residual's covariance); the noise of each mixture is AR(p),
+error reaches all of them and makes the strongest one; the eigenvectors of the residual's covariance); the noise of each mixture is
+predicted from its last p samples and from M exponential averages, slower and slower,
 
-    e[n] = a1 e[n-1] + … + ap e[n-p] + w[n],
+    e[n] = a_1 e[n-1] + … + a_p e[n-p] + c_1 s_1[n] + … + c_M s_M[n] + w[n],    s_m[n] = (1 - 1/T_m) s_m[n-1] + e[n-1] / T_m,
 
-fitted by the covariance method over all sessions; what correlation is left between the innovations w goes by one covariance matrix.
+fitted by least squares over all sessions: without the averages, noise that wanders would be white to a test at all but the lowest
+frequencies, and slow causes would be named for it. What correlation is left between the innovations w goes by one covariance matrix.
 `Whitener.apply` turns residuals and directions alike into samples of unit variance.
+
+Sources: L. Ljung, System Identification, 1999, ch. 4 (prediction-error filters); F. Corsi, J. Financial Econometrics 7 (2009) 174-196 (long
+memory by averages over a few times).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.signal import lfilter
 
 ORDER = 8
+MEMORIES = np.array([10.0, 30.0, 100.0, 300.0])  # T_m, samples
 FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must not be blown up
 
 
 @dataclass(frozen=True)
 class Whitener:
-    """`mix` (C, C) makes uncorrelated mixtures of the channels, `filters` (C, p+1) are their prediction-error filters, `root` (C, C) is the
-    lower Cholesky factor of the innovations' covariance."""
+    """`mix` (C, C) makes uncorrelated mixtures of the channels, `filters` (C, p+1) are the prediction-error filters of their last samples,
+    `slow` (C, M) their coefficients c_m, `root` (C, C) is the lower Cholesky factor of the innovations' covariance."""
 
     mix: np.ndarray
     filters: np.ndarray
+    slow: np.ndarray
     root: np.ndarray
 
     @property
@@ -40,15 +47,23 @@ class Whitener:
         if not self.filters[:, 1:].any():  # white: one product does it all
             return np.matmul(to_unit @ mix, e) * believed
         mixed = np.matmul(mix, e)
-        for c, taps in enumerate(self.filters):
-            mixed[..., c, :] = lfilter(taps.astype(e.dtype), np.ones(1, e.dtype), mixed[..., c, :], axis=-1)
+        good = weight.min(axis=0) > 0.0
+        for c in range(len(mix)):
+            mixed[..., c, :] = self.innovation(mixed[..., c, :], good, c)
         mixed *= believed
         return np.matmul(to_unit, mixed)
 
+    def innovation(self, y: np.ndarray, good: np.ndarray, c: int) -> np.ndarray:
+        """What mixture `c` (..., n) is beside its prediction. Samples that are not `good` (n,) have no part in the averages."""
+        return lfilter(self.filters[c], [1.0], y, axis=-1) - lfilter(*_averages(self.slow[c]), y * good, axis=-1)
+
     def turned(self, w: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """The adjoint of `apply` on (C, n): sum of apply(e) * w = sum of e * turned(w)."""
+        good = (weight.min(axis=0) > 0.0)[::-1]
         back = (self.to_unit.T @ w * self._believed(weight))[:, ::-1]
-        return self.mix.T @ np.array([lfilter(taps, [1.0], row) for taps, row in zip(self.filters, back, strict=True)])[:, ::-1]
+        quick = np.array([lfilter(taps, [1.0], row) for taps, row in zip(self.filters, back, strict=True)])
+        slow = np.array([lfilter(*_averages(c), row) for c, row in zip(self.slow, back, strict=True)]) * good
+        return self.mix.T @ (quick - slow)[:, ::-1]
 
     def _believed(self, weight: np.ndarray) -> np.ndarray:
         order = self.filters.shape[1] - 1
@@ -64,13 +79,13 @@ def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], order: 
     _, vectors = np.linalg.eigh(np.atleast_2d(kept @ kept.T / max(kept.shape[1], 1)))
     mixed = [vectors.T @ e for e in residuals]
     together = [w.min(axis=0) for w in weights]
-    filters = np.array([_prediction_error_filter([m[c] for m in mixed], together, order) for c in range(n_channels)])
-    unit = Whitener(vectors.T, filters, np.eye(n_channels))
+    filters, slow = zip(*(_predictor([m[c] for m in mixed], together, order) for c in range(n_channels)), strict=True)
+    unit = Whitener(vectors.T, np.array(filters), np.array(slow), np.eye(n_channels))
     w = np.concatenate([unit.apply(e, q) for e, q in zip(residuals, weights, strict=True)], axis=1)
     used = np.any(w != 0.0, axis=0)
     covariance = np.atleast_2d(w[:, used] @ w[:, used].T / max(used.sum(), 1))
     floor = np.diag(np.full(n_channels, 1e-18) + 1e-6 * np.diag(covariance))
-    return Whitener(vectors.T, filters, np.linalg.cholesky(covariance + floor))
+    return replace(unit, root=np.linalg.cholesky(covariance + floor))
 
 
 def white(residuals: list[np.ndarray]) -> Whitener:
@@ -78,17 +93,30 @@ def white(residuals: list[np.ndarray]) -> Whitener:
     steps = np.concatenate([np.diff(e, axis=1) for e in residuals], axis=1)
     size = np.maximum(np.sqrt(np.mean(steps**2, axis=1) / 2.0), 1e-12)
     n = size.size
-    return Whitener(np.eye(n), np.eye(1, ORDER + 1).repeat(n, axis=0), np.diag(size))
+    return Whitener(np.eye(n), np.eye(1, ORDER + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size))
 
 
-def _prediction_error_filter(rows: list[np.ndarray], weights: list[np.ndarray], order: int) -> np.ndarray:
-    past = np.concatenate([np.lib.stride_tricks.sliding_window_view(r, order + 1) for r in rows])
-    good = np.concatenate([np.lib.stride_tricks.sliding_window_view(w, order + 1).all(axis=1) for w in weights])
-    past = past[good]
-    gram = past[:, :order].T @ past[:, :order]
-    gram += np.eye(order) * (FLOOR * np.trace(gram) / order + 1e-30)
-    a = np.linalg.solve(gram, past[:, :order].T @ past[:, order])
-    return np.concatenate([[1.0], -a[::-1]])
+def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int) -> tuple[np.ndarray, np.ndarray]:
+    """The prediction-error filter (p+1,) and the coefficients of the averages (M,) for one mixture, from all sessions together."""
+    past = [np.lib.stride_tricks.sliding_window_view(r, order + 1) for r in rows]
+    good = [np.lib.stride_tricks.sliding_window_view(w, order + 1).all(axis=1) for w in weights]
+    slow = [
+        np.array([lfilter([0.0, 1.0 / T], [1.0, 1.0 / T - 1.0], r * (w > 0.0)) for T in MEMORIES])[:, order:].T
+        for r, w in zip(rows, weights, strict=True)
+    ]
+    lags, averages = (np.concatenate([x[g] for x, g in zip(xs, good, strict=True)]) for xs in (past, slow))
+    X = np.concatenate([lags[:, :order], averages], axis=1)
+    gram, size = X.T @ X, float(np.sum(lags[:, :order] ** 2)) / order
+    gram += np.diag(FLOOR * size * np.concatenate([np.ones(order), 1.0 / (2.0 * MEMORIES - 1.0)]) + 1e-30)  # as white noise would add
+    a = np.linalg.solve(gram, X.T @ lags[:, order])
+    return np.concatenate([[1.0], -a[:order][::-1]]), a[order:]
+
+
+def _averages(c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numerator and denominator of the filter that makes sum of c_m s_m from e."""
+    poles = 1.0 - 1.0 / MEMORIES
+    rest = np.array([np.poly(np.delete(poles, m)) for m in range(poles.size)])
+    return np.concatenate([[0.0], (c / MEMORIES) @ rest]), np.poly(poles)
 
 
 def stack(rows: list[np.ndarray], sessions: list, noise: Whitener) -> np.ndarray:
