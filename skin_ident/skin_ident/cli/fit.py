@@ -15,6 +15,7 @@ from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.fit import FIXED, FREE, MEASURED, SINUSOID, Options, fit_recordings, mass_of, sessions_of
 from skin_ident.estimators.latency import latencies
 from skin_ident.estimators.profile import profile
+from skin_ident.estimators.robust import LINEAR, LOSSES
 from skin_ident.estimators.spread import with_spread
 from skin_ident.estimators.text import as_dict, as_table
 from skin_ident.recordings.load import find, load
@@ -32,7 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
     topics = common.topics_of(chosen.topics)
-    options = Options(chosen.mass, chosen.thickness_mm, chosen.motion, chosen.offsets, chosen.order)
+    options = Options(chosen.mass, chosen.thickness_mm, chosen.motion, chosen.offsets, chosen.order, chosen.loss)
+    if chosen.loss != LINEAR and (chosen.profile or chosen.bootstrap):
+        raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")
     if chosen.each:
         return _batch(chosen, options, topics)
     common.say(f"reading {counted(len(chosen.recordings), 'path')} …")
@@ -135,6 +138,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
+    parser.add_argument("--loss", default=LINEAR, choices=LOSSES, help="how residuals count: huber and soft_l1 hold spikes back")
     parser.add_argument("--bootstrap", type=int, default=0, metavar="RUNS", help="also draw intervals from stretches of the residual")
     parser.add_argument("--profile", action="store_true", help="also intervals by profile likelihood")
     parser.add_argument("--each", action="store_true", help="fit every session by itself, in parallel, into one table; resumable")

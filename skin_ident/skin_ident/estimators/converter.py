@@ -11,9 +11,15 @@ from skin_ident.estimators.sessions import Session
 
 
 def with_steps(
-    sessions: Sequence[Session], regression: Regression, blocks: list[list[Block]], values: list[list[np.ndarray]]
+    sessions: Sequence[Session],
+    regression: Regression,
+    blocks: list[list[Block]],
+    values: list[list[np.ndarray]],
+    rows: list[list[np.ndarray]] | None = None,
 ) -> np.ndarray:
     """The joint covariance of all coefficients. `values[channel][session]` (N,) is what the fit says that the channel reads, N.
+
+    `rows` are the samples that were fitted where they are not the sessions' own: a robust loss holds spikes back.
 
     Where noise hides the steps of a channel this is the regression's own; where it does not, the part of the residual that the steps
     explain counts once, as the error that it is, and not as noise.
@@ -21,7 +27,8 @@ def with_steps(
     parts, shares = [], []
     for c, (channel, inverse) in enumerate(zip(blocks, regression.inverses, strict=True)):
         step = step_of(np.concatenate([s.raw[c] for s in sessions]))
-        found = None if step is None else _of_channel(sessions, c, channel, inverse, values[c], step)
+        fitted = [s.raw[c] for s in sessions] if rows is None else rows[c]
+        found = None if step is None else _of_channel(sessions, fitted, channel, inverse, values[c], step)
         own, share = (0.0, 1.0) if found is None else found
         share = share if found is None else share / regression.repeated[c] ** 2
         parts.append(own * np.ones_like(inverse))
@@ -30,8 +37,9 @@ def with_steps(
     return regression.covariance * np.outer(root, root) + block_diag(*parts)
 
 
-def _of_channel(sessions: Sequence[Session], c: int, channel: list[Block], inverse: np.ndarray, values: list[np.ndarray], step: float):
-    left = [(s.raw[c] - value)[s.prefilter.samples(part)] for s, value in zip(sessions, values, strict=True) for part in s.parts]
+def _of_channel(sessions: Sequence[Session], fitted, channel: list[Block], inverse: np.ndarray, values: list[np.ndarray], step: float):
+    each = zip(sessions, fitted, values, strict=True)
+    left = [(y - value)[s.prefilter.samples(part)] for s, y, value in each for part in s.parts]
     variance = float(np.mean(np.square(np.concatenate(left))))
     if not amplitudes(step, noise_of(variance, step)).size:
         return None

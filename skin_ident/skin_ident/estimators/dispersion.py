@@ -16,6 +16,7 @@ from skin_ident.estimators.converter import with_steps
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate, Residual
 from skin_ident.estimators.regression import Block, Regression, regress
+from skin_ident.estimators.robust import CLOSE, LINEAR, Tamed, noted, tamed
 from skin_ident.estimators.sessions import Session, prepare
 from skin_ident.estimators.split import jacobian, metric_of, split, weights_of
 from skin_ident.estimators.verdicts import judge, mass_at_bound, where_explained
@@ -27,6 +28,7 @@ from skin_models.signals import Motion
 
 MASS_PER_THICKNESS = 0.108  # kg/m: silicone above one taxel's sensing area, thesis section 4.3.1
 FREE = "free"
+ROBUST_ROUNDS = 20
 ROUNDS = 10  # at most, until the samples where skin and plunger touch no longer change
 
 
@@ -54,21 +56,25 @@ def fit_dispersion(
     *,
     offsets: bool = False,
     method: str = "linear least squares",
+    loss: str = LINEAR,
 ) -> Estimate:
     """Fit one dispersion model to all sessions. `mass` is FREE or a value in kg; `motions` replaces the measured motion.
 
     The skin's parameters are shared by all sessions; `offsets` gives every channel a zero of its own in each of them, which is reported
-    in the notes. Raises `FitError` where the recordings lack what the fit needs.
+    in the notes; `loss` is one of `robust.LOSSES`. Raises `FitError` where the recordings lack what the fit needs.
     """
     sessions, warnings = prepare(recordings, motions)
     shape = shape_of(sessions, mass, offsets)
-    regression, blocks = settled(sessions, shape)
+    sessions, (regression, blocks), held = robustly(sessions, shape, loss)
     beta, to = np.concatenate(regression.coefficients), theta_of(regression, shape)
     theta, to_theta = to(beta), jacobian(to, beta)
     if shape.free and theta[0] < 0.0:
-        return _at_bound(recordings, motions, offsets, method)
-    covariance = to_theta @ with_steps(sessions, regression, blocks, said(sessions, shape, regression)) @ to_theta.T
-    return _estimate(method, sessions, shape, regression, theta, covariance, warnings)
+        return _at_bound(recordings, motions, offsets, method, loss)
+    known = with_steps(sessions, regression, blocks, said(sessions, shape, regression), [t.rows for t in held] or None)
+    if held:
+        to_theta = to_theta / np.concatenate([np.full(c.size, t.slope) for c, t in zip(regression.coefficients, held, strict=True)])
+    more = noted(loss, dict(zip(channel_names(shape), held, strict=False)))
+    return _estimate(method, sessions, shape, regression, theta, to_theta @ known @ to_theta.T, warnings, more)
 
 
 def known_mass(recordings: Sequence[Recording], thickness_mm: float | None = None) -> float:
@@ -79,9 +85,9 @@ def known_mass(recordings: Sequence[Recording], thickness_mm: float | None = Non
     return MASS_PER_THICKNESS * 1e-3 * (thickness_mm or declared.skin_thickness_mm or 0.0)
 
 
-def _at_bound(recordings, motions, offsets: bool, method: str) -> Estimate:
+def _at_bound(recordings, motions, offsets: bool, method: str, loss: str) -> Estimate:
     """The mass came out negative: the best that physics allows is none."""
-    estimate = fit_dispersion(recordings, 0.0, motions, offsets=offsets, method=method)
+    estimate = fit_dispersion(recordings, 0.0, motions, offsets=offsets, method=method, loss=loss)
     return replace(estimate, verdicts={**estimate.verdicts, "m": mass_at_bound()})
 
 
@@ -109,6 +115,26 @@ def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[lis
             break
         recovery = new
     return regression, blocks
+
+
+def robustly(
+    sessions: list[Session], shape: Shape, loss: str = LINEAR
+) -> tuple[list[Session], tuple[Regression, list[list[Block]]], list[Tamed]]:
+    """`settled` under a loss: the sessions as they were fitted, the regression with its blocks, and what became of every channel.
+
+    There is nothing of the last for least squares. Raises `FitError`.
+    """
+    found, held = settled(sessions, shape), []
+    believed = [s.believed for s in sessions]
+    for _ in range(ROBUST_ROUNDS if loss != LINEAR else 0):
+        values = said(sessions, shape, found[0])
+        held = [tamed([s.raw[c] for s in sessions], value, believed, loss) for c, value in enumerate(values)]
+        before = np.concatenate(found[0].coefficients)
+        sessions = [s.with_rows([t.rows[i] for t in held]) for i, s in enumerate(sessions)]
+        found = settled(sessions, shape)
+        if np.all(np.abs(np.concatenate(found[0].coefficients) - before) <= CLOSE * np.sqrt(np.diag(found[0].covariance))):
+            break
+    return sessions, found, held
 
 
 def recovery_of(regression: Regression) -> float:
@@ -169,7 +195,9 @@ def _zeros(sessions: list[Session], shape: Shape, regression: Regression) -> dic
     return {"offsets_n": {name: {s.name: float(z) for s, z in zip(sessions, c, strict=False)} for name, c in pairs}}
 
 
-def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.ndarray, covariance: np.ndarray, warnings) -> Estimate:
+def _estimate(
+    method, sessions, shape: Shape, regression: Regression, theta: np.ndarray, covariance: np.ndarray, warnings, more
+) -> Estimate:
     m, b1, k1, b2, k2, *shares = (float(value) for value in theta)
     if k1 < 0.0:
         raise FitError(f"the stiffness comes out negative ({k1:.4g} N/m): force and depth do not belong together, or a sign is wrong")
@@ -194,7 +222,7 @@ def _estimate(method, sessions, shape: Shape, regression: Regression, theta: np.
         dof=regression.dof,
         sessions=tuple(s.name for s in sessions),
         warnings=(*warnings, *notes),
-        notes={"telemetry": {s.name: s.quality.as_dict() for s in sessions}, **_zeros(sessions, shape, regression)},
+        notes={"telemetry": {s.name: s.quality.as_dict() for s in sessions}, **_zeros(sessions, shape, regression), **more},
     )
 
 

@@ -7,6 +7,7 @@ from skin_ident.estimators.dispersion import FREE, fit_dispersion, known_mass
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.force_to_force import fit_force_to_force
+from skin_ident.estimators.robust import LINEAR
 from skin_ident.estimators.sinusoid import as_sinusoids
 from skin_ident.recordings.recording import Recording
 
@@ -17,7 +18,8 @@ MEASURED, SINUSOID = "measured", "sinusoid"
 @dataclass(frozen=True)
 class Options:
     """`mass`: free, fixed (from rig.yaml or the thickness), or kg; `thickness_mm` for the fixed mass; `motion` as measured or the sinusoid
-    fitted to it; `offsets`: a zero of every channel in every session; `order` of the transfer function from force to force.
+    fitted to it; `offsets`: a zero of every channel in every session; `order` of the transfer function from force to force; `loss`: one of
+    `robust.LOSSES`.
     """
 
     mass: str = FIXED
@@ -25,17 +27,19 @@ class Options:
     motion: str = MEASURED
     offsets: bool = False
     order: int = 1
+    loss: str = LINEAR
 
 
 def fit_recordings(recordings: Sequence[Recording], options: Options = Options()) -> Estimate:
     """The dispersion model of all sessions together; from force to force where none of them has a depth. Raises `FitError`."""
     if all(r.depth is None for r in recordings):
-        return fit_force_to_force(recordings, options.order)
+        return fit_force_to_force(recordings, options.order, loss=options.loss)
     mass = mass_of(options, recordings)
     if options.motion == MEASURED:
-        return fit_dispersion(recordings, mass, offsets=options.offsets)
+        return fit_dispersion(recordings, mass, offsets=options.offsets, loss=options.loss)
     parts, motions, found = as_sinusoids(recordings)
-    estimate = fit_dispersion(parts, mass, motions, offsets=options.offsets, method="linear least squares on fitted sinusoids")
+    how = {"offsets": options.offsets, "loss": options.loss, "method": "linear least squares on fitted sinusoids"}
+    estimate = fit_dispersion(parts, mass, motions, **how)
     return replace(estimate, notes={**estimate.notes, "sinusoids": {r.name: vars(s) for r, s in zip(recordings, found, strict=True)}})
 
 

@@ -16,6 +16,8 @@ from scipy.signal import oaconvolve
 
 from skin_ident.estimators.prefilter import Prefilter, low_pass, prefilters_for
 from skin_ident.estimators.regression import Block, Regression, regress
+from skin_ident.estimators.robust import LINEAR, Tamed
+from skin_ident.estimators.robust_output import robustly
 from skin_ident.estimators.transfer_data import Pair, lags, through
 from skin_ident.estimators.transfer_fit import TransferFit, unweighted
 from skin_ident.estimators.transfer_function import TransferFunction, derivatives
@@ -23,8 +25,15 @@ from skin_ident.estimators.transfer_function import TransferFunction, derivative
 BINS = 2000  # of frequency
 
 
-def fit_in_band(pairs: Sequence[Pair], poles: int, offset: bool) -> TransferFit:
-    """One zero and `poles` poles over all sessions; `offset` gives each a constant of its own. Raises `FitError`."""
+def fit_in_band(pairs: Sequence[Pair], poles: int, offset: bool, loss: str = LINEAR) -> tuple[TransferFit, Tamed | None]:
+    """One zero and `poles` poles over all sessions; `offset` gives each a constant of its own. Raises `FitError`.
+
+    With a loss other than least squares, what became of the output comes with the fit.
+    """
+    return robustly(pairs, lambda tamed: _fitted(tamed, poles, offset), offset, loss)
+
+
+def _fitted(pairs: Sequence[Pair], poles: int, offset: bool) -> TransferFit:
     prefilters = prefilters_for([(p.u, p.dt) for p in pairs])
     f, rounds, converged = unweighted([_in_band(p, q) for p, q in zip(pairs, prefilters, strict=True)], 1, poles, offset)
     fit = regress([[_block(p, q, f, offset, i, len(pairs)) for i, (p, q) in enumerate(zip(pairs, prefilters, strict=True))]])

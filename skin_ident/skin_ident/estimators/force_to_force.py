@@ -13,6 +13,7 @@ import numpy as np
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK, Estimate, Residual, Verdict
 from skin_ident.estimators.force_band import fit_in_band
+from skin_ident.estimators.robust import LINEAR, noted
 from skin_ident.estimators.sessions import because, stretches
 from skin_ident.estimators.split import jacobian
 from skin_ident.estimators.transfer_data import Pair
@@ -32,10 +33,13 @@ RELATED = 0.7  # correlation from which a slope between two channels means somet
 SECOND = (("b1_over_m", "1/s", ""), ("k1_over_m", "1/s^2", ""), ("b2_over_m", "1/s", ""), ("k2_over_m", "1/s^2", ""))
 
 
-def fit_force_to_force(recordings: Sequence[Recording], order: int = 1, taxel: int | None = None, offset: bool | None = None) -> Estimate:
+def fit_force_to_force(
+    recordings: Sequence[Recording], order: int = 1, taxel: int | None = None, offset: bool | None = None, loss: str = LINEAR
+) -> Estimate:
     """One transfer function from the load cell to a taxel (the strongest, if none is named), over all sessions. Raises `FitError`.
 
-    `offset` gives every session a constant of its own; None does so for a taxel in volts, whose zero is not known.
+    `offset` gives every session a constant of its own; None does so for a taxel in volts, whose zero is not known. `loss`, one of
+    `robust.LOSSES`, is that of the taxel's residual: spikes of the load cell go through the model, and only telemetry finds them.
     """
     if order not in (1, 2):
         raise FitError(f"the order is 1 (without mass) or 2 (thesis eq 32), not {order}")
@@ -52,8 +56,9 @@ def fit_force_to_force(recordings: Sequence[Recording], order: int = 1, taxel: i
     pairs = [p for r, (_, good, _) in zip(recordings, looked, strict=True) for p in _pairs(r, index, good)]
     unit = recordings[0].taxel_units[index]
     _plausible(pairs, unit)
-    fit = fit_in_band(pairs, order, unit == "V" if offset is None else offset)
-    return _estimate(fit, pairs, order, index, unit, tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings))
+    fit, held = fit_in_band(pairs, order, unit == "V" if offset is None else offset, loss)
+    more = noted(loss, {f"taxel_{index}": held} if held else {})
+    return _estimate(fit, pairs, order, index, unit, more, tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings))
 
 
 def _pairs(r: Recording, index: int, good: np.ndarray) -> list[Pair]:
@@ -96,7 +101,7 @@ def _second(theta: np.ndarray) -> np.ndarray:
     return np.array([b1, b0, a1 - b1, a0 - b0])
 
 
-def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, unit: str, warnings: tuple[str, ...]) -> Estimate:
+def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, unit: str, more, warnings: tuple[str, ...]) -> Estimate:
     to: Callable[[np.ndarray], np.ndarray] = _first if order == 1 else _second
     theta = fit.function.theta
     values, j = to(theta), jacobian(to, theta)
@@ -118,7 +123,7 @@ def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, u
         dof=fit.dof,
         sessions=tuple(dict.fromkeys(p.name for p in pairs)),
         warnings=(*warnings, *([left] if left else []), *residual.complaint(channel)),
-        notes={"numerator": fit.function.numerator, "denominator": fit.function.denominator, "input": "force", "output": channel},
+        notes={"numerator": fit.function.numerator, "denominator": fit.function.denominator, "input": "force", "output": channel, **more},
     )
 
 

@@ -39,6 +39,20 @@ class Session:
     live: tuple[int, ...] = ()
     total: int = 0
 
+    @property
+    def believed(self) -> np.ndarray:
+        """Which samples (N,) have a part in the rows that may be believed."""
+        out = np.zeros(len(self.motion), bool)
+        for part in self.parts:
+            out[self.prefilter.samples(part)] = True
+        return out
+
+    def with_rows(self, samples: Sequence[np.ndarray]) -> "Session":
+        """The same with other samples (N,) of force and taxels in its rows; `raw` stays as it was measured."""
+        rows = [self.prefilter.rows(y) for y in samples]
+        force = None if self.force is None else rows.pop(0)
+        return replace(self, force=force, taxels=np.array(rows).reshape(self.taxels.shape))
+
     def columns(self, recovery: float | None = None) -> np.ndarray:
         """Columns (n, 4) that belong to the rows: those of `terms`, low-passed."""
         return self.prefilter.rows(self.terms(recovery)).T

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from skin_ident.estimators.estimate import Estimate
+from skin_ident.recordings.timing import counted
 from skin_models.parameter import Parameter
 
 WIDTH = 110
@@ -22,7 +23,15 @@ def as_table(estimate: Estimate) -> str:
     title = f"  {'':<9} {'value':>12} {'± 95 %':>11}  {'unit':<7} verdict"
     folded = [_folded(line) for line in why + notes]
     asked = [*_spread(estimate), *_asked_for(estimate), *_entangled(estimate)]
+    left += _held_back(estimate)
     return "\n".join([head, *_telemetry(estimate), title, *rows, *asked, "what the fit leaves:", *left, "why:", *folded])
+
+
+def _held_back(estimate: Estimate) -> list[str]:
+    """What a robust loss took for spikes."""
+    loss = estimate.notes.get("loss", {"name": "", "channels": {}})
+    each = {name: f"{counted(t['held_back'], 'sample')} beyond 4 times {t['scale']:.3g}" for name, t in loss["channels"].items()}
+    return [f"  {name:<10} loss {loss['name']}: {what} {estimate.residuals[name].unit} held back" for name, what in each.items()]
 
 
 def _telemetry(estimate: Estimate) -> list[str]:
