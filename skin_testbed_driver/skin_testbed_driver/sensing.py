@@ -135,7 +135,7 @@ class Sensing:
         """`zero`: stage position (m) of depth zero; `period`: of the samples (s)."""
         count, repeats = calibration.taxels.size, max(round(stuck_time / period), 2)
         self.calibration, self.zero = calibration, zero
-        self.force_offset, self.taxel_offset = 0.0, np.zeros(count)
+        self.force_offset, self._taxel_offset, self._tared = 0.0, np.zeros(count), False
         self._speed = Differentiator(speed_samples, period)
         self._stuck_cell, self._stuck_taxels = StuckCell(repeats), StuckTaxels(count, repeats)
         self._all_calibrated = bool(np.isfinite(calibration.taxels).all())
@@ -152,11 +152,21 @@ class Sensing:
         load = math.nan if stuck else load
         saturated = abs(r.load_cell_voltage) >= LOAD_CELL_FULL_SCALE
         force = math.nan if saturated else load - self.force_offset
+        taxels = untared - self._taxel_offset if self._tared else untared
         # In the order of its fields: names would be looked up again for every sample.
         return Sample(
-            depth, self._speed.add(depth), force, r.load_cell_voltage, untared - self.taxel_offset, r.taxel_voltage, status,
+            depth, self._speed.add(depth), force, r.load_cell_voltage, taxels, r.taxel_voltage, status,
             r.position, load, untared, r.force_truth, r.taxels_truth,
         )  # fmt: skip
+
+    @property
+    def taxel_offset(self) -> np.ndarray:
+        """What is subtracted from the taxels, N, (T,)."""
+        return self._taxel_offset
+
+    @taxel_offset.setter
+    def taxel_offset(self, offset: np.ndarray) -> None:
+        self._taxel_offset, self._tared = offset, bool(offset.any())
 
     def move_zero(self, depth: float) -> None:
         """Call the present `depth` (m) zero."""

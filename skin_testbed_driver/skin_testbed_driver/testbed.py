@@ -59,6 +59,7 @@ class Testbed:
         self._zeroed = self._tared = False
         self._next = 0.0  # time of the next sample: the axis has been told where to be by then
         self._last: Sample | None = None
+        self._status_of: tuple = ()  # what `_status` was made from
 
     def tick(self, t: float) -> Sample | None:
         """Take the sample of time `t`, check it, and command the axis for the next one. None until the rig has answered first."""
@@ -90,13 +91,17 @@ class Testbed:
             self._stop(stop)
 
     def status(self) -> Status:
-        """The present state."""
+        """The present state: the same object as long as it is the same state."""
         with self._lock:
             stopped = self._motion.stopped
             activity = self._motion.activity(self._next)
             if self._job is not None and activity is Activity.READY:
                 activity = Activity.MOVING
-            return Status(activity, stopped.reason if stopped else "", self._zeroed, self._tared)
+            now = (activity, stopped, self._zeroed, self._tared)
+            if now != self._status_of:
+                self._status_of = now
+                self._status = Status(activity, stopped.reason if stopped else "", self._zeroed, self._tared)
+            return self._status
 
     def follow(self, command: Callable[[float], Trajectory]) -> None:
         """Follow the trajectory `command(now)`. One that cannot be followed stops the driver. Raises `CommandError`."""

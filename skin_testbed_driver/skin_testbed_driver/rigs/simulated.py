@@ -26,6 +26,8 @@ ENCODER_STEP = 1e-6  # m
 CONVERTER_STEP = 20.0 / 4096  # V
 CONVERTER_RANGE = (-2048, 2047)  # counts
 TAXEL_RANGE = (0.0, 5.0)  # V, of the conditioner
+_TAXEL_COUNTS = (TAXEL_RANGE[0] / CONVERTER_STEP, TAXEL_RANGE[1] / CONVERTER_STEP)
+_BATCH = 512  # numbers of noise that are drawn at once: few enough that no sample waits for them
 _SCREW = 2.0 * math.pi / 0.04  # rad/m, of the screw's error: one turn in 40 mm
 _SETTLING = 0.2  # s, with which the servo error dies away or sets in
 _STILL = 1e-9  # m/s
@@ -74,15 +76,14 @@ class SimulatedRig(Rig):
         self._slopes, self._load_cell_slope = calibration.taxels, calibration.load_cell
         self._surface, self._seed, self._real = surface, seed, imperfections or Imperfections()
         self._start = start
-        channels = 1 + len(self.layout)  # of the converter, the load cell first
-        self._noise = np.array([self._real.load_cell_noise] + len(self.layout) * [self._real.taxel_noise])
-        self._volts_now, self._white = np.empty(channels), np.empty(channels)
-        self._taxel_volts = self._volts_now[1:]
-        self._loud = self._real.taxel_noise > 0.1  # V: may leave the converter's range, which is twice the conditioner's
+        self._noise = np.array([self._real.load_cell_noise] + len(self.layout) * [self._real.taxel_noise]) / CONVERTER_STEP
+        # Taxels that are as loud as this may leave the converter's range, which is twice the conditioner's.
+        self._loud = self._real.taxel_noise > 0.1  # V
+        self._counts = np.empty(self._noise.size)  # what the converter sees, in its steps, the load cell first
 
     def open(self, sample_rate: float) -> None:
         self._dt = 1.0 / sample_rate
-        self._rng = np.random.default_rng(self._seed)
+        self._rng, self._noise_rng = np.random.default_rng(self._seed), np.random.default_rng([self._seed, 1])
         self._screw_phase = self._rng.uniform(0.0, 2.0 * math.pi)
         self._state = self._model.initial(self._seed)
         self._x, self._v, self._a = self._start, 0.0, 0.0  # wanted by the servo
@@ -95,7 +96,9 @@ class SimulatedRig(Rig):
         self._xy = self._xy_target = (0.0, 0.0)
         self._fade = math.exp(-self._dt / _SETTLING)
         self._bare = BareSkin(self._model, self._dt) if is_bare(self._model) and not self._real.mount_compliance else None
-        self._shares = self._shares_here() if self._bare is not None else NOTHING
+        self._batch = np.empty((max(_BATCH // self._noise.size, 1), self._noise.size))
+        self._drawn = len(self._batch)
+        self._look_around()
 
     def command(self, position: float, velocity: float) -> None:
         self._next = (min(max(position, self.travel[0]), self.travel[1]), velocity)
@@ -123,16 +126,20 @@ class SimulatedRig(Rig):
         if self._xy != self._xy_target:
             self._move_laterally()
         if self._bare is None:
-            response = self._press(x, v)
-            force, taxels = float(response.force), response.taxels
-            force_truth, truth = float(response.force_truth), response.taxels_truth
+            volts, force_truth, truth = self._response(x, v)
         else:
-            force, sensed = self._bare.press(x, v, self._a)
-            force_truth, taxels = force, self._shares * sensed
-            truth = taxels
+            force_truth, sensed = self._bare.press(x, v, self._a)
+            truth = self._shares * sensed
+            np.multiply(self._gains, sensed, self._counts)
+            volts = self._volts(force_truth, 0.0 <= sensed * self._greatest_gain <= _TAXEL_COUNTS[1])
         self._time += self._dt
-        volts = self._volts(force, taxels)
         return Reading(self._encoder(self._x + self._error), float(volts[0]), math.nan, volts[1:], NOTHING, force_truth, truth)
+
+    def _response(self, x: float, v: float) -> tuple[np.ndarray, float, np.ndarray]:
+        """Volts and both truths for a model with effects."""
+        response = self._press(x, v)
+        np.divide(response.taxels, self._slopes * CONVERTER_STEP, self._counts[1:])
+        return self._volts(float(response.force), False), float(response.force_truth), response.taxels_truth
 
     def _press(self, x: float, v: float) -> Response:
         """The skin's answer to a mount at depth `x` (m): the plunger's face is at x - C F, found by Newton's method."""
@@ -168,7 +175,15 @@ class SimulatedRig(Rig):
         (x, y), (to_x, to_y) = self._xy, self._xy_target
         step = min(1.0, _LATERAL_SPEED * self._dt / math.hypot(to_x - x, to_y - y))
         self._xy = (x + (to_x - x) * step, y + (to_y - y) * step)
-        self._shares = self._shares_here() if self._bare is not None else NOTHING
+        self._look_around()
+
+    def _look_around(self) -> None:
+        """What a taxel of a bare skin says of the sensed force where the plunger is, (T,), and (1 + T,) in steps of the converter."""
+        if self._bare is None:
+            return
+        self._shares = self._shares_here()
+        self._gains = np.concatenate([[0.0], self._shares / (self._slopes * CONVERTER_STEP)])
+        self._greatest_gain = float(self._gains.max())
 
     def _shares_here(self) -> np.ndarray:
         """Each taxel's share of the sensed force, (T,), where the plunger is: what a skin of 1 N/m says of a depth of 1 m."""
@@ -186,17 +201,24 @@ class SimulatedRig(Rig):
     def _encoder(self, position: float) -> float:
         return round(position / ENCODER_STEP) * ENCODER_STEP if self._real.quantised else position
 
-    def _volts(self, force: float, taxels: np.ndarray) -> np.ndarray:
-        """What the converter says, load cell first: (1 + T,)."""
-        volts = self._volts_now
-        volts[0] = force / self._load_cell_slope
-        np.divide(taxels, self._slopes, self._taxel_volts)
-        np.minimum(np.maximum(self._taxel_volts, TAXEL_RANGE[0], self._taxel_volts), TAXEL_RANGE[1], self._taxel_volts)
-        self._rng.standard_normal(out=self._white)
-        volts += np.multiply(self._noise, self._white, self._white)
+    def _volts(self, force: float, within: bool) -> np.ndarray:
+        """What the converter says, load cell first: (1 + T,). `within`: no taxel is beyond the range of its conditioner."""
+        counts = self._counts
+        if not within:
+            np.minimum(np.maximum(counts, _TAXEL_COUNTS[0], counts), _TAXEL_COUNTS[1], counts)
+        counts[0] = cell = force / (self._load_cell_slope * CONVERTER_STEP)
+        counts += self._white()
         if not self._real.quantised:
-            return volts.copy()
-        counts = np.rint(np.divide(volts, CONVERTER_STEP, volts), volts)
-        if self._loud or abs(counts[0]) > CONVERTER_RANGE[1]:
+            return counts * CONVERTER_STEP
+        np.rint(counts, counts)
+        if self._loud or abs(cell) > 0.9 * CONVERTER_RANGE[1]:
             np.minimum(np.maximum(counts, CONVERTER_RANGE[0], counts), CONVERTER_RANGE[1], counts)
         return counts * CONVERTER_STEP
+
+    def _white(self) -> np.ndarray:
+        """The noise of one sample, in steps of the converter: (1 + T,). Drawn for many samples at once, which is quicker."""
+        if self._drawn == len(self._batch):
+            self._drawn = 0
+            np.multiply(self._noise, self._noise_rng.standard_normal(self._batch.shape), self._batch)
+        self._drawn += 1
+        return self._batch[self._drawn - 1]

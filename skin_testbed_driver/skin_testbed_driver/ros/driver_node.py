@@ -153,9 +153,9 @@ class DriverNode(LifecycleNode):
             self._sample = self._testbed.tick((stamp_ns - self._epoch) * 1e-9)
             if self._sample is not None:
                 self._publishing.sample(self._sample, stamp)
-            self._publishing.stage(stamp)
+            self._publishing.seldom(stamp)
             status = self._testbed.status()
-            if status != self._published:
+            if status is not self._published:
                 self._publish_state(status)
         except Exception as error:  # whatever it is, an axis that nobody watches must not go on
             self.get_logger().fatal(traceback.format_exc())

@@ -12,6 +12,7 @@ from rclpy.serialization import serialize_message
 
 _STAMP = struct.Struct("=iI")  # every message here begins with a header, behind the four bytes that open CDR
 _STAMP_AT = 4
+_NUMBER = struct.Struct("=d")
 
 
 class Packed:
@@ -25,6 +26,7 @@ class Packed:
         self._at = {name: _place(message, name, len(plain)) for name in fields}
         # rclpy estimates the size and may add bytes that say nothing, which strict readers refuse.
         end = max(at.stop for at in self._at.values())
+        self._last: dict[str, np.ndarray] = {}  # by field, where it can have changed by another array only
         self._bytes = bytearray(plain[: end + behind] if end else plain)
 
     def with_stamp(self, stamp: tuple[int, int]) -> "Packed":
@@ -33,16 +35,20 @@ class Packed:
         return self
 
     def set(self, field: str, values: np.ndarray) -> "Packed":
-        """Write the numbers of a field: as many as there were, of its own type."""
+        """Write the numbers of a field: as many as there were, of its own type. An array that cannot change is written once."""
+        if values is self._last.get(field):
+            return self
         at = self._at[field]
         if values.nbytes != at.stop - at.start:
             raise ValueError(f"{field} has room for {at.stop - at.start} bytes, not {values.nbytes}")
         self._bytes[at] = values.tobytes()
+        if not values.flags.writeable:
+            self._last[field] = values
         return self
 
     def set_number(self, field: str, value: float) -> "Packed":
         """Write one float64."""
-        struct.pack_into("=d", self._bytes, self._at[field].start, value)
+        _NUMBER.pack_into(self._bytes, self._at[field].start, value)
         return self
 
     def data(self) -> bytes:

@@ -23,7 +23,7 @@ from skin_testbed_driver.testbed import Status
 
 _KEPT = 5.0  # s of real time
 _MOST = 20000  # samples
-_STAGE_PERIOD = 0.1  # s, between two messages on stage_position
+_SELDOM = 0.1  # s, between two messages on stage_position
 
 
 class Publishing:
@@ -42,12 +42,13 @@ class Publishing:
         # What `publish` comes to for bytes, without its look at type and lifecycle: there are samples only while the node is active.
         self._send = [p.handle.publish_raw for p in self._streams]
         self._send_truth = self._truth.handle.publish_raw if self._truth else None
+        self._truth_heard = False
         self._layout = node.create_publisher(TaxelLayout, "taxel_layout", LATCHED)
         self._texts = {name: node.create_publisher(String, name, LATCHED) for name in ("rig_description", "calibration")}
         self._stage = node.create_publisher(PointStamped, "stage_position", 10) if rig.placed() else None
         self._clock = node.create_publisher(Clock, "/clock", 10) if settings.time_scale != 1.0 else None
         self._node, self._rig, self._calibration, self._settings = node, rig, calibration, settings
-        self._stage_period, self._ticks = max(round(settings.sample_rate * _STAGE_PERIOD), 1), 0
+        self._seldom, self._ticks = max(round(settings.sample_rate * _SELDOM), 1), 0
         self._messages(settings)
 
     def _messages(self, settings: DriverSettings) -> None:
@@ -73,14 +74,17 @@ class Publishing:
         send_force(self._force_bytes.with_stamp(stamp).set_number("wrench.force.z", -s.force).data())
         taxels = self._taxels_bytes[s.taxel_voltage.size].with_stamp(stamp).set("force", s.taxel_force)
         send_taxels(taxels.set("voltage", s.taxel_voltage).set("status", s.taxel_status).data())
-        if self._send_truth is not None:
+        if self._truth_heard:
             truth = s.taxels_truth if s.taxels_truth is not None else self._unknown
             self._send_truth(self._truth_bytes.with_stamp(stamp).set("force", truth).data())
 
-    def stage(self, stamp: tuple[int, int]) -> None:
-        """Publish now and then which point of the skin is under the plunger, where that is known."""
+    def seldom(self, stamp: tuple[int, int]) -> None:
+        """Ten times a second: see whether anybody hears the truth, and publish which point of the skin is under the plunger, if known."""
         self._ticks += 1
-        if self._stage is None or self._ticks % self._stage_period:
+        if self._ticks % self._seldom:
+            return
+        self._truth_heard = self._truth is not None and self._truth.get_subscription_count() > 0
+        if self._stage is None:
             return
         x, y = self._rig.placed()
         message = PointStamped(point=Point(x=x, y=y))
