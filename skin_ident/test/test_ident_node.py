@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from making import SILICONE, recording, response, sine, write_bag
+from making import SILICONE, START_NS, recording, response, sine, write_bag, write_mcap
 
 rclpy = pytest.importorskip("rclpy")
 pytest.importorskip("skin_testbed_msgs")
@@ -120,6 +120,37 @@ def test_identify_refuses_what_it_cannot_use(world, paths):
     bench, folder, _ = world
     answer = bench.ask(bench.send(recordings=paths, output_directory=str(folder / "none")).get_result_async).result
     assert answer.error_code == Identify.Result.UNUSABLE_INPUT and answer.error_string and not (folder / "none").exists()
+
+
+def frozen(store, i, message):
+    """Stamps that stand still."""
+    message.header.stamp.sec, message.header.stamp.nanosec = 5, 0
+    return message
+
+
+def test_identify_reads_as_fit_does(world):
+    """By the times of recording, by named topics, and with a robust loss."""
+    bench, folder, _ = world
+    bag = str(write_mcap(folder / "frozen.mcap", recording(n=800), log_delay_ns=0, change=frozen))
+    by_stamp, by_log, no_topic, no_loss = (
+        bench.ask(bench.send(recordings=[bag], **more).get_result_async).result
+        for more in ({}, {"log_time": True, "loss": "huber", "topics": ["force=/force"]}, {"topics": ["force=/ft"]}, {"loss": "hubert"})
+    )
+    assert by_stamp.error_code == Identify.Result.UNUSABLE_INPUT and "--log-time" in by_stamp.error_string
+    assert by_log.error_code == 0 and dict(zip(by_log.parameter_names, by_log.values, strict=True))["k1"] == pytest.approx(9619, rel=0.03)
+    assert "/ft" in no_topic.error_string and "huber" in no_loss.error_string
+
+
+def test_identify_keeps_stamps(world):
+    bench, folder, _ = world
+    r = recording(n=800)
+    jitter = np.random.default_rng(0).uniform(-2e6, 2e6, len(r)).astype(int)
+    stamps = START_NS + np.rint(1e9 * r.t).astype(np.int64) + jitter
+    bag = str(write_mcap(folder / "uneven.mcap", r, stamps_ns=stamps))
+    for keep in (False, True):
+        out = folder / f"kept_{keep}"
+        answer = bench.ask(bench.send(recordings=[bag], keep_stamps=keep, output_directory=str(out)).get_result_async).result
+        assert answer.error_code == 0 and ("stamps kept" in (out / "fit.json").read_text()) == keep
 
 
 def test_identify_can_be_cancelled(world):

@@ -7,12 +7,15 @@ from pathlib import Path
 
 from skin_testbed_msgs.action import Identify
 
-from skin_ident.cli.common import output_folder, write_json
+from skin_ident.cli.common import output_folder, topics_of, write_json
+from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
-from skin_ident.estimators.fit import fit_recordings, sessions_of
+from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
+from skin_ident.estimators.robust import LINEAR, LOSSES
 from skin_ident.estimators.text import as_dict
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load_one
+from skin_ident.recordings.timing import counted
 from skin_models.errors import SkinError
 from skin_models.model import Model
 from skin_models.model_file import load_model, save_model
@@ -54,17 +57,21 @@ class Run:
     def _load(self, paths: list[str], share: float) -> list:
         if not paths:
             raise RecordingError("the goal names no recordings")
+        topics = topics_of(self.goal.topics)
         files = [file for path in paths for file in find(Path(path))]
         start, loaded = self.done, []
         for i, file in enumerate(files):
             self._say(f"reading {file.name}", start + share * i / len(files))
-            loaded.append(load_one(file))
+            loaded.append(load_one(file, topics, self.goal.log_time, self.goal.keep_stamps))
         return loaded
 
     def _fitted(self) -> Result:
+        options = Options(loss=self.goal.loss or LINEAR)
+        if options.loss not in LOSSES:
+            raise FitError(f"the loss is one of {', '.join(LOSSES)}, not {options.loss!r}")
         recordings, _ = sessions_of(self._load(list(self.goal.recordings), 0.6))
-        self._say(f"fitting {len(recordings)} sessions", 0.6)
-        estimate = fit_recordings(recordings)
+        self._say(f"fitting {counted(len(recordings), 'session')}", 0.6)
+        estimate = fit_recordings(recordings, options)
         self._say("writing", 0.95)
         self._write(estimate)
         self._say("done", 1.0)
