@@ -32,6 +32,7 @@ class Controlled(Entry, ABC):
     acceleration_mm_s2: float = number("mm/s^2, greatest acceleration", 100.0, lower=0.1, upper=1e5)
 
     def check(self) -> None:
+        """Raise `ProfileError` where there is no room between `highest_mm` and `deepest_mm`, or the target contradicts itself."""
         if self.deepest_mm <= self.highest_mm:
             raise ProfileError(f"{self.label}: deepest_mm = {self.deepest_mm:g} must exceed highest_mm = {self.highest_mm:g}")
         self.check_target()

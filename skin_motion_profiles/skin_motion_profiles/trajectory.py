@@ -65,9 +65,11 @@ class Arc(Piece):
     a: float = 0.0
 
     def at(self, t: np.ndarray) -> State:
+        """The formula and its derivatives at `t` (N,) s."""
         return State(self.x0 + (self.v0 + 0.5 * self.a * t) * t, self.v0 + self.a * t, np.full_like(t, self.a))
 
     def reach(self) -> Reach:
+        """Exactly: a parabola turns once."""
         turn = -self.v0 / self.a if self.a else 0.0
         s = self.at(np.array([0.0, min(max(turn, 0.0), self.duration), self.duration]))
         return Reach(s.x.min(), s.x.max(), np.abs(s.v).max(), abs(self.a))

@@ -44,19 +44,23 @@ class _Stream:
     """Holds what the MCAP writer writes until `flush` puts all of it on disk, or nothing of it."""
 
     def __init__(self, path: Path) -> None:
+        """Create the file, which must not exist."""
         self._file = path.open("xb", buffering=0)
         self._parts: list[bytes] = []
         self._end = self._safe = 0
 
     def write(self, data: bytes) -> int:
+        """Hold `data`."""
         self._parts.append(data)
         self._end += len(data)
         return len(data)
 
     def tell(self) -> int:
+        """Where the next byte will be."""
         return self._end
 
     def flush(self) -> None:
+        """Raises `OSError`, and leaves the file as it was at the last flush."""
         data = memoryview(b"".join(self._parts))
         try:
             while data:
@@ -70,6 +74,7 @@ class _Stream:
             raise OSError(errno.ENOENT, "the file was deleted while it was being recorded")
 
     def close(self) -> None:
+        """Close the file; what is held is lost."""
         self._file.close()
 
 

@@ -166,6 +166,7 @@ class Sensing:
 
     @taxel_offset.setter
     def taxel_offset(self, offset: np.ndarray) -> None:
+        """What is subtracted from the taxels, N, (T,)."""
         self._taxel_offset, self._tared = offset, bool(offset.any())
 
     def move_zero(self, depth: float) -> None:

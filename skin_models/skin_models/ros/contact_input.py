@@ -32,6 +32,7 @@ class ContactInput:
     """The last message of every source; `unusable` counts contacts without a position, or without a force or depth that a skin can meet."""
 
     def __init__(self) -> None:
+        """Nothing was heard yet."""
         self._messages: dict[str, _Message] = {}
         self._all: tuple[Presses, ...] = ()
         self.unusable = 0

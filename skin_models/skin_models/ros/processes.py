@@ -58,6 +58,7 @@ class Domain:
     """A ROS domain that nobody else on this machine uses: claimed by a name that `./skin` respects too, and held while open."""
 
     def __init__(self) -> None:
+        """Claim one. Raises `SkinError` where all are in use."""
         self._claim, self.id = _free_domain()
 
     def environment(self) -> dict[str, str]:
@@ -86,6 +87,7 @@ class Process:
     """One running executable. Its output, both streams, is kept in a file."""
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str], label: str) -> None:
+        """Start `command` with `environment` on top of this process's; `label` is what errors call it."""
         self.label = label
         self._log = tempfile.NamedTemporaryFile(prefix="skin_", suffix=".log")  # noqa: SIM115  (closed by `end`)
         self._popen = subprocess.Popen(
@@ -158,6 +160,7 @@ class Processes:
     """The processes of one test or demo; leaving the block ends them all, the last started first."""
 
     def __init__(self, environment: Mapping[str, str] | None = None) -> None:
+        """`environment` is for all of them, on top of this process's."""
         self._environment = dict(environment or {})
         self.running: list[Process] = []
 

@@ -12,6 +12,7 @@ class SkinDiagnostics:
     """Counts between reports, and publishes them."""
 
     def __init__(self, node: Node) -> None:
+        """Advertise on `node`."""
         self._node, self._publisher = node, node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._outside = self._stale = 0
         self._foreign = ""

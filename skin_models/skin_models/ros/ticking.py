@@ -23,6 +23,7 @@ class Ticking(threading.Thread):
     """Calls `tick()` `rate` times per second of `clock` until told to end. Deadlines that have passed are skipped and counted."""
 
     def __init__(self, tick: Callable[[], None], rate: float, clock: Clock) -> None:
+        """`rate` in Hz of `clock`; nothing happens before `start`."""
         super().__init__(name="ticking", daemon=True)
         self._tick, self._period, self._clock = tick, 1.0 / rate, clock
         self._ending, self._skipped, self._late, self._since = False, 0, [], time.monotonic()

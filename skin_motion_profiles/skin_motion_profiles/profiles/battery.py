@@ -28,9 +28,11 @@ class Battery(Group):
     rest_s: float = seconds("after every profile", 0.0)
 
     def check(self) -> None:
+        """Raise `ProfileError` for an empty list, or one of something else than profiles."""
         if not self.profiles or not all(isinstance(e, Entry) for e in self.profiles):
             raise ProfileError(f"{self.label}: profiles must be a list of at least one profile")
 
     def entries(self) -> tuple[Entry, ...]:
+        """The entries, with the rest after every profile."""
         rest = Hold(duration_s=self.rest_s, name="rest") if self.rest_s > 0.0 else None
         return tuple(e for entry in self.profiles for e in ((entry, rest) if rest and isinstance(entry, Profile) else (entry,)))

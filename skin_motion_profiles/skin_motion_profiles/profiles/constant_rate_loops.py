@@ -24,6 +24,7 @@ class ConstantRateLoops(Moving):
     rest_s: float = seconds("at the base between two speeds", 0.0)
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """Triangles, the speeds of one depth before the next depth; `start` does not matter."""
         for deep, pace in product(self.depths_mm, self.speeds_mm_s):
             for _ in range(self.cycles):
                 yield from self.line(self.base_mm, deep, pace)

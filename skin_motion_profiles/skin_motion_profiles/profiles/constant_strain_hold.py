@@ -26,12 +26,14 @@ class ConstantStrainHold(Moving):
     rest_s: float = seconds("at the base after every hold, for the skin to recover", 5.0)
 
     def check(self) -> None:
+        """Raise `ProfileError` unless there are depths, or strains with a thickness."""
         if (self.depths_mm is None) == (self.strains is None):
             raise ProfileError(f"{self.label} needs either depths_mm or strains, and not both")
         if (self.strains is None) != (self.thickness_mm is None):
             raise ProfileError(f"{self.label}: strains and thickness_mm belong together")
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """Down, hold, back and rest for every depth, strain times thickness; `start` does not matter."""
         for deep in self.depths_mm or [strain * self.thickness_mm for strain in self.strains]:
             yield from self.line(self.base_mm, deep, self.speed_mm_s)
             yield from self.rest(deep, self.hold_s)

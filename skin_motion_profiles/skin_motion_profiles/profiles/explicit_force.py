@@ -37,6 +37,7 @@ class ExplicitForce(Controlled):
 
     @property
     def duration(self) -> float:
+        """Time of all ramps and holds, s."""
         return float(self._corners[0][-1])
 
     @property
@@ -49,6 +50,7 @@ class ExplicitForce(Controlled):
         return np.array(times), np.array(forces)
 
     def target(self, t: float) -> tuple[float, float]:
+        """Force (N) and rate (N/s) at time `t` (s): ramps at `ramp_n_s` and holds in turn, from contact."""
         times, forces = self._corners
         i = min(max(int(np.searchsorted(times, t, side="right")) - 1, 0), times.size - 2)
         span = times[i + 1] - times[i]
@@ -56,8 +58,10 @@ class ExplicitForce(Controlled):
         return float(np.interp(t, times, forces)), float(rate)
 
     def answer(self, t: float, state: State, force: float, age: float) -> tuple[Piece, ...]:
+        """Go on with v = (F_d' + w (F_d - F)) / k; F_d is that of the moment at which `force` was measured."""
         (wanted, _), (_, rate) = self.target(t - age), self.target(t)
         return self.change_speed(state, (rate + self.bandwidth_rad_s * (wanted - force)) / (self.stiffness_n_mm / MM))
 
     def slowest_sampling(self) -> float:
+        """1 / (2 w), s: the delay up to which a spring is not overshot."""
         return 0.5 / self.bandwidth_rad_s

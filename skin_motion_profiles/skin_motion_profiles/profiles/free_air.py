@@ -21,4 +21,5 @@ class FreeAir(Profile):
     clearance_mm: float = number("mm, height above the surface", 1.0, lower=0.01, upper=150.0)
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """A rest above the surface; `start` does not matter."""
         return hold(-self.clearance_mm * MM, self.duration_s)

@@ -19,4 +19,5 @@ class Hold(Profile):
     duration_s: float = seconds("of the rest", ...)
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """A rest at `start` (m)."""
         return hold(start, self.duration_s)

@@ -29,12 +29,15 @@ class IncrementalForce(Controlled):
 
     @property
     def duration(self) -> float:
+        """Time for which the force is controlled, s."""
         return self.duration_s
 
     def target(self, t: float) -> tuple[float, float]:
+        """The one force (N), at every time; its rate is 0."""
         return self.force_n, 0.0
 
     def answer(self, t: float, state: State, force: float, age: float) -> tuple[Piece, ...]:
+        """One increment in the direction of the error, once the last one is over; none within the tolerance."""
         error = self.force_n - force
         if state.v != 0.0 or abs(error) <= self.tolerance_n:
             return ()

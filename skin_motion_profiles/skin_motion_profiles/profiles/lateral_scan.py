@@ -30,10 +30,12 @@ class LateralScan(Group):
     profile: Entry | None = another("what to do at every point", None)  # noqa: RUF009  (it is a field)
 
     def check(self) -> None:
+        """Raise `ProfileError` unless there is either a depth or a profile."""
         if (self.profile is None) == (self.depth_mm is None):
             raise ProfileError(f"{self.label} needs either depth_mm or a profile to do at every point, and not both")
 
     def entries(self) -> tuple[Entry, ...]:
+        """At every point: up, across, a rest in the air, and the depression."""
         c, s = cos(radians(self.angle_deg)), sin(radians(self.angle_deg))
         air = FreeAir(duration_s=max(self.settle_s, 0.01), clearance_mm=self.clearance_mm)
         points = [Place(x_mm=self.x_mm + c * r, y_mm=self.y_mm + s * r) for r in self.offsets_mm]

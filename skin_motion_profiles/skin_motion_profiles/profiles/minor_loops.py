@@ -26,6 +26,7 @@ class MinorLoops(Moving):
     speed_mm_s: float = speed()
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """The minor loops at the greatest depth within the major loop, then those at the base; `start` does not matter."""
         yield from self._excursion(self.base_mm, self.depth_mm, self._tour(self.depth_mm))
         yield from self._tour(self.base_mm)
 

@@ -42,6 +42,7 @@ class Multisine(Profile):
     falling: float = number("exponent p of the amplitudes k^-p: 0 is flat in depth, 1 in speed", 1.0, lower=0.0, upper=3.0)
 
     def check(self) -> None:
+        """Raise `ProfileError` where there are fewer odd lines than a group has."""
         if self.odd_lines.size < self.group:
             raise ProfileError(
                 f"{self.label}: up to highest_hz = {self.highest_hz:g} there are {self.odd_lines.size} odd multiples of "
@@ -72,6 +73,7 @@ class Multisine(Profile):
         return np.arange(2, int(self.odd_lines[-1]) + 1, 2)
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """One piece: a period to fade in, the whole periods, one to fade out; `start` does not matter."""
         centre = (self.amplitude_mm if self.offset_mm is None else self.offset_mm) * MM
         amplitudes, phases = self._spectrum
         return (_Lines(1.0 / self.base_frequency_hz, self.periods, tuple(self.excited_lines.tolist()), amplitudes, phases, centre),)
@@ -106,13 +108,16 @@ class _Lines(Piece):
 
     @property
     def duration(self) -> float:
+        """Length with both fades, s."""
         return (self.periods + 2) * self.period
 
     @property
     def swiftest(self) -> float:
+        """Period of the highest line, s."""
         return self.period / self.lines[-1]
 
     def at(self, t: np.ndarray) -> State:
+        """The sum of the module's docstring, faded, with its two derivatives; `t` (N,) s."""
         omega, sizes = 2.0 * np.pi * np.array(self.lines) / self.period, np.array(self.amplitudes)
         angles = np.outer(t, omega) + np.array(self.phases)
         m, dm, ddm = np.cos(angles) @ sizes, -np.sin(angles) @ (sizes * omega), -np.cos(angles) @ (sizes * omega**2)
@@ -131,4 +136,5 @@ class _Lines(Piece):
         )
 
     def reach(self) -> Reach:
+        """From samples: it has no closed form."""
         return sampled_reach(self)

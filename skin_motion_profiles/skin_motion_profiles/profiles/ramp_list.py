@@ -23,10 +23,12 @@ class RampList(Moving):
     hold_s: float = seconds("after every ramp", 0.0)
 
     def check(self) -> None:
+        """Raise `ProfileError` for fewer than two depths."""
         if len(self.depths_mm) < 2:
             raise ProfileError(f"{self.label}: depths_mm needs at least two depths")
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """Ramp and hold for every depth after the first; `start` does not matter."""
         for (a, b), speed in zip(pairwise(self.depths_mm), cycle(self.speeds_mm_s), strict=False):
             yield from self.line(a, b, speed)
             yield from self.rest(b, self.hold_s)

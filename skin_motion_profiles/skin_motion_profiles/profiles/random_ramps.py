@@ -34,12 +34,14 @@ class RandomRamps(Moving):
     longest_hold_s: float = seconds("of the longest hold", 0.5)
 
     def check(self) -> None:
+        """Raise `ProfileError` for a range of depths or of speeds that is upside down."""
         if self.deepest_mm <= self.shallowest_mm:
             raise ProfileError(f"{self.label}: deepest_mm = {self.deepest_mm:g} must exceed shallowest_mm = {self.shallowest_mm:g}")
         if self.fastest_mm_s < self.slowest_mm_s:
             raise ProfileError(f"{self.label}: fastest_mm_s = {self.fastest_mm_s:g} is less than slowest_mm_s = {self.slowest_mm_s:g}")
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """The ramps that the seed draws: depths uniform, speeds log-uniform, half of the holds zero; `start` does not matter."""
         rng = np.random.default_rng(self.seed)
         here = self.shallowest_mm
         for _ in range(self.count):

@@ -24,6 +24,7 @@ class RepeatedStep(Moving):
     rest_s: float = seconds("at the base after every step", 1.0)
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """Down, hold, back and rest, again and again; `start` does not matter."""
         for _ in range(self.repeats):
             yield from self.line(self.base_mm, self.depth_mm, self.speed_mm_s)
             yield from self.rest(self.depth_mm, self.hold_s)

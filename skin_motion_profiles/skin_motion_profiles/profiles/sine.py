@@ -32,6 +32,7 @@ class Sine(Profile):
     lead_periods: float = number("periods that the lead-in and the lead-out take each", 1.0, lower=0.25, upper=20.0)
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """One piece: lead-in, periods, lead-out; `start` does not matter."""
         centre = self.amplitude_mm if self.offset_mm is None else self.offset_mm
         lead = self.lead_periods / self.frequency_hz
         return (_Swing(lead, self.periods / self.frequency_hz, self.frequency_hz, self.amplitude_mm * MM, centre * MM),)
@@ -47,13 +48,16 @@ class _Swing(Piece):
 
     @property
     def duration(self) -> float:
+        """Length with both leads, s."""
         return self.steady + 2.0 * self.lead
 
     @property
     def swiftest(self) -> float:
+        """Period, or the lead where that is shorter, s."""
         return min(1.0 / self.frequency, self.lead)
 
     def at(self, t: np.ndarray) -> State:
+        """x = centre - amplitude cos(phase), with its two derivatives; `t` (N,) s."""
         phase, rate, change = self._phase(t)
         cos, sin = np.cos(phase), np.sin(phase)
         return State(
@@ -73,4 +77,5 @@ class _Swing(Piece):
         return phase, rate, change
 
     def reach(self) -> Reach:
+        """From samples: it has no closed form."""
         return sampled_reach(self)

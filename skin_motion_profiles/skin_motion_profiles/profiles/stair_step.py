@@ -24,6 +24,7 @@ class StairStep(Moving):
     hold_s: float = seconds("on every step", 1.0)
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """Line and hold for every step, down and back up; `start` does not matter."""
         stairs = [self.base_mm + (self.depth_mm - self.base_mm) * i / self.steps for i in range(self.steps + 1)]
         yield from self.rest(self.base_mm, self.hold_s)
         for a, b in pairwise(chain(stairs, reversed(stairs[:-1]))):

@@ -22,6 +22,7 @@ class Step(Moving):
     rest_s: float = seconds("at the base before and after", 0.5)
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """Rest, down, hold, back, rest; `start` does not matter."""
         yield from self.rest(self.base_mm, self.rest_s)
         yield from self.line(self.base_mm, self.depth_mm, self.speed_mm_s)
         yield from self.rest(self.depth_mm, self.hold_s)

@@ -24,10 +24,12 @@ class StraightLine(Moving):
     speed_mm_s: float = speed("mm/s, cruising speed")
 
     def check(self) -> None:
+        """Raise `ProfileError` unless there is either a depth to go to or a way."""
         if (self.to_mm is None) == (self.by_mm is None):
             raise ProfileError(f"{self.label} needs either to_mm (absolute) or by_mm (relative), and not both")
 
     def pieces(self, start: float) -> Iterable[Piece]:
+        """A line from `start` (m); a moment's rest where the plunger is there already."""
         there = start + self.by_mm * MM if self.to_mm is None else self.to_mm * MM
         # Being there already is no mistake: the goal then ends at once.
         return line(start, there, self.speed_mm_s * MM, self.acceleration_mm_s2 * MM) or hold(start, _A_MOMENT)

@@ -43,6 +43,7 @@ class Asking:
     """
 
     def __init__(self, node: Node, settings: Settings) -> None:
+        """Make them on `node`; the driver's services are those under `driver_name`."""
         self.zero = node.create_client(ZeroService, f"{settings.driver_name}/zero")
         self.tare = node.create_client(TareService, f"{settings.driver_name}/tare")
         self.cancelling = node.create_client(Trigger, f"{settings.driver_name}/cancel")

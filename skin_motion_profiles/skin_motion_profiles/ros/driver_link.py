@@ -40,6 +40,7 @@ class DriverLink:
     """Latest values are single attributes, replaced whole: other threads may read them at any time. `news` is set by every message."""
 
     def __init__(self, node: Node) -> None:
+        """Subscribe and advertise on `node`."""
         self.news = threading.Event()
         self.depth: Heard | None = None
         self.force: Heard | None = None

@@ -38,6 +38,7 @@ class Client(Node):
     """One goal and its end."""
 
     def __init__(self, show: ProgressLine) -> None:
+        """`show` gets the feedback."""
         super().__init__("execute")
         self.client = ActionClient(self, ExecuteProfile, "execute_profile")
         self.show, self.heard, self.cancel_wanted = show, time.monotonic(), False
@@ -138,6 +139,7 @@ class Show(argparse.Action):
     """An option that prints something and ends, as --help does."""
 
     def __init__(self, *words: Any, show: Callable[[Any], str], **more: Any) -> None:
+        """`show(value)` gives what to print; the rest is argparse's."""
         super().__init__(*words, **more)
         self._show = show
 

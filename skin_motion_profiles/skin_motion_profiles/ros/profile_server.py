@@ -45,6 +45,7 @@ class ProfileServer(Node):
     """Keeps the action and what its goals need of the driver."""
 
     def __init__(self) -> None:
+        """Declare the parameters, and be ready for goals. Raises `SkinError` for a parameter that makes no sense."""
         super().__init__("profile_server")
         self.settings = Parameters(self, Settings)
         self.link = DriverLink(self)

@@ -10,6 +10,7 @@ class ProgressLine:
     """Shows the feedback of an `execute_profile` goal."""
 
     def __init__(self, out: TextIO) -> None:
+        """Write to `out`."""
         self.out, self.live, self.segment, self.open = out, out.isatty(), "", False
 
     def update(self, feedback: Any) -> None:

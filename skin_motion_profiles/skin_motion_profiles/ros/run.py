@@ -40,6 +40,7 @@ class Run:
         self, goal: ExecuteProfile.Goal, link: DriverLink, asking: Asking, settings: Settings,
         cancelled: Callable[[], bool], publish: Callable[[ExecuteProfile.Feedback], None], announce: Callable[[str], None],
     ) -> None:  # fmt: skip
+        """`cancelled()` tells whether the client wants the end; `publish` takes feedback, `announce` what is executed, as YAML."""
         self.goal, self.link, self.asking, self.settings = goal, link, asking, settings
         self.publish, self.announce = publish, announce
         self.watch = Watch(link, settings, goal.max_force or settings.max_force, cancelled)

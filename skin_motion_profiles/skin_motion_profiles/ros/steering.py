@@ -19,6 +19,7 @@ class Steering:
     """One controlled motion under way. `stream` is what the driver was told last."""
 
     def __init__(self, link: DriverLink, controlled: Controlled, name: str) -> None:
+        """Begin a moment from now, where the plunger stands; `name` is for the sentences of errors."""
         self.link, self.controlled, self.name = link, controlled, name
         self.begin = link.now() + int(HEAD_START * link.rate * 1e9)
         self.contact: int | None = None  # node time (ns) at which the control began

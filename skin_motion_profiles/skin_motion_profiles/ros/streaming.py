@@ -20,6 +20,7 @@ class Stream:
     """One motion on its way to the driver; it begins at node time `base` (ns)."""
 
     def __init__(self, link: DriverLink, motion: Motion, base: int) -> None:
+        """Nothing is sent before `hand_over`."""
         self.link, self.motion, self.base = link, motion, base
         self.off_since: int | None = None  # stamp (ns) of the first sample of the present stretch that is not where it should be
         self._knots, self._sent = motion.trajectory.knots(_KNOT_PERIOD), 0

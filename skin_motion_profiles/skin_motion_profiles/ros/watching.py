@@ -22,6 +22,7 @@ class Ended(Exception):
     """The goal cannot go on: a code of the action's result and a sentence."""
 
     def __init__(self, code: int, sentence: str) -> None:
+        """`code` is one of `ExecuteProfile.Result`."""
         super().__init__(sentence)
         self.code = code
 
@@ -30,6 +31,7 @@ class Watch:
     """Looks at driver and client on behalf of one goal. Everything but `met`, `arrived` and `alive` raises `Ended` or does nothing."""
 
     def __init__(self, link: DriverLink, settings: Settings, max_force: float, cancelled: Callable[[], bool]) -> None:
+        """`max_force` (N) is that of the goal; `cancelled()` tells whether the client wants the end."""
         self.link, self.settings, self.max_force, self.cancelled = link, settings, max_force, cancelled
 
     def met(self) -> bool:

@@ -61,6 +61,7 @@ class ReplayRig(Rig):
         self._i = 0
 
     def read(self) -> Reading:
+        """The next sample, m and N. Raises `RigError` at the end, unless it loops."""
         if self._i == self._depth.size:
             if not self._loop:
                 raise RigError("the recording has ended")
@@ -69,7 +70,9 @@ class ReplayRig(Rig):
         return Reading(float(self._depth[i]), force=float(self._force[i]), taxel_force=self._taxels[i])
 
     def command(self, position: float, velocity: float) -> None:
+        """Raises `RigError`: nothing moves."""
         raise RigError("a recording cannot be commanded")
 
     def facts(self) -> dict[str, Any]:
+        """What the recording's `rig.yaml` says."""
         return self._facts

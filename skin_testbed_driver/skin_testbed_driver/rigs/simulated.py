@@ -82,6 +82,7 @@ class SimulatedRig(Rig):
         self._counts = np.empty(self._noise.size)  # what the converter sees, in its steps, the load cell first
 
     def open(self, sample_rate: float) -> None:
+        """Begin at rest at `start`, at `sample_rate` (Hz); the seed decides about everything random."""
         self._dt = 1.0 / sample_rate
         self._rng, self._noise_rng = np.random.default_rng(self._seed), np.random.default_rng([self._seed, 1])
         self._screw_phase = self._rng.uniform(0.0, 2.0 * math.pi)
@@ -101,18 +102,23 @@ class SimulatedRig(Rig):
         self._look_around()
 
     def command(self, position: float, velocity: float) -> None:
+        """Be at `position` (m), kept within the travel, with `velocity` (m/s) at the next sample."""
         self._next = (min(max(position, self.travel[0]), self.travel[1]), velocity)
 
     def halt(self) -> None:
+        """Stand still at once, where the servo is."""
         self._next = (self._x, 0.0)
 
     def place(self, x: float, y: float) -> None:
+        """Let the x-y stage go to (x, y) m at 10 mm/s, in a straight line."""
         self._xy_target = (x, y)
 
     def placed(self) -> tuple[float, float]:
+        """The point (m) that the x-y stage has brought under the plunger."""
         return self._xy
 
     def facts(self) -> dict[str, Any]:
+        """Diameter of the plunger, and where quantised the steps of encoder (um), load cell and taxels (N)."""
         facts = {"plunger_diameter_mm": 1e3 * PLUNGER_DIAMETER}
         if self._real.quantised:
             facts["encoder_step_um"] = 1e6 * ENCODER_STEP
@@ -121,6 +127,7 @@ class SimulatedRig(Rig):
         return facts
 
     def read(self) -> Reading:
+        """One period later: where the encoder says the stage is (m), what load cell and taxels say (V), and both truths (N)."""
         self._move()
         x, v = self._tip()
         if self._xy != self._xy_target:

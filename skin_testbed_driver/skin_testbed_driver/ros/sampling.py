@@ -39,6 +39,7 @@ class SamplingThread(threading.Thread):
         self._ending = False
 
     def run(self) -> None:
+        """Sample until `end`: sleep to a deadline, tick, and set the next one a period later."""
         self._hurry()
         deadline = time.monotonic()
         while not self._ending:

@@ -68,11 +68,13 @@ class TopicsRig(Rig):
         self._commands = node.create_publisher(command, "axis_command", QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE))
 
     def open(self, sample_rate: float) -> None:
+        """`sample_rate` (Hz) says when each commanded position is to be reached."""
         period = round(1e9 / sample_rate)
         self._period = Duration(sec=period // 10**9, nanosec=period % 10**9)
         self._halted = False
 
     def read(self) -> Reading:
+        """The newest message of each topic, m and N with our signs; NaN for one older than `stale_after`."""
         late = time.monotonic() - self._settings.stale_after
         count = len(self.layout)
         taxels = self._fresh(self._taxels, late, np.full(count, math.nan))
@@ -83,6 +85,7 @@ class TopicsRig(Rig):
         )
 
     def command(self, position: float, velocity: float) -> None:
+        """Publish one point: `position` (m) and, if asked for, `velocity` (m/s), one period from now."""
         self._halted = False
         sign = self._settings.axis_sign
         if self._settings.command_type == "JointTrajectory":
@@ -99,6 +102,7 @@ class TopicsRig(Rig):
         self._halted = True
 
     def close(self) -> None:
+        """Take the topics away."""
         for subscription in self._endpoints:
             self._node.destroy_subscription(subscription)
         self._node.destroy_publisher(self._commands)
