@@ -79,6 +79,12 @@ def scan_of(cls: type, name: str) -> tuple[float, ...]:
     return next(f.metadata.get("scan", ()) for f in fields(cls) if f.name == name)
 
 
+def clipped(cls: type, **values: float) -> dict[str, float]:
+    """`values` by name, each moved to the nearest that the dataclass `cls` accepts: what was fitted or converted may lie beyond."""
+    known = {p.name: p for p in parameters_of(cls)}
+    return {name: min(max(float(v), known[name].lower), known[name].upper) for name, v in values.items()}
+
+
 def check_parameters(thing: Any) -> None:
     """Raise `ModelError` unless every parameter of `thing` is a number within its bounds. Call it from `__post_init__`.
 

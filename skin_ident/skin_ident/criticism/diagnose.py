@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.extending import told
 from skin_ident.criticism.array.joining import array_criticism, joined
 from skin_ident.criticism.array.layout import layout_of
@@ -16,6 +17,7 @@ from skin_ident.criticism.faults import effects_of, with_effects
 from skin_ident.criticism.findings import Experiments, as_findings
 from skin_ident.criticism.judging import judge
 from skin_ident.criticism.leftover import systematic_rest
+from skin_ident.criticism.odd_session import put_right
 from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.residual import simulated
@@ -30,6 +32,7 @@ from skin_ident.criticism.telling import believed, tell
 from skin_ident.criticism.twin import with_twins
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
+from skin_models.errors import ModelError
 from skin_models.model import Model
 
 MASS_PER_THICKNESS = 0.108  # kg/m
@@ -58,6 +61,7 @@ def diagnose(
         return diagnose_scans(recordings, hold_out, model, progress)
     every = _named_apart([*recordings, *hold_out])
     belong_together(every, model)
+    every, odd = put_right(every)
     layout = layout_of(every, model)
     every = with_spread(every, layout)
     check_size(every[: len(recordings)])
@@ -71,7 +75,8 @@ def diagnose(
     c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]), _encoder_step(every))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
-    symptoms = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after))
+    seen = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after))
+    symptoms = (*odd, *seen)
     rest = systematic_rest(c.last, list(c.train), list(c.held), _encoder_step(every))
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = _verdict(bool(c.named or symptoms), rest.is_systematic(explained))
@@ -82,11 +87,11 @@ def diagnose(
     c = judged.criticism
     findings = as_findings(c, symptoms, every, *whole, rest, verdict, model is not None, experiments)
     findings = tell(findings, judged, symptoms)
-    array = array_criticism(c, layout, symptoms, every)
+    array = array_criticism(c, layout, seen, every)
     findings = joined(findings, array, c.extended.model)
     kept = {s.name for s in held}
     traces = tuple(_trace(c, s, own, s.name in kept) for s, own in zip(looked.whole, _with_courses(looked.whole, c), strict=True))
-    carried = with_effects(told(c.extended.model, array, train[0]), effects_of(symptoms))
+    carried = with_effects(_with_layout(c.extended.model, array, train[0]), effects_of(symptoms))
     return Outcome(findings, c.baseline.model, carried, c.extended.std, traces, (), _rounds(c), dict(_batteries(experiments)))
 
 
@@ -170,6 +175,14 @@ def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
     """The sessions, each with what was found to be its own; a lone session was criticised under two other names."""
     own = {s.name: s.beyond for s in (*c.train, *c.held)}
     return [replace(s, beyond=own.get(s.name, c.train[0].beyond)) for s in sessions]
+
+
+def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> Model:
+    """The model with what the array says; with the shares as measured where no effect of the catalogue may be as large as that."""
+    try:
+        return told(model, array, first)
+    except ModelError as error:
+        return told(model, str(error), first)
 
 
 def _trace(c: Criticism, s: Session, own: Session, held: bool) -> Trace:

@@ -20,6 +20,7 @@ from skin_models.effects.outliers import Outliers
 from skin_models.effects.quantization import SensorQuantization
 from skin_models.effects.saturation import Saturation
 from skin_models.model import Model
+from skin_models.parameter import clipped
 
 PREDICTS = ("saturation", "quantization", "dead_taxel")
 SENSORS = ("load_cell", "taxel")
@@ -42,24 +43,29 @@ def with_effects(model: Model, effects: Iterable[Effect]) -> Model:
     return replace(model, effects=(*model.effects, *(e for e in effects if e not in model.effects)))
 
 
+def _made(cls: type[Effect], where: str, **values: float) -> Effect:
+    """The effect, with what was seen moved to within its bounds."""
+    return cls(where, **clipped(cls, **values))
+
+
 def _dead(s: Symptom, v: dict[str, float]) -> Effect | None:
-    return None if s.bad else DeadTaxel(s.where, lost=v["lost"], level=v["level"])
+    return None if s.bad else _made(DeadTaxel, s.where, lost=v["lost"], level=v["level"])
 
 
 def _outliers(s: Symptom, v: dict[str, float]) -> Effect | None:
-    return Outliers(s.where, rate=v["rate"], size=v["size"]) if s.evidence.get("excursions") else None
+    return _made(Outliers, s.where, rate=v["rate"], size=v["size"]) if s.evidence.get("excursions") else None
 
 
 def _noise(s: Symptom, v: dict[str, float]) -> Effect:
     known = {name: v[name] for name in ("white", "coloured", "proportional", "tau") if name in v}
-    return Noise(s.where, **known)
+    return _made(Noise, s.where, **known)
 
 
 _MAKERS = {
-    "adhesion": lambda s, v: Adhesion(s.where, **v),
-    "saturation": lambda s, v: Saturation(s.where, level=v["level"]),
-    "quantization": lambda s, v: SensorQuantization(s.where, step_force=v["step"]),
-    "interference": lambda s, v: Interference(s.where, sine=v["amplitude"], frequency=v["frequency"]),
+    "adhesion": lambda s, v: _made(Adhesion, s.where, **v),
+    "saturation": lambda s, v: _made(Saturation, s.where, level=v["level"]),
+    "quantization": lambda s, v: _made(SensorQuantization, s.where, step_force=v["step"]),
+    "interference": lambda s, v: _made(Interference, s.where, sine=v["amplitude"], frequency=v["frequency"]),
     "dead_taxel": _dead,
     "outliers": _outliers,
     "noise": _noise,

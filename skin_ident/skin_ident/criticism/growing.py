@@ -7,9 +7,8 @@ from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import survey
 from skin_ident.criticism.whitening import Whitener
 from skin_models.effect import Effect
-from skin_models.errors import ModelError
 from skin_models.model import Model
-from skin_models.parameter import AMPLITUDE, SHAPE, parameters_of
+from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
 MOST = 3  # instances of one cause at one place
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
@@ -47,11 +46,8 @@ def _ready(d: Direction, amount: float) -> Effect:
         if p.role != AMPLITUDE or p.typical != p.typical:
             continue
         share = 1.0 if p.name == d.parameter else (0.1 if p.lower >= 0.0 else 0.0)
-        values[p.name] = min(max(amount * share * abs(p.typical), p.lower), p.upper)
-    try:
-        return d.effect.with_values(**values)
-    except ModelError:
-        return d.switched_on(amount)
+        values[p.name] = amount * share * abs(p.typical)
+    return d.effect.with_values(**clipped(type(d.effect), **values))
 
 
 def _adds(d: Direction, model: Model) -> bool:

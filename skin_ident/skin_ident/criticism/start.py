@@ -5,6 +5,7 @@ import numpy as np
 from skin_ident.criticism.session import NOMINAL, Session
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
+from skin_models.parameter import clipped
 
 MOST = 100.0  # of the applied force that a taxel may read: more than one where units or calibrations are not those of the force
 
@@ -24,11 +25,16 @@ def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
         taxels = np.tile(_under_spread(sessions), (len(taxels), 1))
     b, k = slopes.get("force", 2.0 * taxels.max(axis=0, initial=0.0))
     if not taxels.size:
-        return Model(Dispersion(m=mass, b1=0.0, k1=0.0, b2=b, k2=k), shares=())
+        return Model(_skin(m=mass, b1=0.0, k1=0.0, b2=b, k2=k), shares=())
     reference = int(np.argmax(taxels[:, 1]))
     b1, k1 = taxels[reference, 0], max(taxels[reference, 1], 1e-6)
     shares = np.maximum(taxels[:, 1] / k1, 0.0)
-    return Model(Dispersion(m=mass, b1=b1, k1=k1, b2=b - b1, k2=k - k1), shares=tuple(shares))
+    return Model(_skin(m=mass, b1=b1, k1=k1, b2=b - b1, k2=k - k1), shares=tuple(shares))
+
+
+def _skin(**values: float) -> Dispersion:
+    """Regression knows no bounds; a start needs to be within them."""
+    return Dispersion(**clipped(Dispersion, **values))
 
 
 def _under_spread(sessions: list[Session]) -> np.ndarray:
@@ -50,4 +56,4 @@ def _ratios(sessions: list[Session], mass: float) -> Model:
     reference = float(np.clip(shares.max(), 0.01, MOST))
     k1 = NOMINAL * reference
     tau = 0.1  # s, as silicone has it
-    return Model(Dispersion(m=mass, b1=tau * k1, k1=k1, b2=tau * (NOMINAL - k1), k2=NOMINAL - k1), shares=tuple(shares / shares.max()))
+    return Model(_skin(m=mass, b1=tau * k1, k1=k1, b2=tau * (NOMINAL - k1), k2=NOMINAL - k1), shares=tuple(shares / shares.max()))

@@ -21,6 +21,7 @@ from skin_models.model import Model
 
 ROUNDING = 1e-9  # N
 WELL_ABOVE = 1.5  # times the noise
+OTHER_UNIT = 3.0  # times the applied force, which no taxel reads whose gain is merely off
 MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is said to have moved
 
 
@@ -45,7 +46,7 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
 def _more_than_applied(c: Criticism) -> list[str]:
     """Where a taxel reads more than what presses on it, force and taxel are not in one unit: ratios hold, shares do not."""
     share = c.baseline.model.dispersion.sensed_share
-    if c.train[0].drive is None or share <= 1.0:
+    if share <= (OTHER_UNIT if c.train[0].drive is None else 1.0):
         return []
     return [
         f"the strongest taxel reads {share:.3g} times the force that is applied: one of the two is in another unit, or wrongly "

@@ -16,6 +16,7 @@ from skin_models.effects.nonlinear_stiffness import PolynomialStiffness
 from skin_models.effects.position_offset import PositionOffset
 from skin_models.effects.saturation import Saturation
 from skin_models.model import Model
+from skin_models.parameter import clipped
 from skin_models.spread.noted import spread_width
 
 POINTS = 61
@@ -89,16 +90,21 @@ def _beside(m: Member, growth: float) -> tuple[float, float]:
 def _effects(m: Member, square: float, cube: float) -> list[Effect]:
     v, found = m.values, []
     if v["shift"]:
-        found.append(PositionOffset(where="rig", offset=-v["shift"]))
+        found.append(_made(PositionOffset, "rig", offset=-v["shift"]))
     if square or cube:
-        found.append(PolynomialStiffness(where="skin", square_sensed=square, cube_sensed=cube))
+        found.append(_made(PolynomialStiffness, "skin", square_sensed=square, cube_sensed=cube))
     if v["threshold"]:
-        found.append(HardDeadZone(where="taxel", threshold=v["threshold"]))
+        found.append(_made(HardDeadZone, "taxel", threshold=v["threshold"]))
     if v["offset"]:
-        found.append(ForceOffset(where="taxel", offset=v["offset"]))
+        found.append(_made(ForceOffset, "taxel", offset=v["offset"]))
     if np.isfinite(v["ceiling"]):
-        found.append(Saturation(where="taxel", level=v["ceiling"]))
+        found.append(_made(Saturation, "taxel", level=v["ceiling"]))
     return found
+
+
+def _made(cls: type[Effect], where: str, **values: float) -> Effect:
+    """The effect, with what was fitted moved to within its bounds."""
+    return cls(where, **clipped(cls, **values))
 
 
 def _notes(m: Member, growth: float) -> dict[str, Any]:

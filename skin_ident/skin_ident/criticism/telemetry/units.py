@@ -89,7 +89,7 @@ def _upside_down(recordings: list, channel: str) -> list[Symptom]:
     rows = [
         (np.corrcoef(r.channels[channel], load)[0, 1], r)
         for r in recordings
-        if (load := _load(r, channel)) is not None and np.ptp(r.channels[channel]) > 0
+        if (load := load_of(r, channel)) is not None and np.ptp(r.channels[channel]) > 0
     ]
     wrong = [(c, r) for c, r in rows if c < AGAINST]
     if not wrong:
@@ -99,13 +99,14 @@ def _upside_down(recordings: list, channel: str) -> list[Symptom]:
     return [Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(-1.0, "1")}, {"why": why, "kind": "sign"})]
 
 
-def _load(recording, channel: str) -> np.ndarray | None:
+def load_of(recording, channel: str) -> np.ndarray | None:
+    """What a channel answers to: the depth (N,) m, or the force that drives a test without one, N; None where it does not move."""
     load = recording.depth if recording.depth is not None else recording.force if channel != "force" else None
     return load if load is not None and np.ptp(load) > 0.0 else None
 
 
 def _slope(recording, channel: str) -> float:
-    x, y = _load(recording, channel), recording.channels[channel]
+    x, y = load_of(recording, channel), recording.channels[channel]
     if x is None or np.ptp(y) == 0.0 or abs(np.corrcoef(x, y)[0, 1]) < FOLLOWS:
         return float("nan")
     x = x - x.mean()

@@ -1,0 +1,194 @@
+"""One session that differs from all others in whole: columns that are swapped, a sign, or a unit.
+
+What a channel's slope against the load says differs from session to session, for skins are not linear; what two channels of one session say
+of each other does not, as long as the sessions press at one place. So with slopes S (sessions, channels), and those of the other sessions
+by their median, a session is odd where
+
+    its shares S_i / |S_i| are those of the others in another order                          (columns)
+    log |S_ic| less that of the others, less the same of its other channels, is log f        (f a factor of units)
+    S_ic is below zero, where all others are above                                           (sign).
+
+Such a session is put right, so that the rest of it may be judged, and the finding says what was done to it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, load_of
+
+ODD = 0.15  # distance of two unit vectors of shares from which a session is asked for another order
+MENDS = 0.25  # of that distance, what the other order may leave
+ALIKE = 0.05  # or so much, which is what shares differ by from day to day
+HUGE, WIDE = 100.0, 2.0  # a factor beyond HUGE is known from within a factor of WIDE
+ORDERLY = 0.3  # of the logarithm of a factor, by which the other sessions may differ among themselves
+MOST = 6  # faults of this kind in a set of sessions
+
+
+@dataclass(frozen=True)
+class _Fault:
+    """What is odd in a session, and the session without it."""
+
+    symptom: Symptom
+    session: int
+    right: object
+
+
+def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
+    """The recordings with every odd session put right, and what was odd. Nothing is asked of a session that is alone at its place."""
+    recordings, symptoms = list(recordings), []
+    for group in _places(recordings):
+        for _ in range(MOST):
+            fault = _fault([recordings[i] for i in group])
+            if fault is None:
+                break
+            symptoms.append(fault.symptom)
+            recordings[group[fault.session]] = fault.right
+    return recordings, tuple(symptoms)
+
+
+def _places(recordings: list) -> Iterator[list[int]]:
+    """Indices of the sessions that press at one place."""
+    places: dict[tuple[float, float], list[int]] = {}
+    for i, r in enumerate(recordings):
+        places.setdefault(tuple(r.declared.contact_of(r.name)), []).append(i)
+    yield from (group for group in places.values() if len(group) > 1)
+
+
+def _fault(group: list) -> _Fault | None:
+    names = [c for c in group[0].channels if all(load_of(r, c) is not None for r in group)]
+    slopes = np.array([[_slope(r, c) for c in names] for r in group])
+    for look in (_turned, _reordered, _scaled):
+        fault = look(group, names, slopes)
+        if fault is not None:
+            return fault
+    return None
+
+
+def _slope(recording, channel: str) -> float:
+    """By least squares, N per metre (per newton, where force drives the test)."""
+    x, y = load_of(recording, channel), recording.channels[channel]
+    x = x - x.mean()
+    return float(x @ (y - y.mean()) / (x @ x))
+
+
+def _follows(recording, channel: str) -> float:
+    """Correlation with the load."""
+    x, y = load_of(recording, channel), recording.channels[channel]
+    return 0.0 if np.ptp(y) == 0.0 else float(np.corrcoef(x, y)[0, 1])
+
+
+def _turned(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
+    """A channel upside down in one session and upright in the others, of which there are two or more."""
+    for channel in names:
+        follows = [_follows(r, channel) for r in group]
+        wrong = [i for i, q in enumerate(follows) if q < AGAINST]
+        if len(group) > 2 and len(wrong) == 1 and sum(q > -AGAINST for q in follows) == len(group) - 1:
+            r = group[wrong[0]]
+            why = f"{channel} falls while the load rises in {r.name} alone (correlation {follows[wrong[0]]:.2f}): its sign is wrong there"
+            return _of_channel(group, wrong[0], channel, -1.0, why, "sign")
+    return None
+
+
+def _scaled(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
+    """A channel in other units in one session."""
+    sure = np.array([all(_follows(r, c) > FOLLOWS for r in group) for c in names], bool)
+    channels = [c for c, q in zip(names, sure, strict=True) if q]
+    logs = np.log(np.abs(slopes[:, sure])) if channels else np.empty((len(group), 0))
+    found = [(abs(np.log(f)), i, c, f) for i in range(len(group)) for c in range(len(channels)) if (f := _factor(logs, i, c))]
+    if not found:
+        return None
+    _, i, c, factor = max(found, key=lambda q: (q[0], q[3]))
+    say = f"{channels[c]} of {group[i].name} is {np.exp(_beside(logs, i, c)):.4g} times what the other sessions say"
+    return _of_channel(group, i, channels[c], factor, f"{say}: a factor of units{_either(group)}", "unit factor")
+
+
+def _factor(logs: np.ndarray, i: int, c: int) -> float | None:
+    """The factor of units by which channel `c` of session `i` is too large; None where there is none, or another channel has it."""
+    own, whole = _beside(logs, i, c), logs[i, c] - np.median(np.delete(logs[:, c], i))
+    factor = next((f for f in FACTORS if abs(own - np.log(f)) < np.log(WIDE if max(f, 1.0 / f) > HUGE else 1.0 + NEAR)), None)
+    if factor is None or abs(whole) < 0.5 * abs(own) or whole * own < 0.0:
+        return None
+    others = [_beside(logs[np.arange(len(logs)) != i], j, c) for j in range(len(logs) - 1)] if len(logs) > 2 else [0.0]
+    return factor if max(map(abs, others)) < ORDERLY * abs(own) else None
+
+
+def _beside(logs: np.ndarray, i: int, c: int) -> float:
+    """Logarithm of what a channel of a session is to the other sessions' beside what its other channels are."""
+    apart = logs[i] - np.median(np.delete(logs, i, axis=0), axis=0)
+    rest = np.delete(apart, c)
+    return float(apart[c] - (np.median(rest) if rest.size else 0.0))
+
+
+def _of_channel(group: list, i: int, channel: str, factor: float, why: str, kind: str) -> _Fault:
+    r = group[i]
+    mended = "turned round" if factor < 0.0 else f"divided by {factor:.5g}"
+    evidence = {"why": f"{why}. {r.name} is judged with {channel} {mended}", "kind": kind, "session": r.name}
+    symptom = Symptom("data_error", place_of(channel, len(r.taxels)), (channel,), {"factor": quantity(factor, "1")}, evidence)
+    return _Fault(symptom, i, _with_channels(r, {channel: r.channels[channel] / factor}))
+
+
+def _reordered(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
+    """A session whose channels are those of the others in another order."""
+    if len(names) < 2 or not np.all(np.any(slopes != 0.0, axis=1)):
+        return None
+    unit = slopes / np.linalg.norm(slopes, axis=1)[:, None]
+    apart = [float(np.linalg.norm(row - _others(unit, i))) for i, row in enumerate(unit)]
+    for i in np.argsort(apart)[::-1]:
+        order = _order(unit[i], _others(unit, i))
+        left = float(np.linalg.norm(unit[i, order] - _others(unit, i)))
+        rest = np.delete(unit, i, axis=0)
+        steady = max(float(np.linalg.norm(row - np.median(rest, axis=0))) for row in rest)
+        if apart[i] > max(ODD, 3.0 * steady) and left < min(MENDS * apart[i], max(ALIKE, 2.0 * steady)):
+            return _of_order(group, names, int(i), order, apart[i], left)
+    return None
+
+
+def _others(unit: np.ndarray, i: int) -> np.ndarray:
+    """The shares that the other sessions agree on."""
+    middle = np.median(np.delete(unit, i, axis=0), axis=0)
+    return middle / max(np.linalg.norm(middle), 1e-300)
+
+
+def _order(own: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Which of a session's columns is which of the others'; columns that are not clearly elsewhere stay."""
+    _, best = linear_sum_assignment((own[None, :] - others[:, None]) ** 2)
+    gained = (own - others) ** 2 - (own[best] - others) ** 2
+    order, seen = np.arange(own.size), set()
+    for start in range(own.size):
+        cycle, at = [], start
+        while at not in seen:
+            seen.add(at)
+            cycle.append(at)
+            at = int(best[at])
+        if sum(gained[cycle]) > 0.1 * max(gained.sum(), 1e-300):
+            order[cycle] = best[cycle]
+    return order
+
+
+def _of_order(group: list, names: list[str], i: int, order: np.ndarray, apart: float, left: float) -> _Fault:
+    r = group[i]
+    moved = [c for c in range(len(names)) if order[c] != c]
+    said = ", ".join(f"what is called {names[order[c]]} is {names[c]}" for c in moved)
+    why = (
+        f"the shares of {r.name} are {100.0 * apart:.0f} % from those of the other sessions, and {100.0 * left:.1f} % with its columns in "
+        f"another order{_either(group)}: {said}. {r.name} is judged with its columns so"
+    )
+    channels = tuple(names[c] for c in moved)
+    evidence = {"why": why, "kind": "swapped columns", "session": r.name}
+    right = _with_channels(r, {names[c]: r.channels[names[order[c]]] for c in moved})
+    return _Fault(Symptom("data_error", place_of(channels[0], len(r.taxels)), channels, {}, evidence), i, right)
+
+
+def _either(group: list) -> str:
+    """With two sessions nobody can tell which is right."""
+    return f" (it may as well be the other one, {group[0].name} or {group[1].name}, that is wrong)" if len(group) == 2 else ""
+
+
+def _with_channels(recording, rows: dict[str, np.ndarray]):
+    """The recording with other samples in some channels."""
+    taxels = np.array([rows.get(f"taxel_{i}", y) for i, y in enumerate(recording.taxels)])
+    return replace(recording, force=rows.get("force", recording.force), taxels=taxels if taxels.size else recording.taxels)

@@ -1,0 +1,80 @@
+"""A session that differs from the others in whole is found, put right and said; no number that was fitted is refused for its size."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_faults import session
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.odd_session import put_right
+from skin_ident.criticism.session import prepare
+from skin_ident.criticism.start import dispersion_start
+from skin_models.effects.gain_error import GainError
+from skin_models.parameter import clipped
+
+
+def sessions(count, odd=1, change=lambda r: r):
+    return [change(r) if i == odd else r for i, r in enumerate(session(i) for i in range(count))]
+
+
+def times(channel, factor):
+    def change(r):
+        if channel == "force":
+            return replace(r, force=factor * r.force)
+        taxels = r.taxels.copy()
+        taxels[int(channel[-1])] *= factor
+        return replace(r, taxels=taxels)
+
+    return change
+
+
+def reordered(order):
+    return lambda r: replace(r, taxels=r.taxels[list(order)])
+
+
+@pytest.mark.parametrize(("channel", "factor"), [("taxel_0", 1000.0), ("taxel_2", 1e-3), ("force", 4.44822), ("taxel_1", -1.0)])
+@pytest.mark.parametrize("count", [3, 5])
+def test_a_factor_in_one_session(channel, factor, count):
+    right, (symptom,) = put_right(sessions(count, 1, times(channel, factor)))
+    assert (symptom.cause, symptom.channels, symptom.evidence["session"]) == ("data_error", (channel,), "session_1")
+    assert symptom.parameters["factor"]["value"] == pytest.approx(factor)
+    assert np.allclose(right[1].channels[channel], session(1).channels[channel])
+
+
+@pytest.mark.parametrize(("order", "moved"), [((2, 1, 0), ("taxel_0", "taxel_2")), ((1, 2, 0), ("taxel_0", "taxel_1", "taxel_2"))])
+def test_columns_in_another_order(order, moved):
+    right, (symptom,) = put_right(sessions(4, 3, reordered(order)))
+    assert (symptom.cause, symptom.channels, symptom.evidence["session"]) == ("data_error", moved, "session_3")
+    assert np.array_equal(right[3].taxels, session(3).taxels)
+
+
+def test_with_two_sessions_nobody_knows_which():
+    _, (symptom,) = put_right(sessions(2, 1, reordered((2, 1, 0))))
+    assert "the other one" in symptom.evidence["why"]
+
+
+@pytest.mark.parametrize("factor", [1.3, 0.6, 2.0])
+def test_a_gain_or_a_stiffer_day_is_no_error_of_data(factor):
+    assert not put_right(sessions(4, 2, times("taxel_1", factor)))[1]
+    assert not put_right(sessions(4, 2, lambda r: replace(r, depth=r.depth * factor)))[1]
+
+
+def test_sessions_at_other_places_are_not_compared():
+    r = [replace(s, declared=replace(s.declared, contact_position_mm={s.name: (float(i), 0.0)})) for i, s in enumerate(sessions(3))]
+    assert not put_right([reordered((2, 1, 0))(r[0]), *r[1:]])[1]
+
+
+def test_it_is_the_finding_and_the_rest_is_judged_without_it():
+    outcome = diagnose(sessions(4, 1, reordered((2, 1, 0))))
+    assert [f["cause"] for f in outcome.findings["findings"]] == ["data_error"] and outcome.findings["verdict"] == "explained"
+    assert outcome.findings["baseline"]["parameters"]["k1"]["value"] == pytest.approx(9619.0, rel=0.01)
+
+
+def test_taxels_in_other_units_throughout_are_fitted():
+    recordings = [times("taxel_0", 1e3)(r) for r in sessions(2)]
+    assert dispersion_start([prepare(r) for r in recordings]).dispersion.k2 < -9e6
+
+
+def test_what_is_too_large_is_clipped():
+    assert clipped(GainError, gain=-0.98) == {"gain": -0.95} and clipped(GainError, gain=0.2) == {"gain": 0.2}
