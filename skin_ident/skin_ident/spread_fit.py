@@ -5,12 +5,18 @@
 A scan runs from the taxel's centre outwards on one side. It is mirrored about the centre, the sample at the centre counted once, and
 fitted by least squares; R^2 = 1 - SSE / SST with SST about the mean of the mirrored samples. (With the centre counted twice, one side
 alone, or R^2 adjusted for the parameters, the digits of Table 4-8 do not come out.)
+
+All readings of a scan come from one taxel, with one step and one noise: their variances are alike, noise^2 + step^2 / 12, and equal weights
+are the right ones. What the converter does to the standard errors is their least size. (Tried instead: the likelihood of each reading as an
+interval of one step. Over 480 fits of 2 to 75 steps it took a seventh off the rms of c without noise and nothing from 0.15 step of noise
+on, where it claimed too much: 90 % covered.)
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.special import stdtrit
 
 from skin_ident.spread_scan import SpreadScan, SpreadScanError
 
@@ -28,6 +34,11 @@ class GaussianFit:
     c_std: float
     samples: int  # fitted, mirrored ones included
     reason: str = ""
+    dof: int = 1  # independent samples less the fitted numbers
+
+    def half_width(self, name: str, level: float = 0.95) -> float:
+        """Half of the interval of a, b or c, from Student's t: a scan has a dozen samples."""
+        return float(stdtrit(self.dof, 0.5 + level / 2)) * getattr(self, f"{name}_std")
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
         """The fitted force at positions `x` (m), N."""
@@ -47,12 +58,19 @@ def mirrored(distance: np.ndarray, force: np.ndarray, centre: float = 0.0) -> tu
 
 
 def fit_gaussian(
-    distance: np.ndarray, force: np.ndarray, centre: float = 0.0, free_centre: bool = False, mirror: bool = True, step: float = 0.0
+    distance: np.ndarray,
+    force: np.ndarray,
+    centre: float = 0.0,
+    free_centre: bool = False,
+    mirror: bool = True,
+    step: float = 0.0,
+    noise: float = 0.0,
 ) -> GaussianFit:
     """Least-squares fit of (R,) forces (N) at (R,) distances (m); NaN forces are left out.
 
     `centre` is b (the thesis counts positions so that it is 12 mm); `free_centre` fits it. `mirror` reflects a one-sided scan.
-    `step` (N) of the converter: no standard error is smaller than its share, step^2 / 12, however well readings on a grid may fit.
+    `step` (N) of the converter and `noise` (N, standard deviation) as they are declared: no standard error is smaller than theirs,
+    noise^2 + step^2 / 12, however well a few readings on a grid may fit.
     """
     distance, force = np.asarray(distance, float), np.asarray(force, float)
     known = np.isfinite(force)
@@ -63,7 +81,7 @@ def fit_gaussian(
     start = _start(x, y, centre)
     if start is None:
         return _no_fit(x.size, "the force does not fall with distance: nothing but noise reaches the taxel")
-    return _refine(x, y, start, free_centre, force.size, step)
+    return _refine(x, y, start, free_centre, force.size, noise**2 + step**2 / 12.0)
 
 
 def fit_spread(scan: SpreadScan, **options) -> tuple[GaussianFit, ...]:
@@ -88,7 +106,7 @@ def _start(x: np.ndarray, y: np.ndarray, centre: float) -> np.ndarray | None:
     return None if best == widths.size - 1 or heights[best] <= 0.0 else np.array([heights[best], centre, widths[best]])
 
 
-def _refine(x: np.ndarray, y: np.ndarray, start: np.ndarray, free_centre: bool, independent: int, step: float) -> GaussianFit:
+def _refine(x: np.ndarray, y: np.ndarray, start: np.ndarray, free_centre: bool, independent: int, least: float) -> GaussianFit:
     free = np.array([True, free_centre, True])
 
     def residual(p: np.ndarray) -> np.ndarray:
@@ -99,9 +117,9 @@ def _refine(x: np.ndarray, y: np.ndarray, start: np.ndarray, free_centre: bool, 
     a, b, c = _filled(start, free, found.x)
     sse = 2.0 * found.cost
     std = np.zeros(3)
-    std[free] = _standard_errors(found.jac, sse / x.size, independent, step)
+    std[free] = _standard_errors(found.jac, sse / x.size, independent, least)
     r2 = 1.0 - sse / np.sum((y - y.mean()) ** 2)
-    return GaussianFit(float(a), float(b), float(abs(c)), float(r2), *map(float, std), x.size)
+    return GaussianFit(float(a), float(b), float(abs(c)), float(r2), *map(float, std), x.size, dof=max(1, independent - int(free.sum())))
 
 
 def _filled(start: np.ndarray, free: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -110,8 +128,8 @@ def _filled(start: np.ndarray, free: np.ndarray, p: np.ndarray) -> np.ndarray:
     return full
 
 
-def _standard_errors(jacobian: np.ndarray, mean_square: float, independent: int, step: float) -> np.ndarray:
+def _standard_errors(jacobian: np.ndarray, mean_square: float, independent: int, least: float) -> np.ndarray:
     """Mirrored samples are no new information: the covariance is that of the `independent` samples before mirroring."""
     n, k = jacobian.shape
-    variance = max(mean_square * independent / max(independent - k, 1), step**2 / 12.0)
+    variance = max(mean_square * independent / max(independent - k, 1), least)
     return np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * variance * n / independent)

@@ -90,8 +90,14 @@ def test_known_gaussian_is_found_again(a, b, c):
 def test_standard_errors_cover_the_truth():
     rng, r = np.random.default_rng(3), np.linspace(0, 12e-3, 13)
     fits = [fit_gaussian(r, 8 * np.exp(-((r / 5e-3) ** 2)) + rng.normal(0, 0.1, r.size)) for _ in range(400)]
-    inside = np.mean([abs(f.c - 5e-3) < 2 * f.c_std for f in fits])
-    assert 0.88 < inside < 0.99
+    inside = np.mean([abs(f.c - 5e-3) < f.half_width("c") for f in fits])
+    assert 0.92 < inside < 0.98
+
+
+def test_no_error_is_smaller_than_what_is_declared():
+    r = np.linspace(0, 12e-3, 13)
+    exact, noisy = (fit_gaussian(r, 8 * np.exp(-((r / 5e-3) ** 2)), noise=noise) for noise in (0.0, 0.1))
+    assert exact.c_std < 1e-9 < 3e-5 < noisy.c_std
 
 
 def test_lost_samples_are_left_out_and_bad_mirrors_refused():

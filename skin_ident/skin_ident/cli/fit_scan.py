@@ -19,7 +19,7 @@ def fit_scans(scans: Sequence[SpreadScan], out: str | None) -> int:
     for scan in scans:
         step = scan.declared.of_taxel("taxel_step_n", 0) or 0.0
         both = bool(np.any(scan.distance < 0.0))
-        fits = fit_spread(scan, step=step, free_centre=both)
+        fits = fit_spread(scan, step=step, noise=scan.declared.of_taxel("taxel_noise_n", 0) or 0.0, free_centre=both)
         if all(f.reason for f in fits):
             raise FitError(f"{scan.name}: {fits[0].reason}, at any depth")
         print("\n".join(_table(scan, fits, both, step)))
@@ -39,21 +39,20 @@ def _table(scan: SpreadScan, fits: Sequence[GaussianFit], both: bool, step: floa
         if f.reason:
             lines.append(f"  {1e3 * depth:>9.3g} no fit: {f.reason}")
             continue
-        centre = _pair(1e3 * f.b, 1e3 * f.b_std) if both else ""
-        lines.append(
-            f"  {1e3 * depth:>9.3g} {_pair(f.a, f.a_std):>16} {_pair(1e3 * f.c, 1e3 * f.c_std):>16} {centre:>16} {f.r2:>8.4f}"
-            + ("  poor: the spread is no Gaussian, or mostly noise" if f.r2 < GOOD else "")
-        )
+        a, b, c = _pair(f, "a", 1.0), _pair(f, "b", 1e3) if both else "", _pair(f, "c", 1e3)
+        poor = "  poor: the spread is no Gaussian, or mostly noise" if f.r2 < GOOD else ""
+        lines.append(f"  {1e3 * depth:>9.3g} {a:>16} {c:>16} {b:>16} {f.r2:>8.4f}{poor}")
     return lines
 
 
-def _pair(value: float, std: float) -> str:
-    return f"{value:.4g} ± {1.96 * std:.2g}"
+def _pair(f: GaussianFit, name: str, unit: float) -> str:
+    return f"{unit * getattr(f, name):.4g} ± {unit * f.half_width(name):.2g}"
 
 
 def _entry(depth: float, f: GaussianFit, both: bool) -> dict[str, Any]:
     head = {"depth_mm": 1e3 * depth}
     if f.reason:
         return head | {"reason": f.reason}
-    known = {"a_n": {"value": f.a, "std": f.a_std}, "c_mm": {"value": 1e3 * f.c, "std": 1e3 * f.c_std}, "r2": f.r2}
+    known = {"a_n": {"value": f.a, "std": f.a_std}, "c_mm": {"value": 1e3 * f.c, "std": 1e3 * f.c_std}}
+    known |= {"r2": f.r2, "degrees_of_freedom": f.dof}
     return head | known | ({"b_mm": {"value": 1e3 * f.b, "std": 1e3 * f.b_std}} if both else {})

@@ -3,11 +3,12 @@
 Every channel is whitened by its own noise model, rows y = H beta + e. With S the covariance of what is left of all channels together, the
 deviance is n log det S, and the interval of a parameter holds the values v for which
 
-    min over all others of  n log det S   -   n log det S at the best   <=   n log(1 + t^2 / (n - P))
+    min over all others of  n log det S   -   n log det S at the best   <=   n log(1 + g t^2 / n)
 
-with t Student's quantile for so many samples as the noise's colour leaves independent. Where shares, differences and offsets bend the
-likelihood the interval is lopsided, which a standard error cannot be. Converter steps and errors that repeat with the motion are in no
-likelihood: what they add to the variance of a parameter is added to either side.
+with t Student's quantile for so many samples as the noise's colour leaves independent. g is by how much the noise's variance, with what
+the fit has taken out of it put back, exceeds the diagonal of S: 1.01 for white noise, 1.05 for one that remembers a third of a second.
+Where shares, differences and offsets bend the likelihood the interval is lopsided, which a standard error cannot be. Converter steps and
+errors that repeat with the motion are in no likelihood: what they add to the variance of a parameter is added to either side.
 Source: S. A. Murphy, A. W. van der Vaart, J. Amer. Statist. Assoc. 95 (2000) 449; A. Zellner, ibid. 57 (1962) 348, for the joint channels.
 """
 
@@ -47,12 +48,12 @@ def profile(recordings: Sequence[Recording], mass: float | str = 0.0, *, offsets
         raise FitError("these data are exact, or nearly so: without noise there is no likelihood; leave --profile out")
     likelihood = _likelihood(blocks, regression, shape, theta)
     best = likelihood.at_its_best(likelihood.start(theta, regression), None)
-    quantile = float(stdtrit(regression.dof, 0.5 + level / 2))
+    quantile, grown = float(stdtrit(regression.dof, 0.5 + level / 2)), likelihood.growth(best, regression)
     known = with_steps(sessions, regression, blocks, said(sessions, shape, regression))
     more = np.diag(slope @ (known - _noise_alone(regression)) @ slope.T)
     found = {}
     for name, place in likelihood.places.items():
-        ends = [likelihood.end(best, place, side, quantile) for side in (-1.0, 1.0)]
+        ends = [likelihood.end(best, place, side, quantile * grown) for side in (-1.0, 1.0)]
         extra = quantile**2 * max(0.0, float(more[_index(name, shape)]))
         found[name] = tuple(float(best[place] + np.sign(e - best[place]) * np.hypot(e - best[place], extra**0.5)) for e in ends)
     return found
@@ -126,6 +127,11 @@ class Likelihood:
         left = ends.T @ self.products @ ends / self.rows
         return left + np.diag(1e-12 * np.diag(left))
 
+    def growth(self, phi: np.ndarray, regression: Regression) -> float:
+        """The root of g: standard deviation of the noise, as the regression knows it, over what is left at phi."""
+        left = np.diag(self._left(self._ends(phi)))
+        return max(1.0, float(np.exp(0.5 * np.mean(np.log(np.square(regression.noise) / left)))))
+
     def at_its_best(self, phi: np.ndarray, held: int | None) -> np.ndarray:
         """The most likely values while the one at `held` stays."""
         free = np.array([i for i in range(phi.size) if i != held])
@@ -153,7 +159,7 @@ class Likelihood:
         normal, _ = self._normal(best)
         spread = np.linalg.pinv(normal, hermitian=True)[:, place]
         lowest, n = self.deviance(best), self.rows
-        wanted = np.sqrt(n * np.log1p(quantile**2 / max(1.0, n - best.size)))
+        wanted = np.sqrt(n * np.log1p(quantile**2 / n))
         unit = np.sqrt(max(spread[place], 1e-300))
         far = quantile
         for _ in range(OUTER):
