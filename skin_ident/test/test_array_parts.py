@@ -171,3 +171,25 @@ def test_a_declared_uncertainty_decides_whether_a_gain_is_wrong():
     found = measured([skin.shares() * [1.06, 1.0, 1.0, 1.0]] * 2, 0)
     assert judge(replace(layout, gain_std=0.005), found).named.key == ("gain_error", "taxel_0")
     assert judge(replace(layout, gain_std=0.05), found).named is None
+
+
+@pytest.mark.parametrize(("hearing", "heard", "seed"), [(3, 2, 1), (4, 0, 2), (0, 3, 3)])
+def test_a_taxel_that_repeats_one_other_is_told_from_a_wrong_calibration_by_several_contacts(hearing, heard, seed):
+    """A row of five at 5 mm under Gaussians written out here; what is repeated comes and goes with the place that is pressed."""
+    places = np.array([[5e-3 * i, 0.0] for i in range(5)])
+    contacts = np.array([[0.0, 0.0], [5e-3, 0.0], [11e-3, 0.0], [19e-3, 0.0]])
+    plain = np.exp(-(np.linalg.norm(places - contacts[:, None], axis=2) ** 2) / 5.25e-3**2)
+    read = plain.copy()
+    read[:, hearing] += 0.08 * plain[:, heard]
+    verdict = judge(Layout(places, contacts, 5.25e-3, True), measured(read, seed), None)
+    assert verdict.named and verdict.named.key == ("crosstalk", f"taxel_{hearing}")
+    assert verdict.named.fit.member[f"repeat_{hearing}_{heard}"] == pytest.approx(0.08, rel=0.1)
+    assert not verdict.rivals
+
+
+def test_a_taxel_that_repeats_another_under_one_contact_passes_for_a_wrong_calibration():
+    skin, layout = array(5, 7)
+    read = np.tile(skin.shares(), (2, 1))
+    read[:, 2] *= 1.25  # which is a twentieth of taxel 1
+    said = judge(layout, measured(read, 7), None)
+    assert {j.key for j in (said.named, *said.rivals)} >= {("crosstalk", "taxel_2"), ("gain_error", "taxel_2")}

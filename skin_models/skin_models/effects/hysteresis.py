@@ -1,11 +1,14 @@
-"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Three forms:
+"""Hysteresis: a loop that does not depend on rate, with memory of the turning points. Four forms:
 
     skin, Prandtl-Ishlinskii   f = k E_r[x]        one elastic-plastic element: stiffness k until it yields at r (several add up)
     skin, Bouc-Wen             f = k z,  z' = v - |v| z / r        the same with a gradual yield (n = 1, beta = 1, gamma = 0: Dahl's model)
+    skin, lagging              f = -k E_r[x]       a loop the other way round: the force is less on the way in than on the way out
     taxel, load cell           y' = y - a E_r[y]        the reading lags behind at every reversal: higher on the way down for a > 0
 
 E_r is the stop operator of `skin_models.operators.play`, exact for any path that is monotone between samples. Bouc-Wen is stepped exactly
-for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). Both dissipate: no closed path returns energy.
+for such a path too: z[n] = e z[n-1] + sign(dx) r (1 - e), e = exp(-|dx| / r). These two dissipate: no closed path returns energy. The
+lagging one returns energy on every path, which no passive skin does; play operators and Preisach relays with positive weights are of this
+kind, and records are where the depth lags behind the encoder in a way that no clearance explains.
 
 Sources: P. Krejčí, Hysteresis, Convexity and Dissipation, 1996; F. Ikhouane and J. Rodellar, Systems with Hysteresis, Wiley 2007
 (Bouc-Wen); P. Dahl, A Solid Friction Model, TOR-0158, 1968; K. Kuhnen, Eur. J. Control 9 (2003) 407-418 (sensors and actuators).
@@ -54,6 +57,37 @@ class SkinHysteresis(Dynamic):
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """k times the stop operator over the whole recording."""
         return y + branches(self.k_sensed, self.k_dispersed, stop(depth_in_contact(s.x), self.threshold), s.x)
+
+
+@dataclass(frozen=True)
+class LaggingHysteresis(Dynamic):
+    """A play operator's part of both branches: what it adds stays behind the depth at every reversal."""
+
+    cause: ClassVar[str] = "hysteresis"
+    form: ClassVar[str] = "lagging"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Prandtl-Ishlinskii, of plays; Krejčí 1996"
+    linear: ClassVar[bool] = True
+
+    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness missing after a turning point, sensed")
+    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness missing after a turning point, dispersed")
+    threshold: float = quantity(
+        "m", 0.2e-3, lower=1e-6, upper=0.05, role=SHAPE, typical=0.2e-3, scan=DEPTHS, doc="way r until the force has caught up"
+    )
+
+    def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is the play P, m."""
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """-k (x - P) on each branch."""
+        x = depth_in_contact(s.x)
+        state = play_step(state, x, self.threshold)
+        return state, y + branches(self.k_sensed, self.k_dispersed, state - x, s.x)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """-k times the stop operator over the whole recording."""
+        return y - branches(self.k_sensed, self.k_dispersed, stop(depth_in_contact(s.x), self.threshold), s.x)
 
 
 @dataclass(frozen=True)

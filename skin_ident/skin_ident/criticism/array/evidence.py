@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.family import Family, is_repeat
 from skin_ident.criticism.array.gains import Gains
 
 STEPS = 25
@@ -38,9 +38,10 @@ def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float])
     `scatter` is the relative standard error of calibrations: one unknown factor per taxel, the same in all sessions, is integrated out.
     """
     names = [n for n in family.names if n in free or n.partition("_")[0] in ALWAYS]
+    names += filter(is_repeat, free)
     size = np.array([free.get(n, ALWAYS.get(n.partition("_")[0])) for n in names], float)
     z = np.where(np.array(names) == "level", first_level(family, gains), 0.0) / size
-    root, log_root = _root(gains, scatter)
+    root, log_root = covariance_root(gains, scatter)
 
     def misfit(z: np.ndarray) -> np.ndarray:
         left = gains.value - family.shares(dict(zip(names, z * size, strict=True)))
@@ -59,7 +60,7 @@ def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float])
     )
 
 
-def _root(gains: Gains, scatter: float) -> tuple[np.ndarray, float]:
+def covariance_root(gains: Gains, scatter: float) -> tuple[np.ndarray, float]:
     """Inverse Cholesky factor of the covariance of all shares of all sessions, (S T, S T), and the logarithm of its determinant."""
     sessions, taxels = gains.value.shape
     covariance = np.zeros((sessions, taxels, sessions, taxels))

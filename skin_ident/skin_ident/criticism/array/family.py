@@ -1,21 +1,23 @@
 """Every set of static shares that this analysis can imagine: the thesis's Gaussian under a declared contact as its plainest member.
 
-    share[s, i] = e^(level + scale[s]) (y[i] + leak (y[i-1] + y[i+1]) + common mean(y)),
+    share[s, i] = e^(level + scale[s]) (y[i] + leak sum over the taxels k beside i of y[k] + common mean(y) + repeat[i, j] y[j]),
     y[i] = (1 + gain[i]) exp(-(r^2 / width^2)^(power / 2))
 
 with r from the contact of session s, moved by `shift` along the layout's axes, and for an elliptic spread
 
     r^2 -> exp(-ratio) x^2 + exp(ratio) y^2 - 2 turn x y.
 
-A member is a vector: the logarithm of a level that all sessions share, what each departs from it, then the quantities below.
+A member is a vector: the logarithm of a level that all sessions share, what each departs from it, then the quantities below. What one
+taxel repeats of one other, `repeat_3_2` of taxel 2 in taxel 3, is in no list of names: there are as many as there are pairs.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.array.smeared import neighbours
+from skin_models.spread.footprint import Places
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +45,19 @@ class Family:
         u = np.maximum(square, 0.0) / (layout.width * np.exp(p.get("width", 0.0))) ** 2
         gain = np.array([p.get(f"gain_{i}", 0.0) for i in range(len(layout.taxels))])
         own = (1.0 + gain) * np.exp(-(u ** (1.0 + 0.5 * p.get("power", 0.0))))
-        heard = p.get("leak", 0.0) * neighbours(own.T).T + p.get("common", 0.0) * own.mean(axis=1, keepdims=True)
+        heard = p.get("leak", 0.0) * own @ self._beside + p.get("common", 0.0) * own.mean(axis=1, keepdims=True)
+        for name in filter(is_repeat, p):
+            i, j = map(int, name.split("_")[1:])
+            heard[:, i] += p[name] * own[:, j]
         scale = np.exp([p.get("level", 0.0) + p.get(f"scale_{s}", 0.0) for s in range(len(layout.contacts))])
         return scale[:, None] * (own + heard)
+
+    @cached_property
+    def _beside(self) -> np.ndarray:
+        """1 for every pair of taxels that are nearest to each other, (T, T)."""
+        return (Places(np.array(self.layout.taxels, float)).neighbours > 0.0).T.astype(float)
+
+
+def is_repeat(name: str) -> bool:
+    """Whether an entry is what one taxel repeats of one other."""
+    return name.startswith("repeat_")

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
-from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.family import Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import SCAN, separating, shift_of, why
@@ -54,7 +54,8 @@ def silent(a: ArrayCriticism) -> list[int]:
 
 def form_of(j: Judged) -> str:
     """Which form of its cause it is."""
-    return {"leak": "neighbours", "common": "common", "power": "generalised_gaussian"}.get(next(iter(j.hypothesis.free)), "static")
+    name = next(iter(j.hypothesis.free))
+    return "one" if is_repeat(name) else {"leak": "neighbours", "common": "common", "power": "generalised_gaussian"}.get(name, "static")
 
 
 def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:

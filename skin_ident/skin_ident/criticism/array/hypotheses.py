@@ -16,7 +16,16 @@ from skin_ident.criticism.array.layout import MEASURED_AT, Layout
 # Relative error of calibrations where none is declared: (standard deviation, prior probability).
 SCATTER = ((0.002, 0.9), (0.01, 0.05), (0.03, 0.05))
 EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is known, and of one that is only expected
-SHIFT, GAIN, LEAK, COMMON, WIDTH, POWER, RATIO = 1e-3, 0.15, 0.03, 0.03, 0.2, 0.5, 0.2  # m, then relative: what a cause is like
+SHIFT, GAIN, LEAK, COMMON, REPEAT, WIDTH, POWER, RATIO = (
+    1e-3,
+    0.15,
+    0.03,
+    0.03,
+    0.06,
+    0.2,
+    0.5,
+    0.2,
+)  # m, then relative: what a cause is like
 
 
 @dataclass(frozen=True)
@@ -42,12 +51,15 @@ class Background:
         return {"width": self.width, **{name: float(np.hypot(std, self.width * (name == "width"))) for name, std in h.free.items()}}
 
 
-def hypotheses(layout: Layout, suspects: list[int]) -> tuple[Hypothesis, ...]:
-    """Nothing wrong, then every cause that this layout can show. `suspects` are the taxels whose own calibration is doubted."""
+def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple[Hypothesis, ...]:
+    """Nothing wrong, then every cause that this layout can show. `suspects` are the taxels whose own reading is doubted, `repeats`
+    are what one taxel may repeat of one other (`repeat_3_2`)."""
+    n = len(layout.taxels)
     shifts = {f"shift_{a}": SHIFT for a in range(len(layout.axes))}
     listed = [Hypothesis("", "", 0.5, {}), Hypothesis("off_centre", "rig", 0.15, shifts)]
-    listed += [Hypothesis("gain_error", f"taxel_{i}", 0.15 / len(layout.taxels), {f"gain_{i}": GAIN}) for i in suspects]
+    listed += [Hypothesis("gain_error", f"taxel_{i}", 0.15 / n, {f"gain_{i}": GAIN}) for i in suspects]
     listed += [Hypothesis("crosstalk", "taxel", 0.05, {"leak": LEAK}), Hypothesis("crosstalk", "taxel", 0.05, {"common": COMMON})]
+    listed += [Hypothesis("crosstalk", f"taxel_{r.split('_')[1]}", 0.1 / (n * (n - 1)), {r: REPEAT}) for r in repeats]
     listed += [Hypothesis("spread_shape", "skin", 0.03, {"power": POWER})]
     if layout.width_declared:
         listed.append(Hypothesis("spread_width", "skin", 0.05, {"width": WIDTH}))

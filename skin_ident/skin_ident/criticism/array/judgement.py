@@ -1,10 +1,11 @@
 """Which cause, if any, the ratios of the taxels speak for."""
 
 from dataclasses import dataclass, replace
+from itertools import permutations
 
 import numpy as np
 
-from skin_ident.criticism.array.evidence import Fitted, fitted
+from skin_ident.criticism.array.evidence import Fitted, covariance_root, fitted
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.hypotheses import Background, Hypothesis, backgrounds, hypotheses
@@ -13,6 +14,7 @@ from skin_ident.criticism.array.layout import Layout
 SURE = 0.95  # probability that something is wrong, from which it is said so
 REACH = 3.0  # log odds within which a rival cannot be told from the best
 MOST_SUSPECTS = 6
+MOST_REPEATS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,17 +63,33 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
 
     nothing = weighed(Hypothesis("", "", 0.5, {}))
     suspects = _suspects(family, measured, nothing.fit)
-    every = [replace(j, log_odds=j.log_odds - nothing.log_odds) for j in map(weighed, hypotheses(layout, suspects)[1:])]
+    every = [
+        replace(j, log_odds=j.log_odds - nothing.log_odds)
+        for j in map(weighed, hypotheses(layout, suspects, _repeats(family, measured, nothing))[1:])
+    ]
     causes = _one_each(sorted(every, key=lambda j: -j.log_odds))
     wrong = np.logaddexp.reduce([c.log_odds for c in causes])
     return Judgement(replace(nothing, log_odds=0.0), tuple(causes), float(1.0 / (1.0 + np.exp(-min(wrong, 700.0)))))
 
 
 def _suspects(family: Family, measured: Gains, nothing: Fitted) -> list[int]:
-    """The taxels that are farthest from the declared layout, in their own standard errors; all, where they are few."""
+    """The taxels that are farthest from the declared layout, in their own standard errors, the farthest first; all, where they are few."""
     errors = np.sqrt(np.diagonal(measured.covariance, axis1=1, axis2=2))
     far = np.abs((measured.value - family.shares(nothing.member)) / errors).max(axis=0)
-    return sorted(int(i) for i in np.argsort(far)[::-1][:MOST_SUSPECTS])
+    return [int(i) for i in np.argsort(far)[::-1][:MOST_SUSPECTS]]
+
+
+def _repeats(family: Family, measured: Gains, nothing: Judged) -> list[str]:
+    """What one taxel may repeat of one other: the pairs that would explain most of what is left, at first order."""
+    shares, (root, _) = family.shares(nothing.fit.member), covariance_root(measured, nothing.background.scatter)
+    left, n = root @ (measured.value - shares).ravel(), shares.shape[1]
+    falls = {}
+    for i, j in permutations(range(n), 2):
+        heard = np.zeros(shares.shape)
+        heard[:, i] = shares[:, j]
+        d = root @ heard.ravel()
+        falls[f"repeat_{i}_{j}"] = float(d @ left) ** 2 / max(float(d @ d), 1e-300)
+    return sorted(falls, key=lambda name: -falls[name])[:MOST_REPEATS]
 
 
 def _one_each(every: list[Judged]) -> list[Judged]:

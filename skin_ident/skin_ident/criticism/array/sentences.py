@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from skin_ident.criticism.array.bending import Leaning, Walking, Widening
-from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.family import Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.smeared import Smeared
@@ -41,13 +41,19 @@ def _what(j: Judged, layout: Layout) -> str:
     if j.hypothesis.cause == "gain_error":
         return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} off what its neighbours imply"
     if j.hypothesis.cause == "crosstalk":
-        share, whom = (p["leak"], "of its neighbours") if "leak" in j.hypothesis.free else (p["common"], "of the mean of all")
-        return f"every taxel repeats {share:.1%} {whom}"
+        return _repeated(next(iter(j.hypothesis.free)), p)
     if j.hypothesis.cause == "spread_width":
         return f"the spread is {1e3 * layout.width * np.exp(p['width']):.3g} mm wide, not {1e3 * layout.width:.3g} mm"
     if j.hypothesis.cause == "spread_shape":
         return f"the spread falls as exp(-(r/c)^{2.0 + p['power']:.2g}), not as a Gaussian"
     return f"the spread is {np.exp(p['ratio']):.2g} times as wide along x as along y"
+
+
+def _repeated(name: str, p: dict[str, float]) -> str:
+    if is_repeat(name):
+        _, hearing, heard = name.split("_")
+        return f"taxel_{hearing} repeats {p[name]:.1%} of taxel_{heard}"
+    return f"every taxel repeats {p[name]:.1%} {'of its neighbours' if name == 'leak' else 'of the mean of all'}"
 
 
 def changing(e: Effect) -> str:
