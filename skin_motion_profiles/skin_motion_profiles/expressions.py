@@ -37,8 +37,8 @@ def _number(node: ast.AST, arguments: Mapping[str, float], label: str) -> float:
         case ast.Name(id=name):
             if name in arguments:
                 return arguments[name]
-            known = f"there are {', '.join(arguments)}" if arguments else "there are none outside a battery"
-            raise ProfileError(f"{label}: {name} is not an argument; {known}")
+            known = f"; there are {', '.join(arguments)}" if arguments else ", and no number"
+            raise ProfileError(f"{label}: {name} is not an argument{known}")
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return -_number(operand, arguments, label)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:

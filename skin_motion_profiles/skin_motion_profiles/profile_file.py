@@ -1,13 +1,14 @@
 """Profiles as text: what a goal carries, a YAML file holds and a person types."""
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from skin_motion_profiles.battery_file import battery_names, parse, read_battery, read_mapping, with_arguments
-from skin_motion_profiles.catalogue import entry_from_dict
+from skin_motion_profiles.catalogue import entries, entry_from_dict
 from skin_motion_profiles.entry import Entry
 from skin_motion_profiles.errors import ProfileError
 from skin_motion_profiles.fields import declared
@@ -33,7 +34,7 @@ def _plain(value: Any) -> Any:
 
 
 def entry_from_words(source: str, settings: Iterable[str] = ()) -> Entry:
-    """What a person typed: YAML text, the path of a YAML file or the name of a battery, and `key=value` settings for it.
+    """What a person typed: YAML text, the path of a YAML file, the name of a battery or of a profile, and `key=value` settings for it.
 
     Raises `ProfileError` with one sentence.
     """
@@ -51,10 +52,13 @@ def _content(source: str) -> dict[str, Any]:
         return content
     if source in battery_names():
         return read_battery(source)
+    if source in entries():
+        return {"type": source}
     if source.endswith((".yaml", ".yml")) or Path(source).is_file():
         return read_mapping(Path(source))
-    known = ", ".join(sorted(battery_names()))
-    raise ProfileError(f"{source!r} is neither a YAML file nor a profile such as '{{type: step, depth_mm: 1}}' nor a battery: {known}")
+    near = get_close_matches(source, [*entries(), *battery_names()], n=1)
+    hint = f"did you mean {near[0]}?" if near else "execute --list shows what there is"
+    raise ProfileError(f"{source!r} is no profile, no battery and no YAML file: {hint}")
 
 
 def _setting(word: str) -> tuple[str, Any]:

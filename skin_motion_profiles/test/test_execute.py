@@ -74,7 +74,9 @@ def test_the_death_of_the_server_is_noticed():
 
 
 BAD = {
-    ("nosuch",): "neither a YAML file",
+    ("nosuch",): "no profile, no battery and no YAML file",
+    ("stpe", "depth_mm=1"): "did you mean step",
+    ("step", "depht_mm=1"): "depth_mm",
     ("nosuch.yaml",): "cannot read nosuch.yaml",
     ("{type: sin}",): "did you mean sine",
     ("demo", "depth=1"): "has no argument 'depth'",

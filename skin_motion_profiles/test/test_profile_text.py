@@ -116,5 +116,8 @@ def test_words_of_a_command_line(tmp_path):
         entry_from_words("demo", ["deep=0.5"])
     with pytest.raises(ProfileError, match="key=value"):
         entry_from_words("demo", ["0.5"])
-    with pytest.raises(ProfileError, match="neither a YAML file"):
-        entry_from_words("nothing")
+    assert entry_from_words("step", ["depth_mm=1"]) == entry_from_words("{type: step, depth_mm: 1}")
+    with pytest.raises(ProfileError, match="did you mean step"):
+        entry_from_words("stepp", ["depth_mm=1"])
+    with pytest.raises(ProfileError, match="no YAML file: execute --list"):
+        entry_from_words("xyz")

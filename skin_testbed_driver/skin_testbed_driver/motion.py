@@ -103,8 +103,9 @@ class Motion:
     def _check_jump(self, t: float, command: Trajectory) -> None:
         (x0, v0), (x1, v1) = self._path.at(t), command.at(t)
         if abs(x1 - x0) > _SPLICE_DEPTH or abs(v1 - v0) > _SPLICE_STEPS * self.limits.max_acceleration:
+            late = f" (it came {t - command.t[0]:.3f} s after its first point)" if t > command.t[0] else ""
             raise CommandError(
-                f"the command jumps from {1e3 * x0:.3f} mm at {1e3 * v0:.3f} mm/s to {1e3 * x1:.3f} mm at {1e3 * v1:.3f} mm/s"
+                f"the command jumps from {1e3 * x0:.3f} mm at {1e3 * v0:.3f} mm/s to {1e3 * x1:.3f} mm at {1e3 * v1:.3f} mm/s{late}"
             )
 
     def _knot(self, t: float) -> Trajectory:

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("skin_testbed_msgs")
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import WrenchStamped
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
@@ -185,6 +185,18 @@ def test_diagnostics_tell_rate_drops_and_faults(graph):
     assert sensors.level == b"\x00"
 
 
+def test_a_second_driver_on_the_same_topics_does_not_go_unnoticed(graph):
+    first = graph.driver(time_scale=1.0)
+    second = graph.driver(time_scale=1.0)
+    heard = graph.hear(DiagnosticArray, "/diagnostics")
+    for process in (first, second):
+        graph.wait(lambda p=process: "/testbed_driver publishes the same topics" in p.output(), "the complaint")
+    graph.wait(lambda: any("publishes the same" in m.status[0].message for m in heard), "an error")
+    assert all(m.status[0].level == DiagnosticStatus.ERROR for m in heard if "publishes the same" in m.status[0].message)
+    second.end(30.0)
+    graph.wait(lambda: heard and "samples skipped" in heard[-1].status[0].message, "peace")
+
+
 def test_real_time_priority_is_had_or_its_lack_is_said(graph):
     process = graph.driver(realtime_priority=10)
     encoder = graph.hear(JointState, "encoder")
@@ -214,6 +226,8 @@ def test_parameters_are_described_ranged_and_checked_on_set(graph):
         ({"sample_rate": 100}, "decimal point"),
         ({"rig": "imaginary"}, "rig must be one of"),
         ({"model": "/nowhere/model.yaml"}, "cannot read the model"),
+        ({"model": "silicon_4mm"}, "there is no material 'silicon_4mm', only"),
+        ({"start_depth": 0.1}, "outside its travel"),
         ({"calibration_file": "/nowhere/c.yaml"}, "cannot read the calibration"),
         ({"min_depth": -0.001, "retracted_depth": -0.002}, "in the order"),
         ({"max_force": math.nan}, "max_force"),

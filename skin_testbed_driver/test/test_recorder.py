@@ -104,6 +104,15 @@ def test_after_kill_all_but_the_last_second_reads_back(graph, tmp_path):
     assert (tmp_path / "s" / "metadata.yaml").is_file()
 
 
+def test_a_topic_that_nobody_publishes_is_missed_aloud(graph, tmp_path):
+    graph.driver()
+    recorder = record(graph, tmp_path / "s", topics=["force", "nothing"])
+    recorder.wait_for_output("/nothing has no publisher yet", 60.0)
+    assert recorder.end(30.0) == 0
+    assert "/nothing was never recorded" in recorder.output() and "/force" not in recorder.output()
+    assert " messages of 1 topics in " in recorder.output()
+
+
 def test_an_existing_directory_is_refused(graph, tmp_path):
     (tmp_path / "s").mkdir()
     process = graph.processes.start("skin_testbed_driver", "recorder", parameters={"directory": str(tmp_path / "s")})

@@ -23,11 +23,12 @@ from skin_motion_profiles.ros.asking import Asking
 from skin_motion_profiles.ros.driver_link import DriverLink
 from skin_motion_profiles.ros.settings import Settings
 from skin_motion_profiles.ros.steering import Steering
-from skin_motion_profiles.ros.streaming import HEAD_START, Stream
+from skin_motion_profiles.ros.streaming import HEAD_START, REACTION, Stream
 from skin_motion_profiles.ros.watching import Ended, Watch
 from skin_motion_profiles.trajectory import Trajectory
 
 Result = ExecuteProfile.Result
+_AT_REST = 1e-9  # m/s
 _LOOK = 0.02  # s between two looks at the driver; messages wake it earlier
 
 _MEETING = 5.0  # s
@@ -197,8 +198,11 @@ class Run:
         back = self.link.state.retracted_depth if self.goal.on_stop == ExecuteProfile.Goal.RETRACT else None
         limits = self.link.limits
         travel = Travel(self.settings.retract_speed, limits.max_acceleration).within(limits)
-        rest = stop(self.stream.motion.trajectory.sample((begin - self.stream.base) * 1e-9), limits, back, travel)
+        state = self.stream.motion.trajectory.sample((begin - self.stream.base) * 1e-9)
+        rest = stop(state, limits, back, travel)
         if rest is not None:
+            if abs(state.v) < _AT_REST:  # nothing to brake: begin like every other motion, so that a message may come late
+                rest = Trajectory((*hold(float(state.x), (HEAD_START - REACTION) * self.link.rate), *rest.pieces))
             last = Stream(self.link, Motion(rest, ("stop",), (0.0,)), begin)
             last.hand_over(everything=True)
             self.see_out(last)

@@ -12,15 +12,19 @@ _NAMES = {SATURATED: "saturated", STALE: "stale", STUCK: "stuck", DEAD: "dead", 
 _RATE_TOLERANCE = 0.01  # of the wanted rate
 
 
-def diagnostics(name: str, loop: LoopReport, wanted: float, status: Status, sample: Sample | None, offsets: Offsets) -> DiagnosticArray:
-    """Three statuses: the sampling loop, the motion, the sensors. The caller sets the stamp."""
-    return DiagnosticArray(status=[_loop(name, loop, wanted), _motion(name, status), _sensors(name, sample, offsets)])
+def diagnostics(
+    name: str, loop: LoopReport, wanted: float, status: Status, sample: Sample | None, offsets: Offsets, others: str = ""
+) -> DiagnosticArray:
+    """Three statuses: the sampling loop, the motion, the sensors. `others` publish on the same topics. The caller sets the stamp."""
+    return DiagnosticArray(status=[_loop(name, loop, wanted, others), _motion(name, status), _sensors(name, sample, offsets)])
 
 
-def _loop(name: str, loop: LoopReport, wanted: float) -> DiagnosticStatus:
+def _loop(name: str, loop: LoopReport, wanted: float, others: str) -> DiagnosticStatus:
     slow = loop.rate < wanted * (1.0 - _RATE_TOLERANCE)
     level = DiagnosticStatus.WARN if slow or loop.skipped else DiagnosticStatus.OK
     message = f"{loop.rate:.2f} of {wanted:g} Hz, {loop.skipped} samples skipped"
+    if others:
+        level, message = DiagnosticStatus.ERROR, f"{others} publishes the same topics"
     values = {
         "achieved_rate_hz": loop.rate, "wanted_rate_hz": wanted, "samples": loop.ticks, "overruns": loop.overruns, "skipped": loop.skipped,
         "jitter_p50_us": 1e6 * loop.jitter_p50, "jitter_p99_us": 1e6 * loop.jitter_p99, "jitter_max_us": 1e6 * loop.jitter_max,

@@ -43,6 +43,7 @@ class DriverNode(LifecycleNode):
         self._testbed: Testbed | None = None
         self._thread: SamplingThread | None = None
         self._published: Status | None = None
+        self._others = ""  # nodes that publish on our topics
         self._driver_state = self.create_publisher(DriverState, "driver_state", LATCHED, qos_overriding_options=overridable())
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         if self._settings.now.autostart:
@@ -176,10 +177,14 @@ class DriverNode(LifecycleNode):
     def _diagnose(self) -> None:
         if self._thread is None:
             return
-        settings = self._settings.now
+        settings, others = self._settings.now, self._publishing.others()
+        if others and others != self._others:
+            self.get_logger().error(f"{others} publishes the same topics: whoever listens gets both; remap one, or end it")
+        self._others = others
         wanted = settings.sample_rate * settings.time_scale
         report, offsets = self._statistics.report(), self._testbed.offsets()
-        message = diagnostics(self.get_fully_qualified_name(), report, wanted, self._testbed.status(), self._sample, offsets)
+        name, status = self.get_fully_qualified_name(), self._testbed.status()
+        message = diagnostics(name, report, wanted, status, self._sample, offsets, others)
         message.header.stamp = _stamp(self._stamp_ns)
         self._diagnostics.publish(message)
 

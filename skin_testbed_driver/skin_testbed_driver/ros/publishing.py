@@ -100,6 +100,18 @@ class Publishing:
         for name, content in (("rig_description", facts), ("calibration", self._calibration.as_dict(place.names))):
             self._texts[name].publish(String(data=yaml.safe_dump(content, sort_keys=False)))
 
+    def others(self) -> str:
+        """The names of other nodes that publish on the topic of the encoder; empty where there is none."""
+        topic = self._streams[0].topic_name
+        if self._node.count_publishers(topic) < 2:
+            return ""
+        infos = self._node.get_publishers_info_by_topic(topic)
+        names = sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos)
+        mine = self._node.get_fully_qualified_name()
+        if mine in names:
+            names.remove(mine)
+        return ", ".join(names)
+
     def destroy(self) -> None:
         """Take the publishers away."""
         for publisher in (*self._streams, *([self._truth] if self._truth else [])):

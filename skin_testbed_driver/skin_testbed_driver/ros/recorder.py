@@ -30,6 +30,7 @@ from skin_testbed_driver.ros.definitions import DefinitionError, definition
 from skin_testbed_driver.ros.offered_qos import matching, offered
 
 _LOOK = 0.2  # s, between two looks at the graph
+_PATIENCE = 5.0  # s, after which topics that were asked for should be there
 _IDLE = 0.1  # s, between two looks whether messages wait for others that do not come
 
 
@@ -62,6 +63,7 @@ class Recorder(Node):
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(_LOOK, self._look, clock=steady)
         self.create_timer(_IDLE, self._bag.flush_if_due, clock=steady)
+        self._patience = self.create_timer(_PATIENCE, lambda: self._complain_of_missing("has no publisher yet"), clock=steady)
         self.create_service(Trigger, "~/stop", self._on_stop)
         self.get_logger().info(f"recording to {self._bag.directory}")
 
@@ -69,8 +71,15 @@ class Recorder(Node):
         """End the recording, whole."""
         try:
             self._bag.close()
+            self.get_logger().info(f"{sum(self._bag.counts)} messages of {len(self._bag.counts)} topics in {self._bag.directory}")
+            self._complain_of_missing("was never recorded: nobody published it")
         finally:
             super().destroy_node()
+
+    def _complain_of_missing(self, words: str) -> None:
+        self._patience.cancel()
+        for name in sorted(self._wanted - self._known):
+            self.get_logger().warning(f"{name} {words}")
 
     def _describe(self, rig: bytes | None) -> None:
         now = self.get_clock().now().nanoseconds

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 from rclpy.node import Node
 
@@ -10,13 +11,14 @@ from skin_models.layout import Layout, flat, row_from_origin
 from skin_models.layout_file import load_layout
 from skin_models.live import under_plunger
 from skin_models.materials import material, names
+from skin_models.model import Model
 from skin_models.model_file import load_model
 from skin_models.ros.parameters import setting
 from skin_models.spread.noted import kernel_of
 from skin_testbed_driver.calibration import Calibration, load_calibration, thesis_calibration
 from skin_testbed_driver.rig import Rig
 from skin_testbed_driver.rigs.replay import ReplayRig
-from skin_testbed_driver.rigs.simulated import Imperfections, SimulatedRig
+from skin_testbed_driver.rigs.simulated import TRAVEL, Imperfections, SimulatedRig
 from skin_testbed_driver.rigs.table import read_table
 from skin_testbed_driver.ros.replayed_bag import read_bag
 from skin_testbed_driver.ros.topics_rig import TopicsRig, TopicsSettings
@@ -88,7 +90,7 @@ class RigSettings:
         return rig, load_calibration(path, names) if path else thesis_calibration(len(names))
 
     def _simulated(self, node: Node) -> Rig:
-        model = material(self.model).model if self.model in names() else load_model(self.model)
+        model = self._model()
         known = model.positions and not self.layout_file and not self.taxels
         layout = flat(model.positions) if known else self._layout(len(model.shares))
         if len(model.shares) not in (1, len(layout)):
@@ -97,9 +99,18 @@ class RigSettings:
             self.load_cell_noise, self.taxel_noise, self.rest_error, self.screw_error, self.quantised, self.mount_compliance
         )
         start = _SURFACE - self.surface_offset + self.start_depth
+        if not TRAVEL[0] <= start <= TRAVEL[1]:
+            raise SkinError(f"start_depth ({self.start_depth} m) puts the stage at {start:g} m, outside its travel of {TRAVEL[1]:g} m")
         return SimulatedRig(
             under_plunger(model, layout, kernel_of(model)), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real
         )
+
+    def _model(self) -> Model:
+        if self.model in names():
+            return material(self.model).model
+        if not Path(self.model).suffix and not Path(self.model).exists():
+            raise SkinError(f"there is no material {self.model!r}, only {', '.join(names())}; a model of your own is a YAML file")
+        return load_model(self.model)
 
     def _replay(self, node: Node) -> Rig:
         if not self.recording:
