@@ -5,12 +5,14 @@ from skin_ident.criticism.proposals import Direction
 from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import survey
+from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
 MOST = 3  # instances of one cause at one place
+AT_SHAPE = 3  # iterations
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
 
 
@@ -35,8 +37,11 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
 
 
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
-    effect = _ready(ranked.best, ranked.best_amount)
-    return fit(present.model.extended(effect), sessions, noise)
+    """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away."""
+    model = present.model.extended(_ready(ranked.best, ranked.best_amount))
+    new = len(model.effects) - 1
+    sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
+    return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
 
 
 def _ready(d: Direction, amount: float) -> Effect:

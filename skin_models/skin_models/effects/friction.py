@@ -1,11 +1,14 @@
-"""Friction of the rig's guide or of the load cell's mounting: the measured force steps with the sign of the speed.
+"""Friction of the rig's guide or of the load cell's mounting: the measured force steps with the sign of the speed. Two forms:
 
-    y' = y + (F + mu |y|) tanh(v / v_s)
+    smoothed over speed       y' = y + (F + mu |y|) tanh(v / v_s)
+    Dahl, over distance       y' = y + (F + mu |y|) z / d,        z' = v - |v| z / d
 
-Coulomb's law, smoothed over the speed v_s: below it the force falls off instead of holding. F acts in the air too; what the load itself
-presses into the guide rubs in proportion to it (mu).
+Coulomb's law, smoothed: over the speed v_s, below which the force falls off, or over the distance d that bristles bend before they slip;
+those hold their force while the plunger rests. F acts in the air too; what the load itself presses into the guide rubs in proportion to
+it (mu). Dahl's is stepped exactly for a path that is monotone between samples.
 
-Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138.
+Sources: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138; P. Dahl, A Solid Friction Model, TOR-0158,
+1968; C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419-425 (LuGre, of which it is the part before slip).
 """
 
 from dataclasses import dataclass
@@ -13,8 +16,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from skin_models.effect import Memoryless, Place
+from skin_models.effect import Dynamic, Memoryless, Place
+from skin_models.operators.scan import running_affine
 from skin_models.parameter import SHAPE, quantity
+from skin_models.signals import Motion, Sample
 
 
 @dataclass(frozen=True)
@@ -42,3 +47,42 @@ class Friction(Memoryless):
     def apply(self, y, s):
         """y + (F + mu |y|) tanh(v / v_s)."""
         return y + (self.force + self.coefficient * np.abs(y)) * np.tanh(s.v / self.speed)
+
+
+@dataclass(frozen=True)
+class DahlFriction(Dynamic):
+    """Friction of bristles, seen by the load cell. State: their deflection over d, and the last depth (m; None before the first sample)."""
+
+    cause: ClassVar[str] = "friction"
+    form: ClassVar[str] = "dahl"
+    places: ClassVar = {"rig": Place.LOAD_CELL, "load_cell": Place.LOAD_CELL}
+    source: ClassVar[str] = "Dahl 1968"
+    linear: ClassVar[bool] = True
+
+    force: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="sliding friction F")
+    coefficient: float = quantity("1", 0.0, lower=0.0, upper=2.0, typical=0.03, doc="friction mu per load")
+    slip: float = quantity(
+        "m", 1e-5, lower=1e-7, upper=1e-2, role=SHAPE, typical=1e-5, scan=(3e-6, 1e-5, 3e-5), doc="distance d over which bristles bend"
+    )
+
+    def initial(self, rng=None) -> tuple[float, None]:
+        """Bristles upright, before the first sample."""
+        return 0.0, None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """z/d after one sample, and the reading with it."""
+        bent, last = state
+        gain, offset = self._map(s.x - (s.x if last is None else last))
+        bent = gain * bent + offset
+        return (bent, s.x), self._rubbing(y, bent)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same recurrence in log2(N) passes over the whole recording."""
+        return self._rubbing(y, running_affine(*self._map(np.diff(s.x, prepend=s.x[0]))))
+
+    def _rubbing(self, y, bent):
+        return y + (self.force + self.coefficient * np.abs(y)) * bent
+
+    def _map(self, dx):
+        path = -np.abs(dx) / self.slip
+        return np.exp(path), -np.sign(dx) * np.expm1(path)

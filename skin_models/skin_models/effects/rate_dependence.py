@@ -1,10 +1,14 @@
-"""Rate dependence: the skin's damping is not proportional to speed. Two forms, added to b v in contact:
+"""Rate dependence: the skin's damping is not proportional to speed. Three forms, added to b v in contact:
 
     power          f = F sign(v) |v / 10 mm/s|^p
-    Hunt-Crossley  f = c x v            damping that grows from zero with the contact
+    Eyring         f = F asinh(v / v_0)         damping b v up to the speed v_0, the logarithm of the speed beyond
+    Hunt-Crossley  f = c x v                    damping that grows from zero with the contact
 
-Sources: K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975)
-440-445; R. B. Bird, R. C. Armstrong, O. Hassager, Dynamics of Polymeric Liquids, vol. 1, Wiley 1987, ch. 4 (power law).
+The second, beside b v, is thinning that sets in at a speed, as Carreau's and Cross's fluids have it.
+
+Sources: H. Eyring, J. Chem. Phys. 4 (1936) 283-291 (flow as an activated process); K. H. Hunt and F. R. E. Crossley, Coefficient of
+restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975) 440-445; R. B. Bird, R. C. Armstrong, O. Hassager, Dynamics of
+Polymeric Liquids, vol. 1, Wiley 1987, ch. 4 (power law, Carreau).
 """
 
 from dataclasses import dataclass
@@ -38,6 +42,27 @@ class PowerDamping(Memoryless):
         """y + F sign(v) |v / 10 mm/s|^p on each branch."""
         f = np.sign(s.v) * np.abs(s.v / self.reference) ** self.exponent
         return y + branches(self.force_sensed, self.force_dispersed, f, s.x)
+
+
+@dataclass(frozen=True)
+class EyringDamping(Memoryless):
+    """Damping that gives way above a speed."""
+
+    cause: ClassVar[str] = "rate_dependence"
+    form: ClassVar[str] = "eyring"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Eyring 1936"
+    linear: ClassVar[bool] = True
+
+    force_sensed: float = quantity("N", 0.0, typical=0.5, doc="force at 1.2 times v_0, sensed")
+    force_dispersed: float = quantity("N", 0.0, typical=0.25, doc="force at 1.2 times v_0, dispersed")
+    speed: float = quantity(
+        "m/s", 5e-4, lower=1e-7, upper=1.0, role=SHAPE, typical=5e-4, scan=(3e-5, 1e-4, 5e-4, 2e-3), doc="speed v_0 at which it gives way"
+    )
+
+    def apply(self, y, s):
+        """y + F asinh(v / v_0) on each branch in contact."""
+        return y + branches(self.force_sensed, self.force_dispersed, np.arcsinh(s.v / self.speed), s.x)
 
 
 @dataclass(frozen=True)
