@@ -1,6 +1,6 @@
 """How well the driver keeps its time, beside what a user would write instead.
 
-    bench_sampling.py [--seconds 10] [--rates 100 500 1000] [--taxels 4 64]        (./skin bench sampling: as it stands)
+    bench_sampling.py [--seconds 10] [--rounds 1] [--rates 100 500 1000] [--taxels 4 64]        (./skin bench sampling: as it stands)
 
 Same machine, same minute, same messages (JointState, WrenchStamped, TaxelArray):
     driver       the installed driver with its simulated rig
@@ -13,7 +13,8 @@ deviation of the period between publications (source timestamps) from the wanted
 which publishes, and of the whole process. The driver's also simulates the rig, checks limits and watches sensors.
 
 What the machine can do is told by a bare loop, time.sleep to absolute deadlines and nothing else, in a process of its own: `beside` every
-publisher, in the same seconds and so under the same load, and `alone`, for half as long before each.
+publisher, in the same seconds and so under the same load, and `alone`, for half as long before each. On a machine that others use,
+several rounds of all publishers in turn are pooled into one table.
 """
 
 import argparse
@@ -158,6 +159,17 @@ def percentiles(periods: np.ndarray, rate: float) -> np.ndarray:
     return 1e6 * np.percentile(np.abs(periods - 1.0 / rate), (50, 99, 99.9))
 
 
+def pooled(rounds: list[list[Row]]) -> list[Row]:
+    """The same publishers' rows of several rounds as one."""
+
+    def one(rows: tuple[Row, ...]) -> Row:
+        arrays = {name: np.concatenate([getattr(row, name) for row in rows]) for name in ("periods", "latencies", "beside", "alone")}
+        shares = {name: float(np.mean([getattr(row, name) for row in rows])) for name in ("thread", "cpu")}
+        return Row(rows[0].name, **arrays, **shares)
+
+    return [one(rows) for rows in zip(*rounds, strict=True)]
+
+
 def show(rate: float, taxels: int, rows: list[Row]) -> None:
     """One block of the table."""
     print(f"\n{rate:g} Hz, {taxels} taxels")
@@ -186,6 +198,7 @@ def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--rounds", type=int, default=1)
     parser.add_argument("--rates", type=float, nargs="+", default=[100.0, 500.0, 1000.0])
     parser.add_argument("--taxels", type=int, nargs="+", default=[4, 64])
     parser.add_argument("--timer", action="store_true", help=argparse.SUPPRESS)
@@ -199,7 +212,7 @@ def main() -> None:
     else:
         for rate in chosen.rates:
             for taxels in chosen.taxels:
-                show(rate, taxels, measure(rate, taxels, chosen.seconds))
+                show(rate, taxels, pooled([measure(rate, taxels, chosen.seconds) for _ in range(chosen.rounds)]))
 
 
 if __name__ == "__main__":

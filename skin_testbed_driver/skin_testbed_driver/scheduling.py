@@ -17,19 +17,28 @@ _SLICE = 100_000  # ns, the shortest that the scheduler grants
 
 
 def be_punctual() -> None:
-    """Let the calling thread wake without slack (by default Linux rounds up by 50 us), and before others that have long turns.
+    """Let every thread of the process wake without slack (by default Linux rounds up by 50 us), and before others that have long turns.
 
-    The second is a short slice of the fair scheduler, from Linux 6.12 on: no more time than before, but sooner (sched(7), EEVDF).
+    The second is a short slice of the fair scheduler, from Linux 6.12 on: no more time than before, but sooner (sched(7), EEVDF). All
+    threads, because one that has to wait while it holds the interpreter or a lock of DDS keeps the others waiting.
     """
+    for task in _tasks():
+        try:
+            with open(f"/proc/{task}/timerslack_ns", "w") as file:  # noqa: PTH123  (a file of the kernel)
+                file.write("1")
+        except OSError:
+            pass
+        call = _SCHED_SETATTR.get(platform.machine())
+        if call and sys.platform.startswith("linux"):
+            attributes = _ATTR.pack(_ATTR.size, os.SCHED_OTHER, 0, 0, 0, _SLICE, 0, 0)
+            ctypes.CDLL(None).syscall(call, task, attributes, 0)  # an older kernel ignores the slice
+
+
+def _tasks() -> list[int]:
     try:
-        with open(f"/proc/{threading.get_native_id()}/timerslack_ns", "w") as file:  # noqa: PTH123  (a file of the kernel)
-            file.write("1")
+        return [int(task) for task in os.listdir("/proc/self/task")]  # noqa: PTH208
     except OSError:
-        pass
-    call = _SCHED_SETATTR.get(platform.machine())
-    if call and sys.platform.startswith("linux"):
-        attributes = _ATTR.pack(_ATTR.size, os.SCHED_OTHER, 0, 0, 0, _SLICE, 0, 0)
-        ctypes.CDLL(None).syscall(call, 0, attributes, 0)  # an older kernel ignores the slice
+        return [threading.get_native_id()]
 
 
 def be_urgent(priority: int) -> None:
@@ -37,6 +46,6 @@ def be_urgent(priority: int) -> None:
 
     One that is put aside while it holds the interpreter or a lock of DDS would keep the caller waiting.
     """
-    for task in os.listdir("/proc/self/task"):  # noqa: PTH208
-        mine = int(task) == threading.get_native_id()
-        os.sched_setscheduler(int(task), os.SCHED_FIFO, os.sched_param(priority if mine else max(priority - 1, 1)))
+    for task in _tasks():
+        mine = task == threading.get_native_id()
+        os.sched_setscheduler(task, os.SCHED_FIFO, os.sched_param(priority if mine else max(priority - 1, 1)))
