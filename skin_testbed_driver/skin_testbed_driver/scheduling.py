@@ -1,9 +1,6 @@
-"""What a thread asks of Linux in order to wake on time. Elsewhere, and where it is refused, nothing happens.
+"""What a process asks of Linux in order to wake on time. Elsewhere, and where it is refused, nothing happens."""
 
-Every user may ask for the first two (`be_punctual`); measured on a machine that others load they bring the jitter of a sampling loop from
-three times that of a loop which only sleeps down to the same.
-"""
-
+import contextlib
 import ctypes
 import os
 import platform
@@ -22,16 +19,21 @@ def be_punctual() -> None:
     The second is a short slice of the fair scheduler, from Linux 6.12 on: no more time than before, but sooner (sched(7), EEVDF). All
     threads, because one that has to wait while it holds the interpreter or a lock of DDS keeps the others waiting.
     """
+    if not sys.platform.startswith("linux"):
+        return
     for task in _tasks():
-        try:
+        with contextlib.suppress(OSError):  # refused, or the thread has just ended
             with open(f"/proc/{task}/timerslack_ns", "w") as file:  # noqa: PTH123  (a file of the kernel)
                 file.write("1")
-        except OSError:
-            pass
-        call = _SCHED_SETATTR.get(platform.machine())
-        if call and sys.platform.startswith("linux"):
-            attributes = _ATTR.pack(_ATTR.size, os.SCHED_OTHER, 0, 0, 0, _SLICE, 0, 0)
-            ctypes.CDLL(None).syscall(call, task, attributes, 0)  # an older kernel ignores the slice
+            _shorten_turns(task)
+
+
+def _shorten_turns(task: int) -> None:
+    """Only under the fair scheduler, and at the niceness that the task has: `chrt` and `nice` are the user's."""
+    call = _SCHED_SETATTR.get(platform.machine())
+    if call and os.sched_getscheduler(task) == os.SCHED_OTHER:
+        attributes = _ATTR.pack(_ATTR.size, os.SCHED_OTHER, 0, os.getpriority(os.PRIO_PROCESS, task), 0, _SLICE, 0, 0)
+        ctypes.CDLL(None).syscall(call, task, attributes, 0)  # an older kernel ignores the slice
 
 
 def _tasks() -> list[int]:
