@@ -75,12 +75,18 @@ class Run:
         return self.score > 0.0 and not (self.course.carrier == DEPTH and self.largest < max(AT_REST, 0.5 * encoder_step))
 
 
-def zeros(sessions: list[Session]) -> list[np.ndarray]:
-    """Every bend of every channel's zero, (K, C, n) by session; what bends one session's is nothing in the others."""
+def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
+    """Every bend of every channel's zero, and another zero of depth, (K, C, n) by session; what bends one session's is nothing in the
+    others."""
     every = [Course(ZERO, BEND, c, "") for c in range(len(sessions[0].channels))]
-    own = [np.array([s.band.thin(_unit(c, s) * phi) for c in every for phi in _on(_knots(c, s), c, s)]) for s in sessions]
+
+    def of(s: Session) -> np.ndarray:
+        zeros = [s.band.thin(_unit(c, s) * phi) for c in every for phi in _on(_knots(c, s), c, s)]
+        return np.array(zeros if s.drive is not None else [*zeros, s.band.thin(_deeper(model, s, simulated(model, s)))])
+
+    rows = [of(s) for s in sessions]
     return [
-        np.concatenate([o if i == j else np.zeros((len(o), *s.measured.shape)) for j, o in enumerate(own)]) for i, s in enumerate(sessions)
+        np.concatenate([r if i == j else np.zeros((len(r), *s.measured.shape)) for j, r in enumerate(rows)]) for i, s in enumerate(sessions)
     ]
 
 
@@ -206,8 +212,13 @@ def _carrier(course: Course, g: _Ground, s: Session) -> np.ndarray:
     """D of the module's equation, (C, N), newtons for each unit of z."""
     y = g.plain[s.name]
     if course.carrier == DEPTH:
-        return (simulated(g.model.extended(PositionOffset("rig", offset=PROBE)), s) - y) / PROBE
+        return _deeper(g.model, s, y)
     return _unit(course, s) * (1.0 if course.carrier == ZERO else y[course.channel])
+
+
+def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
+    """d(simulated)/d(zero of depth), (C, N) N/m."""
+    return (simulated(model.extended(PositionOffset("rig", offset=PROBE)), s) - plain) / PROBE
 
 
 def _unit(course: Course, s: Session) -> np.ndarray:

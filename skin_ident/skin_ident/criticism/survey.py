@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.course import zeros
+from skin_ident.criticism.course import own as of_each_session
 from skin_ident.criticism.fitting import tangents
 from skin_ident.criticism.noise import noise_model
 from skin_ident.criticism.proposals import Direction, bank
@@ -31,7 +31,8 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     residuals = [residual(model, s) for s in sessions]
     own = tangents(model, sessions, unknowns(model, sessions[0]))
     bends = bank(model, which, sessions)
-    noise = noise or noise_model(residuals, own, [np.concatenate(pair) for pair in zip(bends, zeros(sessions), strict=True)], sessions)
+    every = [np.concatenate(pair) for pair in zip(bends, of_each_session(model, sessions), strict=True)] if noise is None else bends
+    noise = noise or noise_model(residuals, own, every, sessions)
     projected = project(which, stack(bends, sessions, noise), stack(own, sessions, noise), stack(residuals, sessions, noise))
     return Survey(model, noise, projected, tuple(rank(projected)))
 
