@@ -71,8 +71,22 @@ class Declared:
         return values[0] if len(values) == 1 else values[i] if i < len(values) else None
 
     def contact_of(self, recording: str) -> tuple[float, float]:
-        """Where the plunger presses in a recording, mm; the origin of the taxels' frame unless it is declared otherwise."""
-        return self.contact_position_mm.get(recording, self.contact_position_mm.get("", (0.0, 0.0)))
+        """Where the plunger presses in a recording, mm; the origin of the taxels' frame unless it is declared otherwise.
+
+        A recording is called by its file's name, with or without what follows the last dot.
+        """
+        places = self.contact_position_mm
+        return next((places[name] for name in (recording, Path(recording).stem, "") if name in places), (0.0, 0.0))
+
+    def of(self, recording: str) -> "Declared":
+        """What is declared for one recording: the same, with its own contact alone, and a warning where only others have one."""
+        if not self.contact_position_mm:
+            return self
+        place = {"": self.contact_of(recording)}
+        if {"", recording, Path(recording).stem} & set(self.contact_position_mm):
+            return replace(self, contact_position_mm=place)
+        said = "contact_position_mm says where other recordings press, not this one: it is taken to press at [0, 0]"
+        return replace(self, contact_position_mm=place, warnings=(*self.warnings, said))
 
     def filled_with(self, other: "Declared") -> "Declared":
         """The same, with what is unknown here taken from `other`."""
@@ -81,11 +95,20 @@ class Declared:
 
 
 def declared_beside(path: Path) -> Declared:
-    """What the `rig.yaml` in the folder of `path` declares, or in `path` itself where that is a folder; nothing where there is none."""
+    """What the `rig.yaml` in the folder of `path` declares for it, or that in `path` itself where that is a folder; nothing where there is
+    none. What is said of recordings that are not there is warned of."""
     for folder in (path, path.parent) if path.is_dir() else (path.parent,):
         if (folder / FILE_NAME).is_file():
-            return read_declared(folder / FILE_NAME)
+            found = read_declared(folder / FILE_NAME)
+            return replace(found, warnings=(*found.warnings, *_strangers(found, path if folder == path else folder))).of(path.name)
     return Declared()
+
+
+def _strangers(declared: Declared, folder: Path) -> list[str]:
+    """A warning of names under which no recording lies in a folder, or beside its `rig.yaml`."""
+    there = {name for entry in (folder, *folder.iterdir()) for name in (entry.name, entry.stem)}
+    unknown = [name for name in declared.contact_position_mm if name and name not in there]
+    return [f"contact_position_mm in {FILE_NAME} speaks of recordings that are not beside it: {', '.join(unknown)}"] if unknown else []
 
 
 def read_declared(path: Path) -> Declared:
@@ -93,7 +116,7 @@ def read_declared(path: Path) -> Declared:
     try:
         return declared_from(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
-        raise RecordingError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+        raise RecordingError(f"cannot read {path}: {getattr(error, 'strerror', None) or 'it is not UTF-8 text'}") from error
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
 

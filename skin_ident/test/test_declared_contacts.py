@@ -1,0 +1,41 @@
+"""Where each recording presses, as rig.yaml says it by name: with or without the suffix, and never silently passed over."""
+
+import numpy as np
+import pytest
+
+from skin_ident.recordings.load import load
+
+T = np.arange(400) / 100.0
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name in ("session_0.tsv", "session_1.tsv"):
+        table = np.column_stack([T, 0.5 + 0.3 * np.sin(T), 5.0 + np.sin(T), 3.0 + np.sin(T)])
+        np.savetxt(tmp_path / name, table, "%.6g", "\t", header="t_s\tx_mm\tforce_n\ttaxel_0_n", comments="")
+    return tmp_path
+
+
+def loaded(folder, rig):
+    (folder / "rig.yaml").write_text(rig)
+    return load(folder)
+
+
+def contacts(recordings):
+    return [r.declared.contact_of(r.name) for r in recordings]
+
+
+@pytest.mark.parametrize("suffix", ["", ".tsv"])
+def test_a_table_is_called_with_or_without_its_suffix(folder, suffix):
+    found = loaded(folder, f"contact_position_mm: {{session_0{suffix}: [1, 2], session_1{suffix}: [5, 0]}}")
+    assert contacts(found) == [(1.0, 2.0), (5.0, 0.0)] and not any(r.declared.warnings for r in found)
+
+
+def test_a_name_that_no_recording_has_is_warned_of(folder):
+    first, second = loaded(folder, "contact_position_mm: {session_0: [1, 2], sesion_1: [5, 0]}")
+    assert contacts([first, second]) == [(1.0, 2.0), (0.0, 0.0)]
+    assert [w for w in first.declared.warnings if "sesion_1" in w] and [w for w in second.declared.warnings if "not this one" in w]
+
+
+def test_one_place_is_everybodys(folder):
+    assert contacts(loaded(folder, "contact_position_mm: [1, 2]")) == [(1.0, 2.0)] * 2
