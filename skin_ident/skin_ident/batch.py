@@ -18,6 +18,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from skin_ident.cli.common import whole
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
 from skin_ident.recordings.load import load_one
@@ -145,13 +146,12 @@ def parquet_library() -> tuple[Any, Any]:
 def write_table(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """All rows as CSV or, by the suffix .parquet, as Parquet; whole or not at all. Raises `FitError` without pyarrow for the latter."""
     columns = list(dict.fromkeys(name for row in rows for name in row if name != "key"))
-    partial = path.with_name(path.name + ".partial")
-    if path.suffix == ".parquet":
-        arrow, parquet = parquet_library()
-        parquet.write_table(arrow.table({c: [row.get(c) for row in rows] for c in columns}), partial)
-    else:
+    with whole(path) as partial:
+        if path.suffix == ".parquet":
+            arrow, parquet = parquet_library()
+            parquet.write_table(arrow.table({c: [row.get(c) for row in rows] for c in columns}), partial)
+            return
         with partial.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, columns, extrasaction="ignore")
             writer.writeheader()
             writer.writerows(rows)
-    partial.replace(path)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from making import SILICONE, recording, write_bag, write_mcap, write_table
 
+from skin_ident.cli.common import write_json
 from skin_ident.cli.fit import main
 from skin_ident.recordings.recording import Recording
 from skin_models.model_file import load_model
@@ -53,6 +54,37 @@ def test_options(fit, tmp_path, more):
     assert done.returncode == 0 and not list(tmp_path.glob("*.yaml"))
 
 
+def test_a_session_given_twice_counts_once(fit, tmp_path):
+    write_bag(tmp_path / "in" / "a", R)
+    write_table(tmp_path / "in" / "b.csv", R)
+    once, twice = fit(tmp_path / "in" / "a"), fit(tmp_path / "in")
+    assert "b.csv holds the same samples" in twice.stdout and "1 session (a)" in twice.stdout
+    assert [line for line in once.stdout.splitlines() if line.startswith("  k1 ")] == [
+        line for line in twice.stdout.splitlines() if line.startswith("  k1 ")
+    ]
+
+
+def test_a_full_disk_is_said_in_one_sentence(tmp_path):
+    path = write_table(tmp_path / "a.csv", R)
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "skin_ident.cli.fit", path], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60
+        )
+    errors = [line for line in done.stderr.splitlines() if "reading" not in line and "fitting" not in line]
+    assert done.returncode == 2 and len(errors) == 1 and "No space left" in errors[0], done.stderr
+
+
+@pytest.mark.parametrize("fails", ["write", "rename"])
+def test_nothing_half_written_is_left(tmp_path, monkeypatch, fails):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.write_text" if fails == "write" else "pathlib.Path.replace", full)
+    with pytest.raises(OSError, match="No space"):
+        write_json(tmp_path / "fit.json", {"a": 1})
+    assert not list(tmp_path.iterdir())
+
+
 def test_force_to_force_writes_no_model(fit, tmp_path):
     lines = write_table(tmp_path / "b.csv", R).read_text().splitlines()
     (tmp_path / "a.csv").write_text("\n".join(",".join(line.split(",")[i] for i in (0, 2, 3)) for line in lines))
@@ -82,6 +114,13 @@ BAD = {
     "topics without a role": lambda d: [write_mcap(d / "a.mcap", R), "--topics", "/ft"],
     "mass that is none": lambda d: [write_table(d / "a.csv", R), "--mass", "heavy"],
     "bad rig.yaml": lambda d: [(d / "rig.yaml").write_text("skin_thickness_mm: [") and write_table(d / "a.csv", R)],
+    "nothing but comments": lambda d: [(d / "a.csv").write_text("# only\n# comments\n") and d / "a.csv"],
+    "a device": lambda d: ["/dev/null"],
+    "no name": lambda d: [""],
+    "a link to nothing": lambda d: [(d / "a.mcap").symlink_to(d / "gone") or d],
+    "a role twice": lambda d: [write_mcap(d / "a.mcap", R), "--topics", "force=/force", "force=/ft"],
+    "no thickness": lambda d: [write_table(d / "a.csv", R), "--thickness_mm", "-4"],
+    "a night of bootstrap": lambda d: [write_table(d / "a.csv", R), "--bootstrap", "1000000000"],
     "a picture": lambda d: [(d / "a.png").write_bytes(b"\x89PNG") and d / "a.png"],
     "binary in a table": lambda d: [(d / "a.csv").write_bytes(bytes(range(256))) and d / "a.csv"],
     "no bootstrap at all": lambda d: [write_table(d / "a.csv", R), "--bootstrap", "-3"],

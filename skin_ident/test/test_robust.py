@@ -10,7 +10,7 @@ from skin_ident.cli.fit import main
 from skin_ident.estimators.dispersion import fit_dispersion
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.force_to_force import fit_force_to_force
-from skin_ident.estimators.robust import HUBER, LINEAR, SOFT_L1, tamed
+from skin_ident.estimators.robust import CAUCHY, HUBER, LINEAR, SOFT_L1, tamed
 from skin_ident.estimators.robust_output import robustly
 from skin_ident.estimators.transfer_data import Pair
 from skin_ident.estimators.transfer_fit import output_error
@@ -44,7 +44,7 @@ def errors(runs, loss, **how):
     return off, np.array([[f.std[n] for n in TRUTH] for f in fits]), held
 
 
-@pytest.mark.parametrize("loss", [HUBER, SOFT_L1])
+@pytest.mark.parametrize("loss", [HUBER, SOFT_L1, CAUCHY])
 def test_undetected_bursts_do_a_third_of_the_harm(loss):
     assert not any(inspected(spoilt(0))[2].spikes.values())
     plain, (robust, std, _) = errors(range(8), LINEAR)[0], errors(range(8), loss)
@@ -52,7 +52,12 @@ def test_undetected_bursts_do_a_third_of_the_harm(loss):
     assert np.all(np.abs(robust) < 4.5 * std)
 
 
-@pytest.mark.parametrize("loss", [HUBER, SOFT_L1])
+def test_spikes_to_one_side_leave_no_offset_with_cauchy():
+    off, std, _ = errors(range(12), CAUCHY, one_sided=True)
+    assert np.all(np.abs(off.mean(axis=0)) < std.mean(axis=0))
+
+
+@pytest.mark.parametrize("loss", [HUBER, SOFT_L1, CAUCHY])
 def test_clean_data_lose_little_precision(loss):
     ratios = []
     for seed in range(6):
@@ -71,8 +76,8 @@ def test_it_is_the_minimum_of_the_loss():
     rng = np.random.default_rng(0)
     h = rng.normal(size=500)
     y = 2.0 * h + rng.standard_t(2, size=500)
-    for loss in (HUBER, SOFT_L1):
-        beta, c = 0.0, {HUBER: 1.345, SOFT_L1: 1.287}[loss]
+    for loss, c in ((HUBER, 1.345), (SOFT_L1, 1.287), (CAUCHY, 2.385)):
+        beta = 0.0
         for _ in range(200):
             t = tamed([y], [beta * h], [np.ones(500, bool)], loss)
             beta = float(h @ t.rows[0] / (h @ h))
@@ -101,14 +106,14 @@ def test_on_a_command_line(tmp_path, capsys):
     path = write_table(tmp_path / "a.csv", spoilt(0, n=2000))
     assert main([str(path), "--loss", "huber"]) == 0 and "beyond 4 times" in capsys.readouterr().out
     assert main([str(path), "--loss", "huber", "--profile"]) == 2 and "least squares" in capsys.readouterr().err
-    with pytest.raises(FitError, match="one of linear, huber, soft_l1"):
-        fit_dispersion([recording(n=800)], loss="cauchy")
+    with pytest.raises(FitError, match="one of linear, huber, soft_l1, cauchy, not"):
+        fit_dispersion([recording(n=800)], loss="hubert")
 
 
 @pytest.mark.campaign
 @pytest.mark.parametrize(("rho", "one_sided"), [(0.0, False), (0.0, True), (0.9, False)])
 def test_intervals_under_spikes_cover(rho, one_sided, capsys):
-    _, _, held = errors(range(400), HUBER, rho=rho, one_sided=one_sided)
+    _, _, held = errors(range(400), CAUCHY if one_sided else HUBER, rho=rho, one_sided=one_sided)
     with capsys.disabled():
-        print(f"\nhuber, rho {rho}, {'one-sided' if one_sided else 'both sides'}: {dict(zip(TRUTH, held.mean(axis=0), strict=True))}")
+        print(f"\nrho {rho}, {'one-sided' if one_sided else 'both sides'}: {dict(zip(TRUTH, held.mean(axis=0), strict=True))}")
     assert np.all((held.mean(axis=0) >= 0.92) & (held.mean(axis=0) <= 0.98))

@@ -4,7 +4,8 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,11 @@ INTERRUPTED = 130
 
 
 def run(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> int:
-    """Call `main`; a `SkinError` becomes one line on stderr and status 2, Ctrl-C status 130."""
+    """Call `main`; a `SkinError`, or what the system refuses, becomes one line on stderr and status 2, Ctrl-C status 130."""
     try:
-        return main(arguments)
+        status = main(arguments)
+        sys.stdout.flush()  # here, where a full disk can still be told of
+        return status
     except SkinError as error:
         print(f"error: {error}", file=sys.stderr)
         return UNUSABLE
@@ -28,6 +31,16 @@ def run(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | 
     except BrokenPipeError:  # the reader of our output went away, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        print(f"error: {refusal(error)}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return UNUSABLE
+
+
+def refusal(error: OSError) -> str:
+    """What the system refused, in one sentence: a full disk, a missing right, a device that failed."""
+    where = f" ({error.filename})" if error.filename else ""
+    return f"{error.strerror or error}{where}"
 
 
 def add_recordings(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +56,10 @@ def topics_of(pairs: Sequence[str]) -> dict[str, str]:
     broken = [pair for pair in pairs if not all(pair.partition("="))]
     if broken:
         raise RecordingError(f"--topics takes pairs such as force=/ft, not {broken[0]!r}")
+    roles = [pair.partition("=")[0] for pair in pairs]
+    twice = [role for role in roles if roles.count(role) > 1]
+    if twice:
+        raise RecordingError(f"--topics names {twice[0]} twice")
     return dict(pair.split("=", 1) for pair in pairs)
 
 
@@ -59,10 +76,22 @@ def output_folder(path: str) -> Path:
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write a JSON file whole or not at all; NaN and infinity become null."""
+    """Write a JSON file whole or not at all; NaN and infinity become null. Raises `OSError`."""
+    text = json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    with whole(path) as partial:
+        partial.write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """Where to write what becomes `path` once it is complete; nothing is left of it where that fails."""
     partial = path.with_name(path.name + ".partial")
-    partial.write_text(json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
-    partial.replace(path)
+    try:
+        yield partial
+        partial.replace(path)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
 
 
 def _plain(thing: Any) -> Any:

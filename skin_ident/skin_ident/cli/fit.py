@@ -20,6 +20,7 @@ from skin_ident.estimators.spread import with_spread
 from skin_ident.estimators.text import as_dict, as_table
 from skin_ident.recordings.load import find, load
 from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.repeated import without_repeats
 from skin_ident.recordings.timing import counted
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model_file import save_model
@@ -43,6 +44,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if all(isinstance(r, SpreadScan) for r in loaded):
         return fit_scans(loaded, chosen.out)
     recordings, scans = sessions_of(loaded)
+    recordings = without_repeats(recordings)
     for name in scans:
         common.say(f"{name} is a static spread scan: left out of the fit; fit scans by themselves")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
@@ -138,7 +140,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
-    parser.add_argument("--loss", default=LINEAR, choices=LOSSES, help="how residuals count: huber and soft_l1 hold spikes back")
+    parser.add_argument("--loss", default=LINEAR, choices=LOSSES, help="how residuals count: all but linear hold spikes back")
     parser.add_argument("--bootstrap", type=int, default=0, metavar="RUNS", help="also draw intervals from stretches of the residual")
     parser.add_argument("--profile", action="store_true", help="also intervals by profile likelihood")
     parser.add_argument("--each", action="store_true", help="fit every session by itself, in parallel, into one table; resumable")

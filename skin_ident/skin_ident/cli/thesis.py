@@ -9,6 +9,7 @@ import numpy as np
 
 from skin_ident import thesis_repeat as again
 from skin_ident.cli import common
+from skin_ident.estimators.errors import FitError
 from skin_ident.thesis_dispersion import FreeMass, free_masses, speed_exponents
 from skin_models.thesis.tables import estimates
 
@@ -25,9 +26,11 @@ def _main(arguments: Sequence[str] | None) -> int:
     parser.add_argument("--out", metavar="DIR", help="where thesis.json goes; left out: nothing is written")
     parser.add_argument("--runs", type=int, default=10, help="of the validation, per thickness")
     chosen = parser.parse_args(arguments)
+    if chosen.runs < 1:
+        raise FitError(f"--runs counts experiments, from 1 on, not {chosen.runs}")
     cases, found = free_masses(), {}
     for title, section in (("table_4_5", _fixed), ("table_4_4", _free), ("validation", _validation), ("frubber", _frubber)):
-        found[title] = section(cases, max(1, chosen.runs))
+        found[title] = section(cases, chosen.runs)
     if chosen.out:
         path = common.output_folder(chosen.out) / "thesis.json"
         common.write_json(path, found)

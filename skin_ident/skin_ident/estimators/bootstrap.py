@@ -20,7 +20,7 @@ from skin_ident.recordings.recording import Recording
 NAMES = ("m", "b1", "k1", "b2", "k2")
 FEWEST = 4  # stretches in all sessions together
 STRETCHES = 30  # by default
-FEWEST_RUNS = 40
+FEWEST_RUNS, MOST_RUNS = 40, 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +50,8 @@ def bootstrap(
     """Draw the dispersion parameters `runs` times. `stretch` in s. Raises `FitError` where the sessions are too short for it."""
     if runs < FEWEST_RUNS:
         raise FitError(f"{runs} bootstrap samples have no 95 % interval: draw at least {FEWEST_RUNS}, better 1000")
+    if runs > MOST_RUNS:
+        raise FitError(f"{runs} bootstrap samples take hours and tell no more than {MOST_RUNS}: draw 1000")
     sessions, _ = prepare(recordings)
     shape = shape_of(sessions, mass, offsets)
     regression, blocks = settled(sessions, shape)

@@ -78,7 +78,9 @@ def fit_dispersion(
 
 
 def known_mass(recordings: Sequence[Recording], thickness_mm: float | None = None) -> float:
-    """The mass to hold fixed, kg: as declared, or that of the silicone over one taxel at the declared thickness, or none."""
+    """The mass to hold fixed, kg: as declared, or of the silicone over one taxel at the declared thickness, or none. Raises `FitError`."""
+    if thickness_mm is not None and not 0.0 < thickness_mm < 1e3:
+        raise FitError(f"a skin is not {thickness_mm:g} mm thick")
     declared = recordings[0].declared
     if declared.moving_mass_kg is not None:
         return declared.moving_mass_kg

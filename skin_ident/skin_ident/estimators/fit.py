@@ -10,6 +10,7 @@ from skin_ident.estimators.force_to_force import fit_force_to_force
 from skin_ident.estimators.robust import LINEAR
 from skin_ident.estimators.sinusoid import as_sinusoids
 from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.repeated import without_repeats
 
 FIXED = "fixed"
 MEASURED, SINUSOID = "measured", "sinusoid"
@@ -31,7 +32,11 @@ class Options:
 
 
 def fit_recordings(recordings: Sequence[Recording], options: Options = Options()) -> Estimate:
-    """The dispersion model of all sessions together; from force to force where none of them has a depth. Raises `FitError`."""
+    """The dispersion model of all sessions together; from force to force where none of them has a depth. Raises `FitError`.
+
+    A session that is given twice counts once.
+    """
+    recordings = without_repeats(recordings)
     if all(r.depth is None for r in recordings):
         return fit_force_to_force(recordings, options.order, loss=options.loss)
     mass = mass_of(options, recordings)

@@ -3,8 +3,11 @@
 What is minimised is sum rho((r / c s)^2) of the residuals r of the samples as they were measured, before any low-pass has smeared
 a spike over its neighbours. rho is named and meant as in scipy's `least_squares`; with it comes the influence of a residual,
 
-    huber     psi(r) = r up to c s, and +- c s beyond          soft_l1   psi(r) = r / sqrt(1 + (r / c s)^2)
+    huber     psi(r) = r up to c s, and +- c s beyond
+    soft_l1   psi(r) = r / sqrt(1 + (r / c s)^2)
+    cauchy    psi(r) = r / (1 + (r / c s)^2)
 
+The first two let every spike pull like a large residual, which spikes to one side add up to an offset; the last forgets the far ones.
 s is the noise's standard deviation by the median of |r|, c lets the loss cost 5 % of precision where there are no spikes. Every sample is
 replaced by what the fit says plus psi(r), and least squares repeated until nothing changes: where it stops, sum psi(r) h = 0 with the
 low-passed columns h, which is the minimum sought. Coefficients move by (H'H)^-1 H' psi / mean(psi'), so that the covariance is the one of
@@ -19,9 +22,9 @@ import numpy as np
 
 from skin_ident.estimators.errors import FitError
 
-LINEAR, HUBER, SOFT_L1 = "linear", "huber", "soft_l1"
-LOSSES = (LINEAR, HUBER, SOFT_L1)
-TUNING = {HUBER: 1.345, SOFT_L1: 1.287}
+LINEAR, HUBER, SOFT_L1, CAUCHY = "linear", "huber", "soft_l1", "cauchy"
+LOSSES = (LINEAR, HUBER, SOFT_L1, CAUCHY)
+TUNING = {HUBER: 1.345, SOFT_L1: 1.287, CAUCHY: 2.385}
 NORMAL = 1.4826  # standard deviation over median of |r|, normal distribution
 FAR = 4.0  # standard deviations: a sample further off is counted as held back
 ROUNDS = 20
@@ -62,8 +65,13 @@ def noted(loss: str, channels: Mapping[str, Tamed]) -> dict[str, object]:
 
 
 def _influence(r: np.ndarray, limit: float, loss: str) -> np.ndarray:
-    return np.clip(r, -limit, limit) if loss == HUBER else r / np.sqrt(1.0 + (r / limit) ** 2)
+    if loss == HUBER:
+        return np.clip(r, -limit, limit)
+    return r * (1.0 + (r / limit) ** 2) ** (-0.5 if loss == SOFT_L1 else -1.0)
 
 
 def _slope(r: np.ndarray, limit: float, loss: str) -> np.ndarray:
-    return (np.abs(r) <= limit).astype(float) if loss == HUBER else (1.0 + (r / limit) ** 2) ** -1.5
+    z = (r / limit) ** 2
+    if loss == HUBER:
+        return (z <= 1.0).astype(float)
+    return (1.0 + z) ** -1.5 if loss == SOFT_L1 else (1.0 - z) / (1.0 + z) ** 2

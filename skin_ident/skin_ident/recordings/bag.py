@@ -177,6 +177,8 @@ def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.nda
     base = next(iter(tracks.values())).t
     overlap = (base >= max(k.t[0] for k in tracks.values())) & (base <= min(k.t[-1] for k in tracks.values()))
     if overlap.sum() < 2:
+        if min(track.t.size for track in tracks.values()) < 2:
+            raise RecordingError(f"{' and '.join(r for r, k in tracks.items() if k.t.size < 2)}: there is only one message")
         raise RecordingError("the topics were not recorded at the same time, or their stamps come from different clocks")
     base = base[overlap]
     if (~overlap).mean() > EDGES:

@@ -24,16 +24,28 @@ def load(
     instead of resampling. Raises `RecordingError` naming the file and what is wrong with it.
     """
     paths = [paths] if isinstance(paths, (str, Path)) else list(paths)
-    files = [file for path in paths for file in find(Path(path))]
+    files = [file for path in paths for file in find(path)]
     return [load_one(file, topics, log_time, keep) for file in files]
 
 
-def find(path: Path) -> list[Path]:
+def find(path: str | Path) -> list[Path]:
     """The recordings at a path: itself, or all in a folder. Raises `RecordingError` where there is none."""
+    if path == "":
+        raise RecordingError("the name of a recording is empty")
+    path = Path(path)
+    try:
+        return _found(path)
+    except OSError as error:
+        raise RecordingError(f"cannot look into {path}: {error.strerror}") from error
+
+
+def _found(path: Path) -> list[Path]:
     if not path.exists():
-        raise RecordingError(f"{path} does not exist")
-    if path.is_file() or is_bag(path):
+        raise RecordingError(f"{path} {'is a link to nothing' if path.is_symlink() else 'does not exist'}")
+    if path.is_file() or (path.is_dir() and is_bag(path)):
         return [path]
+    if not path.is_dir():
+        raise RecordingError(f"{path} is neither a file nor a folder")
     found = _within(path)
     if not found:
         raise RecordingError(f"{path} holds no recording: no rosbag2 directory, .mcap, or table ({', '.join(TABLES)})")
@@ -63,6 +75,15 @@ def _is_prose(file: Path) -> bool:
 
 def load_one(path: Path, topics: Mapping[str, str] | None = None, log_time: bool = False, keep: bool = False) -> Any:
     """One recording, as `load` gives it. Raises `RecordingError`."""
+    try:
+        return _loaded(path, topics, log_time, keep)
+    except OSError as error:
+        raise RecordingError(f"cannot read {path}: {error.strerror}") from error
+
+
+def _loaded(path: Path, topics: Mapping[str, str] | None, log_time: bool, keep: bool) -> Any:
+    if not path.exists():
+        raise RecordingError(f"{path} {'is a link to nothing' if path.is_symlink() else 'does not exist'}")
     declared = declared_beside(path)
     if is_bag(path):
         return read_bag(path, declared, topics, log_time, keep)

@@ -28,7 +28,7 @@ def read_text(path: Path) -> str:
 
 def header_of(text: str) -> tuple[list[str], str]:
     """The column titles and the separator."""
-    line = next(line for line in text.splitlines() if line.strip() and not line.startswith("#"))
+    line = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     mark = max("\t,;", key=line.count)
     return [title.strip().strip('"') for title in line.split(mark)], mark
 
@@ -36,6 +36,8 @@ def header_of(text: str) -> tuple[list[str], str]:
 def read_rows(text: str, path: Path) -> tuple[list[str], np.ndarray, tuple[str, ...]]:
     """Titles, values (columns, rows) with NaN where there is no number, and warnings. Raises `RecordingError`."""
     titles, mark = header_of(text)
+    if not any(titles):
+        raise RecordingError(f"{path} holds nothing but comments")
     if all(_is_number(title) for title in titles):
         raise RecordingError(f"{path} has no header: its first line must name the columns with units, as in t_s, x_mm, force_n")
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")][1:]

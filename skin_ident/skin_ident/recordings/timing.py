@@ -99,7 +99,8 @@ def _enough(track: Track, name: str) -> Track:
     if track.t.size >= 2:
         return track
     left = counted(track.t.size, "usable sample")
-    raise RecordingError(f"{name} holds {left}: there is nothing to fit ({'; '.join(track.warnings)})")
+    why = f" ({'; '.join(track.warnings)})" if track.warnings else ""
+    raise RecordingError(f"{name} holds {left}: there is nothing to fit{why}")
 
 
 def _resampled(track: Track, dt: float) -> Track:
