@@ -88,9 +88,13 @@ class Guard:
         if math.isnan(force):
             return Stop("the load cell gives no fresh reading")
         if abs(force) > self.limits.max_force:
-            return Stop(f"the force is {force:.1f} N, more than the limit of {self.limits.max_force:.1f} N", retract=True)
+            return Stop(f"the force is {_newtons(force)}, more than the limit of {_newtons(self.limits.max_force)}", retract=True)
         return None
 
 
 def _mm(metres: float) -> str:
     return f"{1e3 * metres:.3f} mm"
+
+
+def _newtons(force: float) -> str:
+    return f"{force:.1f} N" if abs(force) >= 1.0 else f"{force:.3g} N"

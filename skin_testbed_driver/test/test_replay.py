@@ -53,3 +53,8 @@ def test_recordings_without_a_common_time_are_refused():
 def test_a_table_that_cannot_be_used_is_refused_in_a_sentence(tmp_path, text, words):
     with pytest.raises(RigError, match=words):
         table(tmp_path, text)
+
+
+def test_another_number_of_taxels_than_the_recording_has_is_refused(tmp_path):
+    with pytest.raises(RigError, match="has 1 taxels, but the layout has 3"):
+        ReplayRig(table(tmp_path, TABLE), row_from_origin(3)).open(100.0)

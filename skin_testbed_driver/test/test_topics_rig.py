@@ -99,3 +99,12 @@ def test_without_hardware_it_waits_and_says_for_what(graph):
     assert "waiting for the first reading" in graph.states[-1].reason
     assert not graph.call(Trigger, "testbed_driver/reset").success
     assert driver.end(30.0) == 0
+
+
+def test_a_joint_or_a_number_of_taxels_that_does_not_fit_is_said_so(graph):
+    hardware = Hardware(graph, taxels=3)
+    graph.wait(lambda: "taxels_in has 2 values for 3 taxels" in hardware.driver.output(), "the complaint")
+    assert hardware.driver.end(30.0) == 0
+    other = {**PARAMETERS, "joint": "zaxis"}
+    driver = graph.processes.start("skin_testbed_driver", "driver_node", parameters=other, remap=REMAP)
+    graph.wait(lambda: "axis_state tells of " in driver.output() and "set the parameter joint" in driver.output(), "the complaint")

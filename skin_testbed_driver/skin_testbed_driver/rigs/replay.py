@@ -50,11 +50,13 @@ class ReplayRig(Rig):
         self.layout, self._recorded, self._facts, self._loop = layout, recorded, facts or {}, loop
 
     def open(self, sample_rate: float) -> None:
-        """Raises `RigError` for a recording in which depth and force do not overlap."""
+        """Raises `RigError` for a recording in which depth and force do not overlap, or with other taxels than the layout has."""
         r = self._recorded
         begin, end = max(r.depth.t[0], r.force.t[0]), min(r.depth.t[-1], r.force.t[-1])
         if not end > begin:
             raise RigError("the recording's depth and force have no time in common")
+        if r.taxels.values.shape[1] != len(self.layout):
+            raise RigError(f"the recording has {r.taxels.values.shape[1]} taxels, but the layout has {len(self.layout)}: leave that out")
         times = np.arange(begin, end + 0.5e-6, 1.0 / sample_rate)
         self._depth, self._force = r.depth.at(times), r.force.at(times)
         self._taxels = r.taxels.at(times)

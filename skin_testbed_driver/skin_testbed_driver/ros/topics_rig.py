@@ -116,6 +116,9 @@ class TopicsRig(Rig):
         if self._settings.joint in message.name:
             position = message.position[message.name.index(self._settings.joint)]
             self._position = (self._settings.axis_sign * position, time.monotonic())
+        elif self._position[1] == -math.inf:  # others may publish other joints on the same topic
+            there = ", ".join(message.name) or "no joint"
+            self._wonder(f"axis_state tells of {there}, not of {self._settings.joint}: set the parameter joint")
 
     def _on_force(self, message: WrenchStamped) -> None:
         self._force = (self._settings.force_sign * message.wrench.force.z, time.monotonic())
@@ -123,3 +126,8 @@ class TopicsRig(Rig):
     def _on_taxels(self, message: TaxelArray | Float64MultiArray) -> None:
         values = message.force if isinstance(message, TaxelArray) else message.data
         self._taxels = (np.array(values), time.monotonic())
+        if len(values) != len(self.layout):
+            self._wonder(f"taxels_in has {len(values)} values for {len(self.layout)} taxels: set the parameter taxels, or layout_file")
+
+    def _wonder(self, sentence: str) -> None:
+        self._node.get_logger().warning(sentence, throttle_duration_sec=10.0)
