@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -66,7 +67,7 @@ def test_a_session_given_twice_counts_once(fit, tmp_path):
 
 def test_a_full_disk_is_said_in_one_sentence(tmp_path):
     path = write_table(tmp_path / "a.csv", R)
-    with open("/dev/full", "w") as full:
+    with Path("/dev/full").open("w") as full:
         done = subprocess.run(
             [sys.executable, "-m", "skin_ident.cli.fit", path], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60
         )
