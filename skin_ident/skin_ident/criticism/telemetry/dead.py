@@ -1,11 +1,13 @@
-"""Dead taxels: stuck at one value, open from the start, or dying part-way, where the load says that they should have moved.
+"""Dead taxels: stuck at one value, open from the start, dying part-way or on and off, where the load says that they should have moved.
 
-A taxel that lies far from the plunger feels nothing and is not dead: unless it is the only one, its declared place must promise it more
-than its noise, by the narrowest spread and an error of the place that the thesis leaves room for.
+A taxel that lies far from the plunger feels nothing and is not dead: unless it is the only one, its place must promise it a reading (see
+`promise`).
 """
 
 import numpy as np
 
+from skin_ident.criticism.telemetry.loose import contact_of
+from skin_ident.criticism.telemetry.promise import promised
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 FOLLOWS = 0.1  # correlation with the load, below which a taxel says nothing
@@ -14,16 +16,12 @@ ALIVE = 0.3  # of the usual slope in a piece
 GONE = 0.03
 SURE = 0.8  # correlation in a piece in which it surely lives
 FEWEST = 4  # dead pieces in a row, to the end of the session
-WIDTH = 0.0045  # m, the narrowest Gaussian spread of thesis Table 4-8
-AWAY = 0.002  # m, by which a plunger may be off
-CLEAR = 3.0  # noise widths that the promised signal must have
-SHARE = 0.4  # of the applied force that the thesis's skins lead through a taxel under the plunger at least
 
 
 def find_dead_taxels(recordings: list) -> list[Symptom]:
-    """Taxels that are silent in all sessions, or fall silent in some."""
+    """Taxels that are silent in all sessions, on and off, or fall silent in some."""
     n = len(recordings[0].taxels)
-    return [s for i in range(n) for s in (_silent(recordings, i, n) or _dying(recordings, i, n))]
+    return [s for i in range(n) for s in (_silent(recordings, i, n) or _loose(recordings, i, n) or _dying(recordings, i, n))]
 
 
 def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
@@ -32,31 +30,37 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
     if all(np.ptp(row) == 0.0 for row in rows):
         return [_symptom(name, n, 0.0, f"{name} holds {rows[0][0]:.4g} in all {sum(map(len, rows))} samples", "stuck", float(rows[0][0]))]
     loads = [_load(r) for r in recordings]
-    if any(load is None for load in loads) or not _promised(recordings, i, n):
+    if any(load is None for load in loads):
         return []
     r = max(abs(_correlation(load, row)) for load, row in zip(loads, rows, strict=True))
-    if r >= FOLLOWS:
+    by = promised(recordings, i, n) if r < FOLLOWS else ""
+    if not by:
         return []
     level = float(np.median(np.concatenate(rows)))
     kind = "stuck" if abs(level) > 3.0 * float(np.std(rows[0])) else "open"
-    why = f"{name} does not follow the load in any of {len(rows)} sessions (largest correlation {r:.2f}); it reads {level:.3g} throughout"
+    follows = f"{name} does not follow the load in any of {len(rows)} sessions (largest correlation {r:.2f})"
+    why = f"{follows}, though {by}; it reads {level:.3g} N throughout"
     return [_symptom(name, n, 0.0, why, kind, level)]
 
 
-def _promised(recordings: list, i: int, n: int) -> bool:
-    """Whether this taxel ought to feel the load well above its own noise."""
-    if n == 1:
-        return True
-    places, r = recordings[0].declared.taxel_positions_mm, recordings[0]
-    if i >= len(places):
-        return False
-    load = r.force if r.force is not None else np.sum(r.taxels, axis=0)
-    distance = 1e-3 * float(np.hypot(*np.subtract(places[i], r.declared.contact_of(r.name)))) + AWAY
-    return SHARE * np.exp(-((distance / WIDTH) ** 2)) * float(np.std(load)) > CLEAR * float(np.std(r.taxels[i]))
+def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
+    """The taxel falls silent and comes back, again and again."""
+    name, loads = f"taxel_{i}", [_load(r) for r in recordings]
+    if any(load is None for load in loads):
+        return []
+    found = contact_of([r.taxels[i] for r in recordings], loads, recordings[0].dt)
+    if found is None:
+        return []
+    bad = {(r.name, name): m for r, m in zip(recordings, found.lost, strict=True) if m.any()}
+    share = float(np.mean(np.concatenate(found.lost)))
+    since = next(np.argmax(m) * r.dt for r, m in zip(recordings, found.lost, strict=True) if m.any())
+    jumps = f"{name} jumps {found.jumps} times between following the load and {found.level:.3g} N, without a jump of the load"
+    why = f"{jumps}; it is silent in {100 * share:.0f} % of the samples, in {len(bad)} of {len(recordings)} sessions"
+    return [_symptom(name, n, since, why, "intermittent", found.level, bad)]
 
 
 def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
-    """The taxel follows the load at first and not at all from some moment to the end of the session."""
+    """The taxel follows the load at first and not at all from some moment to the end of the session; others may know it dead only."""
     name, bad, when = f"taxel_{i}", {}, []
     for r in recordings:
         start = _death(r, r.taxels[i])
@@ -65,6 +69,7 @@ def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
             when.append(start * r.dt)
     if not bad:
         return []
+    bad |= {(r.name, name): np.ones(len(r), bool) for r in recordings if np.ptp(r.taxels[i]) == 0.0}
     why = f"{name} follows the load up to {when[0]:.1f} s and not at all from there to the end, in {len(bad)} of {len(recordings)} sessions"
     return [_symptom(name, n, when[0], why, "dies", 0.0, bad)]
 

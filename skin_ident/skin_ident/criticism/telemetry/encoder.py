@@ -45,12 +45,12 @@ def find_encoder_faults(recordings: list) -> list[Symptom]:
 
 
 def _stiffness(recordings: list, channel: str) -> float:
-    """Slope of a channel against depth in contact, N/m, as the median over sessions."""
+    """Slope of a channel against depth in contact, N/m, as the median over sessions; a channel that never changes says nothing."""
     slopes = []
     for r in recordings:
         y, x = r.channels[channel], r.depth
         touching = x > 0.0
-        if touching.sum() > 20 and np.ptp(x[touching]) > 0.0:
+        if touching.sum() > 20 and np.ptp(x[touching]) > 0.0 and np.ptp(y) > 0.0:
             slopes.append(float(np.cov(x[touching], y[touching])[0, 1] / np.var(x[touching], ddof=1)))
     return float(np.median(slopes)) if slopes else 0.0
 

@@ -1,14 +1,22 @@
-"""Outliers in what was measured: spikes, bursts, drop-outs, and samples frozen while the load goes on."""
+"""Outliers in what was measured: spikes, bursts, drop-outs, and samples frozen while the load goes on.
+
+A force stands still for a while whenever the plunger does: at a reversal with play in the drive, in coarse steps of a converter. The
+simulation then runs ahead of it, its depth being smoothed. A frozen run misses a movement from its beginning on, and alone.
+"""
 
 import numpy as np
 
 from skin_ident.criticism.telemetry.excursions import excursions, fill_clusters, held, runs
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
-from skin_ident.criticism.telemetry.tails import reach, smallest_step, stands_apart
+from skin_ident.criticism.telemetry.tails import LEAST, reach, smallest_step, stands_apart
 
 FEWEST = 2  # frozen runs that make a finding by themselves
 FROZEN = 5  # samples at one value
 MISSED = 10.0  # noise widths of change that a frozen run must have missed
+SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
+EARLY = 0.25  # of that change, which the first half of the run must have missed
+SEEN = 0.4  # of that change, which another channel must have seen by the end of the run if it can see it
+CLEAR = 3.0  # noise widths above which it can
 
 
 def find_outliers(
@@ -30,6 +38,9 @@ def find_outliers(
     for c, (away, still) in enumerate(every):
         others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
         own = [_alone(s, o) for s, o in zip(still, others, strict=True)]
+        sure = sum(_sure(s, r, y, c) for s, r, y in zip(own, residuals, raw, strict=True))
+        if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
+            own = [np.zeros_like(s) for s in own]
         found.append(_symptom(names, channels[c], away, own, [r[c] for r in residuals], n_taxels, dt))
     return [s for s in found if s is not None]
 
@@ -61,6 +72,26 @@ def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
     return out
 
 
+def _sure(still: np.ndarray, e: np.ndarray, y: np.ndarray, c: int) -> int:
+    """How many runs of `still`, a mask of channel `c` of `y` (C, N), miss a movement from their beginning on, which no channel denies."""
+    noise = [reach(np.diff(row)) / LEAST for row in e]
+    return sum(_from_the_start((y - e)[c, a : b + 1]) and not _denied(e, y, noise, c, a, b) for a, b in zip(*runs(still), strict=True))
+
+
+def _from_the_start(should: np.ndarray) -> bool:
+    """Whether the first half of a run sees its part of what the simulation does in the whole."""
+    middle = 0.5 * (should[(should.size - 1) // 2] + should[should.size // 2])
+    return (middle - should[0]) * np.sign(should[-1] - should[0]) >= EARLY * abs(should[-1] - should[0])
+
+
+def _denied(e: np.ndarray, y: np.ndarray, noise: list[float], c: int, a: int, b: int) -> bool:
+    """Whether another channel that ought to have moved within the run a..b stood still as well."""
+    expected = np.diff((y - e)[:, [a, b]])[:, 0]
+    able = np.abs(expected) > CLEAR * np.array(noise)
+    able[c] = False
+    return bool(np.any(able & ((y[:, b - 1] - y[:, a]) * np.sign(expected) < SEEN * np.abs(expected))))
+
+
 def _frozen(y: np.ndarray, e: np.ndarray, limit: float, step: float, resting: np.ndarray) -> np.ndarray:
     """Mask of runs of one value, none of it `resting`, while the residual runs away, and comes back in one jump."""
     mask = np.zeros(y.size, bool)
@@ -87,7 +118,7 @@ def _symptom(
 ) -> Symptom | None:
     masks = [a | s for a, s in zip(away, still, strict=True)]
     count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
-    if not any(a.any() for a in away) and sum(runs(m)[0].size for m in still) < FEWEST:
+    if count == 0:
         return None
     wrong = np.concatenate([_away(row, m) for row, m in zip(e, masks, strict=True)])
     largest = float(np.max(np.abs(wrong)))

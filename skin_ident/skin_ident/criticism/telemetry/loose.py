@@ -1,0 +1,82 @@
+"""A loose contact: a channel jumps from following the load to a reading of its own, and back, while the load does nothing of the kind.
+
+Such a jump is as large as the reading itself within a sample, and the reading on its silent side is one and the same each time. A drop-out
+of a few samples is an outlier (see `excursions`); a frozen reading begins without a jump.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from skin_ident.criticism.telemetry.tails import reach, smallest_step
+
+LOADED = 0.2  # of the greatest load, below which nothing is lost by an open contact
+FALLS = 0.6  # of the reading that ought to be there, by which it must jump
+CALM = 0.2  # of the load, by which it may itself change within
+NEAR = 3  # samples of the jump
+LASTS_S, LASTS = 0.1, 12  # seconds, and samples, for which the reading must stay
+SAME = 0.1  # of what ought to be there, within which it must stay
+FEWEST = 4  # jumps
+WAYS = 2  # of which so many down, and so many up
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The masks (N,) of each session where the channel is silent, what it then reads (N), and the jumps that say so."""
+
+    lost: list[np.ndarray]
+    level: float
+    jumps: int
+
+
+def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float) -> Contact | None:
+    """The loose contact of a channel with these readings (N,) under these loads (N,), each session one; None where it has none."""
+    slope, least = _slope(rows, loads), LOADED * max(float(load.max()) for load in loads)
+    if slope * least < reach(np.concatenate([np.diff(y) for y in rows]), smallest_step(np.concatenate(rows))):
+        return None
+    size = max(LASTS, round(LASTS_S / dt))
+    jumps = [_jumps(y, load, slope, least) for y, load in zip(rows, loads, strict=True)]
+    silent = [_silent_side(y, at, size) for y, at in zip(rows, jumps, strict=True)]
+    readings = [float(np.median(y[a:b])) for y, sides in zip(rows, silent, strict=True) for a, b in sides]
+    if len(readings) < FEWEST:
+        return None
+    level = float(np.median(readings))
+    wide = SAME * slope * least
+    kept = [[(a, b) for a, b in sides if np.all(np.abs(y[a:b] - level) < wide)] for y, sides in zip(rows, silent, strict=True)]
+    kept_at = [(y, a) for y, sides in zip(rows, kept, strict=True) for a, _ in sides]
+    down = sum(a > 0 and y[a - 1] - level > wide for y, a in kept_at)
+    if len(kept_at) < FEWEST or min(down, len(kept_at) - down) < WAYS:
+        return None
+    lost = [_grown(y, sides, level, wide) for y, sides in zip(rows, kept, strict=True)]
+    return Contact(lost, level, len(kept_at))
+
+
+def _slope(rows: list[np.ndarray], loads: list[np.ndarray]) -> float:
+    """Reading per load while the channel follows: the upper quartile of their ratio under load, as it may be silent most of the time."""
+    y, load = np.concatenate(rows), np.concatenate(loads)
+    pressed = load > 0.5 * load.max()
+    return float(np.percentile(y[pressed] / load[pressed], 75.0)) if pressed.any() else 0.0
+
+
+def _jumps(y: np.ndarray, load: np.ndarray, slope: float, least: float) -> np.ndarray:
+    """Samples (after the jump) where the reading jumps by what ought to be there while the load stays."""
+    calm = maximum_filter1d(load, 2 * NEAR + 1) - minimum_filter1d(load, 2 * NEAR + 1) < CALM * load
+    d = np.abs(np.diff(y, prepend=y[0]))
+    return np.flatnonzero((load > least) & calm & (d > FALLS * slope * load))
+
+
+def _silent_side(y: np.ndarray, jumps: np.ndarray, size: int) -> list[tuple[int, int]]:
+    """The `size` samples after each jump down and before each jump up."""
+    sides = [(int(k), int(k) + size) if y[k] < y[k - 1] else (int(k) - size, int(k)) for k in jumps]
+    return [(a, b) for a, b in sides if a >= 0 and b <= y.size]
+
+
+def _grown(y: np.ndarray, sides: list[tuple[int, int]], level: float, wide: float) -> np.ndarray:
+    """Mask of the stretches at the level that hold one of these."""
+    at = np.abs(y - level) < wide
+    out = np.zeros(y.size, bool)
+    for a, b in sides:
+        before, after = np.flatnonzero(~at[:a]), np.flatnonzero(~at[b:])
+        out[before[-1] + 1 if before.size else 0 : b + after[0] if after.size else y.size] = True
+    return out

@@ -1,0 +1,75 @@
+"""Lines that the motion itself brings into a residual, and lines that it cannot have brought.
+
+A periodic motion leaves its harmonics in the residual of any skin that is not linear, a coarse encoder its steps at constant speed. What
+curvature, friction, play or contact make of a motion has lines where simple functions of the simulated force and of its rate have them. But
+a line that goes on while the plunger rests came from elsewhere, whatever the motion does at other times.
+"""
+
+import numpy as np
+from scipy.ndimage import median_filter
+from scipy.signal import detrend
+from scipy.stats import f as f_distribution
+
+BY_DEPTH = 0.4  # of a line that the simulation may carry
+TALL = 20.0  # times its background, where a motion has a line of its own
+CYCLES, LEAST_S = 8, 2.0  # of a line, in a window at rest, and its least length
+STILL = 0.25  # of the line's amplitude, by which the simulation may move there (standard deviation)
+BESIDE = np.array([-4, -3, -2, 2, 3, 4])  # bins of such a window that a line is compared with
+FEWEST = 2  # windows
+CHANCE = 1e-4
+SLOW = 0.02  # of the greatest speed, below which a speed has no sign
+
+
+def goes_on_at_rest(rows: list[np.ndarray], predicted: list[np.ndarray], frequency: float, amplitude: float, dt: float) -> bool:
+    """Whether a line stands over the frequencies beside it (F-test) in those windows of the residuals in which the simulation rests."""
+    size = round(max(LEAST_S, CYCLES / frequency) / dt)
+    still = [
+        detrend(e[k : k + size])
+        for e, m in zip(rows, predicted, strict=True)
+        for k in range(0, e.size - size + 1, size)
+        if np.std(detrend(m[k : k + size])) < STILL * amplitude
+    ]
+    if len(still) < FEWEST:
+        return False
+    at = frequency + np.concatenate([[0.0], BESIDE]) / (size * dt)
+    at = at[(at > 0.0) & (at < 0.5 / dt)]
+    turns = np.exp(-2j * np.pi * dt * np.outer(np.arange(size), at)) * np.hanning(size)[:, None]
+    power = np.mean(np.abs(np.array(still) @ turns) ** 2, axis=0)
+    free = 2 * len(still)
+    return bool(f_distribution.sf(power[0] / np.mean(power[1:]), free, 0.5 * free * (at.size - 1)) < CHANCE)
+
+
+def carried(predicted: list[np.ndarray], frequency: float, amplitude: float, dt: float) -> bool:
+    """Whether the simulated rows (N,) move as much at this frequency, or anything that a skin makes of them has a line there."""
+    return float(np.median([_amplitude(m, frequency, dt) for m in predicted])) > BY_DEPTH * amplitude or _of_motion(
+        predicted, frequency, dt
+    )
+
+
+def _of_motion(predicted: list[np.ndarray], frequency: float, dt: float) -> bool:
+    """Whether the same function of the motion has a line within a bin of the frequency in half of the rows or more."""
+    n = min(m.size for m in predicted)
+    i = round(frequency * n * dt)
+    near = slice(max(i - 1, 0), i + 2)
+    tall = [[np.max(over_background(y)[near]) for y in _made_of(row[:n])] for row in predicted if np.ptp(row[:n]) > 0.0]
+    return bool(tall) and bool(np.any(np.median(tall, axis=0) > TALL))
+
+
+def over_background(e: np.ndarray) -> np.ndarray:
+    """Periodogram of e (N,), in units of its own running median."""
+    n = e.size
+    power = np.abs(np.fft.rfft((e - e.mean()) * np.hanning(n))) ** 2
+    return power / np.maximum(median_filter(power, 101) / np.log(2.0), 1e-300)
+
+
+def _made_of(force: np.ndarray) -> list[np.ndarray]:
+    """What curvature, contact, friction and play may add to a force (N,), each to a scale of its own."""
+    y = force / np.max(np.abs(force))
+    rate = np.gradient(y)
+    way = np.tanh(rate / (SLOW * np.max(np.abs(rate))))
+    return [y, y**2, y**3, y**4, np.maximum(y - 0.5, 0.0), np.abs(y - np.median(y)), rate * np.abs(rate), np.abs(rate), way, way * y]
+
+
+def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
+    turn = np.exp(-2j * np.pi * frequency * dt * np.arange(e.size)) * np.hanning(e.size)
+    return 4.0 * abs(np.mean((e - e.mean()) * turn))

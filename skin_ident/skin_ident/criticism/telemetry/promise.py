@@ -1,0 +1,62 @@
+"""Whether a taxel ought to feel the load: by its declared place, or because it lies between two taxels that do.
+
+Any spread falls off from the contact in all directions, so that a taxel on the straight line between two others feels at least what the
+lesser of them does. Without a declared layout only the second of three taxels is taken to lie between others, as they are numbered in a
+row; of more, the numbers may go row by row over an area.
+"""
+
+import numpy as np
+
+WIDTH = 0.0045  # m, the narrowest Gaussian spread of thesis Table 4-8
+AWAY = 0.002  # m, by which a plunger may be off
+CLEAR = 3.0  # noise widths that the promised signal must have
+SHARE = 0.4  # of the applied force that the thesis's skins lead through a taxel under the plunger at least
+FELT = 0.1  # of the load that the lesser of two neighbours must feel
+NOTHING = 0.005  # of what the lesser neighbour feels: less is silence
+MIDDLE, BESIDE = (0.2, 0.8), 0.1  # of the way from one neighbour to the other, and beside it, where a taxel is between them
+
+
+def promised(recordings: list, i: int, n: int) -> str:
+    """What promises taxel `i` of `n` a reading well above its own noise, as a clause; empty where it may simply lie apart."""
+    if n == 1:
+        return "there is a load"
+    places = len(recordings[0].declared.taxel_positions_mm)
+    if i < places and _by_place(recordings[0], i):
+        return "its place says that it should"
+    pair = next((p for r in recordings for p in _pairs(r, i, n) if _between(r, i, *p)), None)
+    how = "" if places else ", as they are numbered,"
+    return f"taxels {pair[0]} and {pair[1]} on both sides of it{how} say that it should" if pair else ""
+
+
+def _by_place(r, i: int) -> bool:
+    load = r.force if r.force is not None else np.sum(r.taxels, axis=0)
+    distance = 1e-3 * float(np.hypot(*np.subtract(r.declared.taxel_positions_mm[i], r.declared.contact_of(r.name)))) + AWAY
+    return SHARE * np.exp(-((distance / WIDTH) ** 2)) * float(np.std(load)) > CLEAR * float(np.std(r.taxels[i]))
+
+
+def _pairs(r, i: int, n: int) -> list[tuple[int, int]]:
+    """Taxels between which taxel `i` lies."""
+    places = np.array(r.declared.taxel_positions_mm, float)
+    if len(places) < n:
+        return [(0, 2)] if n == 3 and i == 1 and not len(places) else []
+    pairs = []
+    for a in (a for a in range(n) if a != i):
+        along, out = places[a + 1 :] - places[a], places[i] - places[a]
+        length = np.maximum(np.hypot(*along.T), 1e-9)
+        part = along @ out / length**2
+        off = np.abs(along[:, 0] * out[1] - along[:, 1] * out[0]) / length**2
+        pairs += [(a, a + 1 + int(k)) for k in np.flatnonzero((part > MIDDLE[0]) & (part < MIDDLE[1]) & (off < BESIDE)) if a + 1 + k != i]
+    return pairs
+
+
+def _between(r, i: int, a: int, b: int) -> bool:
+    """Whether both neighbours feel the load, so that what taxel `i` reads is nothing beside it."""
+    load = r.force if r.force is not None else np.sum(r.taxels, axis=0) - r.taxels[i]
+    load = load - load.mean()
+    energy = float(load @ load)
+    if energy <= 0.0:
+        return False
+    own, *felt = (float(load @ r.taxels[k]) / energy for k in (i, a, b))
+    least = min(felt)
+    clear = least * np.sqrt(energy / load.size) > CLEAR * float(np.std(r.taxels[i]))
+    return least > FELT and clear and abs(own) < NOTHING * least

@@ -1,0 +1,70 @@
+"""Taxels that answer nothing, always or on and off, are named where something promises them a reading, and not where they may lie apart."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from world import make_sessions, write_case
+
+from skin_ident.criticism.record import inspect
+from skin_ident.recordings.load import load
+
+
+def three(layout, taxels=3, seed=6):
+    return make_sessions("null", seed=seed, n_sessions=2, n_taxels=taxels, layout=layout, noise="white")[0]
+
+
+def spoilt(sessions, taxel, change, declared=True):
+    """The same with one taxel changed by `change(y, rng)`, and its layout left out of what is declared."""
+    rng, out = np.random.default_rng(5), []
+    for s in sessions:
+        taxels = s.taxels.copy()
+        taxels[:, taxel] = change(taxels[:, taxel], rng)
+        rig = s.rig if declared else {k: v for k, v in s.rig.items() if k != "taxel_positions_mm"}
+        out.append(replace(s, taxels=taxels, rig=rig))
+    return out
+
+
+def named(folder, sessions):
+    write_case(sessions, folder)
+    return inspect(load(folder)).symptoms
+
+
+def noisy(y, rng):
+    return 0.05 * rng.standard_normal(y.size)
+
+
+def on_and_off(y, rng):
+    return np.where(np.repeat(rng.random(y.size // 300 + 1) > 0.4, 300)[: y.size], y, 0.0)
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_an_open_taxel_between_loaded_ones_is_dead(tmp_path, declared):
+    symptoms = named(tmp_path, spoilt(three("row_5mm"), 1, noisy, declared))
+    assert [(s.cause, s.where, s.evidence["kind"]) for s in symptoms] == [("dead_taxel", "taxel_1", "open")]
+
+
+@pytest.mark.parametrize(("taxels", "which"), [(3, 2), (3, 0), (4, 1), (6, 2)])
+def test_one_that_may_lie_apart_is_not(tmp_path, taxels, which):
+    assert not named(tmp_path, spoilt(three("row_5mm", taxels), which, noisy, declared=False))
+
+
+def test_one_that_lies_apart_between_silent_neighbours_is_not(tmp_path):
+    assert not named(tmp_path, spoilt(three("row_14mm", 5), 3, noisy))
+
+
+@pytest.mark.parametrize("taxels", [1, 3])
+def test_one_that_comes_and_goes_is_dead_for_so_long(tmp_path, taxels):
+    sessions = three("row_5mm", taxels)
+    symptoms = named(tmp_path, spoilt(sessions, 0, on_and_off))
+    assert [(s.cause, s.channels[0], s.evidence["kind"]) for s in symptoms] == [("dead_taxel", "taxel_0", "intermittent")]
+    loaded = np.concatenate([s.taxels[:, 0] > 1.0 for s in sessions])
+    open_then = np.concatenate([s.taxels[:, 0] == 0.0 for s in spoilt(sessions, 0, on_and_off)])
+    marked = np.concatenate(list(symptoms[0].bad.values()))
+    assert np.mean(marked[loaded & open_then]) > 0.7
+    assert not np.any(marked[loaded & ~open_then])
+
+
+def test_a_stuck_taxel_says_nothing_of_the_encoder(tmp_path):
+    sessions = make_sessions("dead_taxel", "taxel_0", "stuck", seed=2108696762, n_sessions=3, n_taxels=3)[0]
+    assert {(s.cause, s.where) for s in named(tmp_path, sessions)} == {("dead_taxel", "taxel_0")}

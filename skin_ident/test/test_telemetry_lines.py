@@ -1,0 +1,56 @@
+"""Tones of other origin are found within the motion's own band, steady or in bursts; what the motion makes of itself is none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from world import make_sessions, write_case
+
+from skin_ident.criticism.record import inspect
+from skin_ident.recordings.load import load
+
+
+def named(folder, sessions):
+    write_case(sessions, folder)
+    return [s for s in inspect(load(folder)).symptoms if s.cause == "interference"]
+
+
+def humming(tone, amplitude, seed=3):
+    """Sessions whose load cell picks up `amplitude` (N) times `tone(t)`."""
+    sessions, _ = make_sessions("null", seed=seed, n_sessions=3, noise="white")
+    return [replace(s, force=s.force + amplitude * tone(s.t + 100.0 * k)) for k, s in enumerate(sessions)]
+
+
+def two(t):
+    return np.sin(2 * np.pi * 1.7 * t) + 0.6 * np.sin(2 * np.pi * 7.3 * t + 1)
+
+
+def burst(t):
+    return np.sin(2 * np.pi * 4.1 * t) * (t % 17 < 5)
+
+
+@pytest.mark.parametrize(("tone", "lines"), [(two, [1.7, 7.3]), (burst, [4.1])])
+def test_a_tone_in_the_band_is_found(tmp_path, tone, lines):
+    found = named(tmp_path, humming(tone, 0.08))
+    assert [s.where for s in found] == ["load_cell"]
+    assert found[0].evidence["lines"] == pytest.approx(lines, abs=0.1)
+
+
+def test_a_steady_tone_has_its_amplitude(tmp_path):
+    (found,) = named(tmp_path, humming(two, 0.08))
+    assert found.parameters["amplitude"]["value"] == pytest.approx(0.08, rel=0.1)
+    assert found.parameters["frequency"]["value"] == pytest.approx(1.7, abs=0.01)
+
+
+@pytest.mark.parametrize("cause", ["nonlinear_stiffness", "friction", "backlash", "rate_dependence", "hysteresis"])
+@pytest.mark.parametrize("hertz", [0.5, 1.5])
+def test_harmonics_of_a_periodic_motion_are_no_tones(tmp_path, cause, hertz, monkeypatch):
+    from world import protocols
+
+    def sine(path):
+        path.ramp(0.5, 1.0)
+        path.add(0.4 * np.sin(2 * np.pi * hertz * np.arange(1, round(30 * path.rate)) / path.rate))
+
+    monkeypatch.setitem(protocols.BODIES, "long_sine", sine)
+    sessions, _ = make_sessions(cause, size=6.0, seed=11, protocol="long_sine", n_sessions=3, n_taxels=2, noise="white")
+    assert not named(tmp_path, sessions)
