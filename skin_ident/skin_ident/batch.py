@@ -81,8 +81,15 @@ def run_batch(
 
 def _key(path: Path, options: Options, how: dict[str, Any]) -> str:
     files = sorted(path.rglob("*")) if path.is_dir() else [path]
-    facts = [(str(f), f.stat().st_size, f.stat().st_mtime_ns) for f in files]
+    facts = [(str(f), *_size_and_change(f)) for f in files]
     return hashlib.sha256(json.dumps([facts, asdict(options), how]).encode()).hexdigest()[:24]
+
+
+def _size_and_change(file: Path) -> tuple[int, int]:
+    try:
+        return file.stat().st_size, file.stat().st_mtime_ns
+    except OSError:  # a link to nothing: the fit will say so
+        return 0, 0
 
 
 def _journal(folder: Path) -> Iterator[dict[str, Any]]:

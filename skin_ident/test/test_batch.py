@@ -38,6 +38,12 @@ def test_every_session_gives_a_row_and_a_second_call_does_nothing(folder, tmp_pa
     assert len(list(csv.DictReader((out / "fits.csv").open()))) == 7
 
 
+def test_a_link_to_nothing_is_a_row_like_others(folder, tmp_path):
+    (folder / "gone.csv").symlink_to(tmp_path / "nowhere.csv")
+    row = run_batch([folder / "gone.csv"], tmp_path, jobs=1)[0]
+    assert row["status"] == "failed" and "link to nothing" in row["why"]
+
+
 def test_resumes_after_a_crash(folder, tmp_path):
     paths = sorted(folder.glob("s*.csv"))[:3]
     run_batch(paths[:2], tmp_path, jobs=1)
