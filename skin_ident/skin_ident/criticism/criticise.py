@@ -16,6 +16,7 @@ from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
+from skin_ident.criticism.telemetry.quantization import RESOLVED, step_of
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
@@ -243,11 +244,17 @@ class Search:
         self.progress(f"named {finding.cause} in the {finding.where}")
 
     def _resolved(self, gain: Gain) -> bool:
-        """Whether the gain is more than what the encoder's steps leave open: a force of k q / sqrt(12), the same one wherever the plunger
-        comes back to, so that held-out sessions repeat it."""
+        """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever
+        the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the
+        readings across them."""
         skin, shares = self.present.model.dispersion, self.present.model.shares
         k = skin.k1 + skin.k2 if gain.channel == "force" else skin.k1 * shares[int(gain.channel.rpartition("_")[2])]
-        return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0
+        return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + (RESOLVED * self._step(gain.channel)) ** 2
+
+    def _step(self, channel: str) -> float:
+        """The converter's step in a channel, N; zero where none is seen."""
+        row = self.train[0].channels.index(channel)
+        return max(step_of(s.raw[row]) or 0.0 for s in self.train)
 
     def _rivals(self, other: _Trial, best: _Trial, gain: Gain) -> bool:
         """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and more of what was held out."""
