@@ -66,7 +66,5 @@ def sessions_of(loaded: Sequence) -> tuple[list[Recording], list[str]]:
     sessions = [r for r in loaded if isinstance(r, Recording)]
     scans = [r.name for r in loaded if not isinstance(r, Recording)]
     if not sessions:
-        raise FitError(
-            f"{scans[0]} is a static spread scan, which has no dispersion model; fit scans by themselves, or give it to diagnose"
-        )
+        raise FitError(f"{scans[0]} is a static spread scan, which has no dispersion model: fit scans alone, or give it to diagnose")
     return sessions, scans

@@ -14,7 +14,10 @@ import numpy as np
 
 
 def drawn_again(x: np.ndarray) -> np.ndarray:
-    """Depth (N,) m without its staircase, never further than half a step from what was read; itself where no two samples are alike."""
+    """Depth (N,) m without its staircase; itself where no two samples are alike.
+
+    Never further from what was read than half a step, which is the smallest change from one reading to the next, or than a sample's change.
+    """
     change = np.flatnonzero(np.diff(x) != 0.0) + 1
     if change.size == 0 or change.size == x.size - 1:
         return x
