@@ -67,7 +67,7 @@ def experiment(pair: Pair, recordings: list) -> Experiment:
     models = {rival: grow(before, ranked[rival], sessions, which, first.noise).model for rival in pair.rivals}
     (one, other), gain = pair.rivals, Gain("force", ("force",), 1.0, 1.0, (0.0, 0.0), 0.0, 0.0, "")
     named = Named(*one, gain, 0.0, (Rival(*other, 0.0, models[other]),), before.model, models[one])
-    return separating_experiment(named, sessions, first.noise)
+    return separating_experiment(named, sessions, first.noise, directions(sessions[0]))
 
 
 def names_left(pair: Pair, truth, seed: int) -> tuple[Experiment, set]:

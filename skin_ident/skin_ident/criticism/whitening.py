@@ -43,6 +43,8 @@ class Whitener:
     def apply(self, e: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """Whiten (..., C, n), in the precision that comes in. Samples that a channel or its neighbourhood spoils, and the first p,
         come back as zeros."""
+        if not e.size:
+            return e
         to_unit, mix, believed = (a.astype(e.dtype) for a in (self.to_unit, self.mix, self._believed(weight)))
         if not self.filters[:, 1:].any():  # white: one product does it all
             return np.matmul(to_unit @ mix, e) * believed
@@ -122,4 +124,4 @@ def _averages(c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def stack(rows: list[np.ndarray], sessions: list, noise: Whitener) -> np.ndarray:
     """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M) or (rows,)."""
     white = [noise.apply(a, s.weight) for a, s in zip(rows, sessions, strict=True)]
-    return np.concatenate([w.reshape(*w.shape[:-2], -1) for w in white], axis=-1).T
+    return np.concatenate([w.reshape(*w.shape[:-2], w.shape[-2] * w.shape[-1]) for w in white], axis=-1).T

@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from skin_ident.criticism.criticise import REACH, Criticism, Named
-from skin_ident.criticism.proposals import directions
+from skin_ident.criticism.proposals import Direction
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener
 from skin_ident.separating.candidates import Candidate, candidates
@@ -76,14 +76,18 @@ class _Option:
 
 
 def separating_experiment(
-    named: Named, train: list[Session], noise: Whitener, progress: Callable[[str], None] = lambda stage: None
+    named: Named,
+    train: list[Session],
+    noise: Whitener,
+    which: tuple[Direction, ...],
+    progress: Callable[[str], None] = lambda stage: None,
 ) -> Experiment | None:
-    """The best motion for the rivals of one finding on the sessions `train`. None where there is no rival, or no depth to command."""
+    """The best motion for the rivals of one finding on the sessions `train`; `which` are all directions that were ranked. None where there
+    is no rival, or no depth to command."""
     rivals = contenders(named)
     if len(rivals) < 2 or train[0].drive is not None:
         return None
     progress("looking for the motion that separates " + " from ".join(r.cause for r in rivals))
-    which = directions(train[0])
 
     def judged(sessions: list[Session]) -> Contest:
         return contest(rivals, named.before, sessions, noise, which)
@@ -100,7 +104,7 @@ def separating_experiments(
     c: Criticism, train: list[Session], progress: Callable[[str], None] = lambda stage: None
 ) -> dict[tuple[str, str], tuple[str, Experiment]]:
     """The best experiment for every finding that has rivals, by its cause and place, with the name of the file it goes to."""
-    each = {(n.cause, n.where): separating_experiment(n, train, c.last.noise, progress) for n in c.named}
+    each = {(n.cause, n.where): separating_experiment(n, train, c.last.noise, c.last.projected.which, progress) for n in c.named}
     wanted = {key: e for key, e in each.items() if e is not None and e.evidence > TELLS_NOTHING}
     return {key: (f"separating{f'_{i}' if i > 1 else ''}.yaml", e) for i, (key, e) in enumerate(wanted.items(), 1)}
 

@@ -107,5 +107,17 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
     hasty = meeting(motion, model.dispersion) & (np.abs(motion.v) > GENTLE)
     weight = np.ones(shape) * (band.thin(hasty.astype(float)) < 0.02)
     drive = None if like.drive is None else np.zeros(len(motion))
-    blank = Session("rehearsed", motion, like.channels, np.zeros((shape[0], len(motion))), band, t, np.zeros(shape), weight, drive)
+    blank = Session(
+        "rehearsed",
+        motion,
+        like.channels,
+        np.zeros((shape[0], len(motion))),
+        band,
+        t,
+        np.zeros(shape),
+        weight,
+        drive,
+        like.spread,
+        like.contact,
+    )
     return without_parting(blank, model.dispersion)
