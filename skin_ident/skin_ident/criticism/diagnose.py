@@ -25,6 +25,7 @@ from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.size import check_size
 from skin_ident.criticism.telemetry.noise_level import find_noise
+from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -75,7 +76,7 @@ def diagnose(
     c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]), _encoder_step(every))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
-    seen = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after))
+    seen = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after), *_pieces(c, looked.symptoms, after))
     symptoms = (*odd, *seen)
     rest = systematic_rest(c.last, list(c.train), list(c.held), _encoder_step(every))
     explained = max((n.gain.squares for n in c.named), default=0.0)
@@ -86,9 +87,11 @@ def diagnose(
     judged = judge(c, symptoms, whole, model, skin_mass(every[0]))
     c = judged.criticism
     findings = as_findings(c, symptoms, every, *whole, rest, verdict, model is not None, experiments)
-    findings = tell(findings, judged, symptoms)
+    findings = tell(findings, judged, symptoms, _encoder_step(every))
     array = array_criticism(c, layout, seen, every)
     findings = joined(findings, array, c.extended.model)
+    if findings["findings"] and findings["verdict"] == "unexplained":  # until the array had its say
+        findings["verdict"] = "partly_explained"
     kept = {s.name for s in held}
     traces = tuple(_trace(c, s, own, s.name in kept) for s, own in zip(looked.whole, _with_courses(looked.whole, c), strict=True))
     carried = with_effects(_with_layout(c.extended.model, array, train[0]), effects_of(symptoms))
@@ -124,6 +127,12 @@ def _noise(c: Criticism, recordings: list, sessions: list[Session]) -> list[Symp
     stiffness = [skin.k1 + skin.k2 if c == "force" else skin.k1 * model.shares[int(c.rpartition("_")[2])] for c in sessions[0].channels]
     found = find_noise(recordings, sessions[0].channels, rest, calm, stiffness)
     return [s for s in found if s.channels[0] not in sessions[0].stuck]
+
+
+def _pieces(c: Criticism, known: tuple[Symptom, ...], sessions: list[Session]) -> list[Symptom]:
+    """Outliers that last, in channels of which telemetry has said nothing."""
+    said = {channel for s in known for channel in s.channels}
+    return [s for s in find_pieces(c.extended.model, sessions) if s.channels[0] not in said]
 
 
 def _verdict(anything: bool, systematic: bool) -> str:

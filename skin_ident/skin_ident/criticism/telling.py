@@ -7,28 +7,23 @@ import numpy as np
 
 from skin_ident.criticism.criticise import Criticism, Named
 from skin_ident.criticism.faults import PREDICTS, effect_of
-from skin_ident.criticism.fitting import tangents
+from skin_ident.criticism.floor import beyond_noise, floor_of_all, noise_floor
 from skin_ident.criticism.judging import Judged
-from skin_ident.criticism.noise import RICHEST, pursue
-from skin_ident.criticism.proposals import bank
-from skin_ident.criticism.residual import residual
-from skin_ident.criticism.session import Session
-from skin_ident.criticism.survey import Survey
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.unknowns import unknowns, values
-from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 
-ROUNDING = 1e-9  # N
-WELL_ABOVE = 1.5  # times the noise
 OTHER_UNIT = 3.0  # times the applied force, which no taxel reads whose gain is merely off
 MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is said to have moved
 
 
-def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]) -> dict[str, Any]:
-    """The content of findings.json with all of that; `findings["findings"]` begins with the symptoms."""
+def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...], encoder_step: float = 0.0) -> dict[str, Any]:
+    """The content of findings.json with all of that; `findings["findings"]` begins with the symptoms. The depth is known in steps of
+    `encoder_step`, m. Where clearly more is left than noise, the verdict says so."""
     c = judged.criticism
-    floor = noise_floor(c.last, list(c.train))
+    left = {channel: gain["held_out_rmse_after"] for channel, gain in judged.channels.items()}
+    floor = floor_of_all(c, noise_floor(c.last, list(c.train)), left)
+    above = beyond_noise(c, floor, left, symptoms, encoder_step)
     entries = findings["findings"]
     for entry, symptom, gain in zip(entries, symptoms, judged.symptoms, strict=False):
         entry["gain"] |= gain
@@ -39,8 +34,9 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
         entry["hid_in"] = hid_in(named, c)
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
-    warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(findings["verdict"], bounds)]
-    return {**findings, "recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "warnings": warnings}
+    warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above, left)]
+    told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "warnings": warnings}
+    return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
 
 
 def _more_than_applied(c: Criticism) -> list[str]:
@@ -54,17 +50,16 @@ def _more_than_applied(c: Criticism) -> list[str]:
     ]
 
 
-def _more_than_noise(verdict: str, bounds: dict[str, dict[str, Any]]) -> list[str]:
-    """Where nothing more could be shown on held-out data, and yet clearly more is left than noise would leave."""
-    if verdict not in ("nothing_wrong", "explained"):
-        return []
-    above = {c: g["held_out_rmse_after"] / max(g["noise_floor"], ROUNDING) for c, g in bounds.items()}
+def _more_than_noise(above: dict[str, float], left: dict[str, float]) -> list[str]:
     return [
-        f"{channel}: what is left ({bounds[channel]['held_out_rmse_after']:.3g} N) is {times:.2g} times what is left when every cause may "
-        "bend the model at once; these data do not suffice to tell whether that is noise: record more sessions"
+        f"{channel}: what is left of data that were not fitted ({left[channel]:.3g} N) is {times:.2g} times what is left where every cause "
+        "may bend every session by itself: more than noise, and no cause that could be named accounts for it"
         for channel, times in above.items()
-        if times > WELL_ABOVE
     ]
+
+
+def _verdict(verdict: str, more: bool) -> str:
+    return {"nothing_wrong": "unexplained", "explained": "partly_explained"}.get(verdict, verdict) if more else verdict
 
 
 def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
@@ -97,28 +92,6 @@ def moved(after: Model, before: Model, c: Criticism) -> dict[str, Any]:
     }
 
 
-def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, Any]]:
-    """By channel, what noise alone leaves in the common band: the residual less everything that any cause of the catalogue may explain.
-
-    It bounds what any model can gain. `rms` N; `lag_one` is the correlation of neighbouring samples. From the training session that tells
-    most, for time's sake.
-    """
-    longest = max(sessions, key=lambda s: float(s.weight.sum()))
-    rest = left_by_everything(last.model, last.noise, longest, last)
-    rows = {c: e[w > 0] for c, e, w in zip(longest.channels, rest, longest.weight, strict=True)}
-    edge = float(longest.band.edge)
-    return {c: {"rms": _rms(e), "unit": "N", "lag_one": _lag_one(e), "band_hz": edge} for c, e in rows.items()}
-
-
-def left_by_everything(model: Model, noise: Whitener, session: Session, last: Survey) -> np.ndarray:
-    """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
-    own = tangents(model, [session], unknowns(model, session))[0]
-    every = np.concatenate([own, bank(model, last.projected.which, [session])[0]])
-    e = residual(model, session)
-    A, r = stack([every], [session], noise), stack([e], [session], noise)
-    return e - np.tensordot(pursue(A, r, len(own) + RICHEST, forced=len(own)), every, 1)
-
-
 def believed(name: str, c: Criticism) -> np.ndarray | None:
     """Which samples (n,) of a session, filtered and thinned, were compared; None for a session that is not there."""
     mine = [s for s in (*c.train, *c.held) if s.name == name or s.name.startswith(f"{name} (")]  # a lone session is in two halves
@@ -133,12 +106,3 @@ def _compared(name: str, c: Criticism) -> dict[str, Any]:
     kept, out = int(seen.sum()), int((~seen).sum())
     because = "plunger and skin may have parted or met with a jump, or the record is wrong there"
     return {"compared": {"samples": kept, "left_out": out, **({"because": because} if out else {})}}
-
-
-def _rms(e: np.ndarray) -> float:
-    rms = float(np.sqrt(np.mean(e**2))) if e.size else 0.0
-    return rms if rms > ROUNDING else 0.0
-
-
-def _lag_one(e: np.ndarray) -> float:
-    return float(np.corrcoef(e[1:], e[:-1])[0, 1]) if e.size > 2 and np.ptp(e) > 0.0 else 0.0

@@ -24,7 +24,7 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
         because.append(f"{rivals} of the {len(v.findings)} named causes cannot be told from a rival on these data.")
     elif rivals:
         because.append("These data cannot tell it from the other names beside it.")
-    if v.verdict in (PARTLY, UNEXPLAINED) and v.rest:
+    if v.verdict in (PARTLY, UNEXPLAINED) and v.rest and v.rest > 0.0:
         because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
     if v.untestable:
         because.append(f"{_count(len(v.untestable), 'cause')} could not be tested with these data.")
