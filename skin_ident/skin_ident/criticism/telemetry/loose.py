@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
+from skin_ident.criticism.telemetry.excursions import runs
 from skin_ident.criticism.telemetry.tails import reach, smallest_step
 
 LOADED = 0.2  # of the greatest load, below which nothing is lost by an open contact
@@ -17,6 +18,7 @@ CALM = 0.2  # of the load, by which it may itself change within
 NEAR = 3  # samples of the jump
 LASTS_S, LASTS = 0.1, 12  # seconds, and samples, for which the reading must stay
 SAME = 0.1  # of what ought to be there, within which it must stay
+WIDE = 5.0  # standard deviations of the silent reading
 FEWEST = 4  # jumps
 WAYS = 2  # of which so many down, and so many up
 
@@ -48,7 +50,11 @@ def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float) -> Co
     down = sum(a > 0 and y[a - 1] - level > wide for y, a in kept_at)
     if len(kept_at) < FEWEST or min(down, len(kept_at) - down) < WAYS:
         return None
-    lost = [_grown(y, sides, level, wide) for y, sides in zip(rows, kept, strict=True)]
+    seen = np.concatenate([y[a:b] for y, sides in zip(rows, kept, strict=True) for a, b in sides])
+    near = min(WIDE * float(np.std(seen)) + 1e-9, wide)
+    lost = [
+        _lost(y, slope * load, level, near, size) | _grown(y, sides, level, wide) for y, load, sides in zip(rows, loads, kept, strict=True)
+    ]
     return Contact(lost, level, len(kept_at))
 
 
@@ -79,4 +85,12 @@ def _grown(y: np.ndarray, sides: list[tuple[int, int]], level: float, wide: floa
     for a, b in sides:
         before, after = np.flatnonzero(~at[:a]), np.flatnonzero(~at[b:])
         out[before[-1] + 1 if before.size else 0 : b + after[0] if after.size else y.size] = True
+    return out
+
+
+def _lost(y: np.ndarray, ought: np.ndarray, level: float, near: float, size: int) -> np.ndarray:
+    """Mask of all other stretches as near to the level that are as long, and are constant or ought to read more."""
+    out = np.zeros(y.size, bool)
+    for a, b in zip(*runs(np.abs(y - level) <= near), strict=True):
+        out[a:b] = b - a >= size and bool(np.ptp(y[a:b]) == 0.0 or np.max(ought[a:b]) > abs(level) + 3.0 * near)
     return out
