@@ -16,6 +16,7 @@ from skin_ident.criticism.telemetry.encoder import find_encoder_faults
 from skin_ident.criticism.telemetry.excursions import runs
 from skin_ident.criticism.telemetry.lines import find_interference
 from skin_ident.criticism.telemetry.outliers import find_outliers
+from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pile_up import find_saturation
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -102,6 +103,8 @@ def _in_residuals(recordings: list, sessions: list[Session]) -> list[Symptom]:
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
     outliers = find_outliers(names, channels, rest, raw, jumps, n, dt)
+    known = {c for s in outliers for c in s.channels}
+    outliers += [s for s in find_pieces(first, sessions) if s.channels[0] not in known]
     bad = [_bad_samples(r, outliers) for r in recordings]
     rest, raw = ([_bridged(y, b) for y, b in zip(rows, bad, strict=True)] for rows in (rest, raw))
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]

@@ -1,0 +1,88 @@
+"""Pieces of a record in which one channel has nothing to do with what the others say: bursts, replays, a cable that was touched.
+
+Spikes are seen in the raw signal. A piece that lasts is not, when it looks like any other force; it shows where one channel leaves the
+fitted model by far while the others stay with it. A few such pieces also pass for strong noise, under which every cause would hide.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.session import Session, meeting, motion_under
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_models.model import Model
+
+LASTING_S = 0.1
+FAR, NEAR = 10.0, 5.0  # widths of what the model leaves: for the channel itself, and for the others
+MOST, FEW = 0.6, 0.3  # of a lasting window's samples that must be far, and that may not be near in others
+SELDOM = 0.05  # of the time: what is there more often is no accident
+APART_S = 0.5  # pieces nearer than that are one
+MEETING = 0.5  # of the pieces that may lie where contact is made or lost, where a force may really jump
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A run of samples of one channel of one session."""
+
+    session: str
+    channel: str
+    start: float
+    seconds: float
+    size: float  # N
+    met: bool  # whether contact is made or lost there
+
+
+def find_pieces(model: Model, sessions: list[Session]) -> list[Symptom]:
+    """Outliers that last, by channel, in what `model` leaves of sessions with two channels or more."""
+    channels = sessions[0].channels
+    if len(channels) < 2:
+        return []
+    rest = [s.raw - simulated(model, s) for s in sessions]
+    width = 1.4826 * np.median(np.abs(np.concatenate(rest, axis=1)), axis=1)[:, None]
+    found = [p for s, e in zip(sessions, rest, strict=True) for p in _pieces(model, s, e, np.maximum(width, 1e-12))]
+    whole = sum(float(np.ptp(s.motion.t)) for s in sessions)
+    by_channel = {c: [p for p in found if p.channel == c] for c in channels}
+    return [_symptom(own, sessions) for own in by_channel.values() if own and _accident(own, whole)]
+
+
+def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> Iterator[Piece]:
+    moved = motion_under(s, model.dispersion)
+    n = max(round(LASTING_S / moved.dt), 8)
+    far, near = (uniform_filter1d((np.abs(rest) > limit * width).astype(float), n, axis=1) for limit in (FAR, NEAR))
+    met = meeting(moved, model.dispersion)
+    for c, channel in enumerate(s.channels):
+        alone = (far[c] >= MOST) & (np.delete(near, c, axis=0).max(axis=0) <= FEW) & (channel not in s.stuck)
+        for i, j in _runs(alone, round(APART_S / moved.dt)):
+            size = float(np.sqrt(np.mean(rest[c, i:j] ** 2)))
+            yield Piece(s.name, channel, float(moved.t[i]), (j - i) * moved.dt, size, bool(met[i:j].mean() > MEETING))
+
+
+def _runs(mask: np.ndarray, gap: int) -> Iterator[tuple[int, int]]:
+    """First and last (excluded) index of every run, those less than `gap` apart as one."""
+    at = np.flatnonzero(mask)
+    for run in np.split(at, np.flatnonzero(np.diff(at) > gap) + 1):
+        if run.size:
+            yield int(run[0]), int(run[-1]) + 1
+
+
+def _accident(own: list[Piece], whole: float) -> bool:
+    return sum(p.seconds for p in own) < SELDOM * whole and np.mean([p.met for p in own]) <= MEETING
+
+
+def _symptom(own: list[Piece], sessions: list[Session]) -> Symptom:
+    first = own[0]
+    said = ", ".join(f"{p.session} at {p.start:.1f} s for {p.seconds:.2g} s" for p in own[:4]) + (", …" if len(own) > 4 else "")
+    why = f"{first.channel} leaves the model by {first.size:.3g} N while every other channel stays with it: {said}"
+    parameters = {"pieces": quantity(len(own), "1"), "size": quantity(max(p.size for p in own), "N")}
+    evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": p.seconds} for p in own]}
+    bad = {(s.name, first.channel): _mask(s, own) for s in sessions if any(p.session == s.name for p in own)}
+    return Symptom("outliers", place_of(first.channel, sessions[0].n_taxels), (first.channel,), parameters, evidence, bad)
+
+
+def _mask(s: Session, own: list[Piece]) -> np.ndarray:
+    """The samples (N,) of a session's pieces, and as many on either side as a window may have missed."""
+    t = s.motion.t
+    return np.any([(t > p.start - LASTING_S) & (t < p.start + p.seconds + LASTING_S) for p in own if p.session == s.name], axis=0)

@@ -1,0 +1,53 @@
+"""Pieces of a record that only one channel knows of, hidden in recordings of the world."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from world import make_sessions, write_table
+
+from skin_ident.criticism.record import inspect
+from skin_ident.recordings.load import load
+
+
+def record(folder, spoil, seed: int, **how) -> list:
+    """Three sessions of two taxels, of which `spoil(session, rng)` spoils the second."""
+    sessions, _ = make_sessions(None, seed=seed, n_sessions=3, n_taxels=2, **how)
+    rng = np.random.default_rng([seed, 5])
+    for i, s in enumerate(sessions):
+        write_table(spoil(s, rng) if i == 1 else s, folder / f"session_{i}.tsv")
+    return load(folder)
+
+
+def touched(s, rng):
+    """A cable that is touched five times, 0.15 s each, in taxel 1."""
+    y, n = s.taxels.copy(), s.force.size
+    for at in rng.integers(n // 5, 4 * n // 5, 5):
+        y[at : at + 15, 1] += 0.6 * np.ptp(y[:, 1])
+    return replace(s, taxels=y)
+
+
+def replayed(s, rng):
+    """Three seconds of force that are those of another time."""
+    y, n = s.force.copy(), s.force.size
+    i = n // 2 + int(np.argmax(np.abs(y[n // 2 : -300] - y[n // 2 - 900 : -1200])))
+    i = min(i, n - 300)
+    y[i : i + 300] = y[i - 900 : i - 600] + 1e-6  # not to the last digit, which telemetry finds without a model
+    return replace(s, force=y)
+
+
+@pytest.mark.parametrize(("spoil", "where", "channel"), [(touched, "taxel_1", "taxel_1"), (replayed, "load_cell", "force")])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_piece_that_lasts_is_an_outlier_and_is_not_believed(tmp_path, spoil, where, channel, seed):
+    looked = inspect(record(tmp_path, spoil, seed, noise="white"))
+    found = [s for s in looked.symptoms if s.cause == "outliers"]
+    assert [(s.where, s.channels) for s in found] == [(where, (channel,))]
+    assert {session for session, _ in found[0].bad} == {"session_1.tsv"}
+    row = looked.sessions[1].channels.index(channel)
+    assert looked.sessions[1].weight[row].mean() < looked.sessions[0].weight[row].mean()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_heavy_tails_and_colour_are_no_pieces(tmp_path, seed):
+    looked = inspect(record(tmp_path, lambda s, rng: s, 40 + seed, noise="ar_t3"))
+    assert not [s for s in looked.symptoms if "pieces" in s.evidence]
