@@ -3,9 +3,10 @@
     bench_recorder_killed.py [--trials 20]        (./skin bench recorder: as it stands)
 
 The driver samples at 100 Hz and 1 kHz in real time; the recorder is killed at a random moment, three to five seconds after the last
-topic has come. (Who starts where another participant was killed hears nothing for two seconds, and then everything.) *Lost* is the time
-from the stamp of the last sample in the file to the kill: what the recorder held back, what it had not yet taken from the network, and how
-late the driver was. The file is read as it was left, without its end.
+topic has come. *Lost* is the time from the stamp of the last sample in the file to the kill: what the recorder held back, what it had not
+yet taken from the network, and how late the driver was. The file is read as it was left, without its end. Every trial has a driver and a
+domain of its own: who starts where another participant was killed hears nothing for seconds, because Fast DDS goes on to write into the
+shared memory of the dead one, and then everything.
 """
 
 import argparse
@@ -38,16 +39,24 @@ def stamps(directory: Path) -> np.ndarray:
     return np.array([s + 1e-9 * ns for s, ns in found])
 
 
-def trial(rate: float, processes: Processes, directory: Path) -> tuple[float, int, int]:
+def trial(rate: float) -> tuple[float, int, int]:
     """Seconds lost, samples that read back, and samples missing between the first and the last of them."""
+    with Domain() as domain, Processes(domain.environment()) as processes, tempfile.TemporaryDirectory() as folder:
+        driver = processes.start("skin_testbed_driver", "driver_node", parameters={"sample_rate": rate})
+        driver.wait_for_output("sampling at", 60.0)
+        return killed(rate, processes, Path(folder) / "s")
+
+
+def killed(rate: float, processes: Processes, directory: Path) -> tuple[float, int, int]:
+    """As `trial`, beside a running driver."""
     topics = ["encoder", "force", "taxels"]
     recorder = processes.start("skin_testbed_driver", "recorder", parameters={"directory": str(directory), "topics": topics})
     recorder.wait_for_output("every topic asked for", 60.0)
     time.sleep(random.uniform(3.0, 5.0))
-    killed = time.time()
+    now = time.time()
     recorder.kill()
     t = stamps(directory)
-    return killed - float(t[-1]), t.size, round((t[-1] - t[0]) * rate) + 1 - t.size
+    return now - float(t[-1]), t.size, round((t[-1] - t[0]) * rate) + 1 - t.size
 
 
 def main() -> None:
@@ -56,10 +65,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=20)
     trials = parser.parse_args().trials
     for rate in (100.0, 1000.0):
-        with Domain() as domain, Processes(domain.environment()) as processes, tempfile.TemporaryDirectory() as folder:
-            driver = processes.start("skin_testbed_driver", "driver_node", parameters={"sample_rate": rate})
-            driver.wait_for_output("sampling at", 60.0)
-            lost, read, missing = zip(*(trial(rate, processes, Path(folder) / f"s{i}") for i in range(trials)), strict=True)
+        lost, read, missing = zip(*(trial(rate) for _ in range(trials)), strict=True)
         print(
             f"{rate:g} Hz: {trials} kills, {sum(read)} samples read back, {sum(missing)} missing among them, "
             f"last {np.median(lost):.2f} s lost (median), {max(lost):.2f} s at most",

@@ -40,7 +40,7 @@ def _motion(name: str, status: Status) -> DiagnosticStatus:
 
 
 def _sensors(name: str, sample: Sample | None, offsets: Offsets) -> DiagnosticStatus:
-    values = {"force_offset_n": offsets.force, **{f"taxel_{i}_offset_n": x for i, x in enumerate(offsets.taxels.tolist())}}
+    values = {"force_offset_n": offsets.force, **{f"taxel_{i}_offset_n": x for i, x in enumerate(offsets.taxels.tolist()) if x}}
     if sample is None:
         return _status(f"{name}: sensors", DiagnosticStatus.STALE, "no sample yet", values)
     faults = [word for word, bad in (("encoder", sample.depth != sample.depth), ("load cell", sample.force != sample.force)) if bad]

@@ -111,6 +111,9 @@ class DriverNode(LifecycleNode):
         self._timer = self.create_timer(1.0, self._diagnose, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _activate(self) -> None:
+        gc.unfreeze()
+        gc.collect()
+        gc.freeze()  # what is there stays: going through all of it again would take a period or more
         settings = self._settings.now
         if settings.time_scale == 1.0:  # in real time the first sample is now, however long configuring took or the node was inactive
             self._stamp_ns = max(self._stamp_ns, self._clock_ns())
@@ -119,8 +122,6 @@ class DriverNode(LifecycleNode):
             self._tick, self._clock_ns, 1.0 / settings.sample_rate, self._statistics, owned, settings.time_scale,
             settings.realtime_priority, self.get_logger().warning,
         )  # fmt: skip
-        gc.collect()
-        gc.freeze()  # what is there stays: going through all of it again would take a period or more
         self._thread.start()
         self._requests.heeded = True
         self.get_logger().info(f"sampling at {settings.sample_rate:g} Hz, rig {settings.rig}")
