@@ -122,6 +122,13 @@ def test_identify_refuses_what_it_cannot_use(world, paths):
     assert answer.error_code == Identify.Result.UNUSABLE_INPUT and answer.error_string and not (folder / "none").exists()
 
 
+def test_identify_says_when_it_cannot_write(world):
+    bench, folder, _ = world
+    bag = str(write_bag(folder / "unwritten", recording(n=500)))
+    answer = bench.ask(bench.send(recordings=[bag], output_directory="/dev/full").get_result_async).result
+    assert answer.error_code == Identify.Result.WRITE_FAILED and "/dev/full" in answer.error_string
+
+
 def frozen(store, i, message):
     """Stamps that stand still."""
     message.header.stamp.sec, message.header.stamp.nanosec = 5, 0

@@ -1,13 +1,14 @@
 """One goal of the action `identify`, from its first check to its result: the same core as the command lines, in a thread."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from skin_testbed_msgs.action import Identify
 
-from skin_ident.cli.common import output_folder, topics_of, write_json
+from skin_ident.cli.common import output_folder, refusal, topics_of, write_json
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
@@ -28,6 +29,21 @@ class Cancelled(Exception):
     """The goal was cancelled."""
 
 
+class NotWritten(Exception):
+    """The results cannot be written where the goal wants them."""
+
+
+@contextmanager
+def _writing() -> Iterator[None]:
+    """Whatever is refused meanwhile is a matter of writing, not of the input."""
+    try:
+        yield
+    except SkinError as error:
+        raise NotWritten(str(error)) from error
+    except OSError as error:
+        raise NotWritten(refusal(error)) from error
+
+
 @dataclass
 class Run:
     """`result()` does the work; `cancelled` is asked between steps, `publish` gets the feedback."""
@@ -45,8 +61,10 @@ class Run:
             return Result(error_code=Result.CANCELLED, error_string="cancelled; nothing was written")
         except SkinError as error:
             return Result(error_code=Result.UNUSABLE_INPUT, error_string=str(error))
+        except NotWritten as error:
+            return Result(error_code=Result.WRITE_FAILED, error_string=str(error))
         except OSError as error:
-            return Result(error_code=Result.WRITE_FAILED, error_string=f"cannot write into {self.goal.output_directory}: {error.strerror}")
+            return Result(error_code=Result.UNUSABLE_INPUT, error_string=refusal(error))
 
     def _say(self, stage: str, progress: float | None = None) -> None:
         if self.cancelled():
@@ -78,7 +96,9 @@ class Run:
         return Result(error_code=Result.SUCCESS, **_parameters(estimate))
 
     def _write(self, estimate: Estimate) -> None:
-        if self.goal.output_directory:
+        if not self.goal.output_directory:
+            return
+        with _writing():
             folder = output_folder(self.goal.output_directory)
             write_json(folder / "fit.json", as_dict(estimate))
             if estimate.model is not None:
@@ -96,8 +116,9 @@ class Run:
         path = ""
         if self.goal.output_directory:
             self._say("writing the report", 0.95)
-            folder = output_folder(self.goal.output_directory)
-            write(outcome, folder)
+            with _writing():
+                folder = output_folder(self.goal.output_directory)
+                write(outcome, folder)
             path = str(folder / "findings.json")
         self._say("done", 1.0)
         causes = [f["cause"] for f in outcome.findings["findings"]]
