@@ -1,14 +1,16 @@
-"""Rate dependence: the skin's damping is not proportional to speed. Three forms, added to b v in contact:
+"""Rate dependence: the skin's damping is not proportional to speed. Four forms, added to b v in contact:
 
     power          f = F sign(v) |v / 10 mm/s|^p
     Eyring         f = F asinh(v / v_0)         damping b v up to the speed v_0, the logarithm of the speed beyond
     Hunt-Crossley  f = c x v                    damping that grows from zero with the contact
+    one-sided      f = c |v|                    damping b + c on the way in, b - c on the way out
 
 The second, beside b v, is thinning that sets in at a speed, as Carreau's and Cross's fluids have it.
 
 Sources: H. Eyring, J. Chem. Phys. 4 (1936) 283-291 (flow as an activated process); K. H. Hunt and F. R. E. Crossley, Coefficient of
 restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975) 440-445; R. B. Bird, R. C. Armstrong, O. Hassager, Dynamics of
-Polymeric Liquids, vol. 1, Wiley 1987, ch. 4 (power law, Carreau).
+Polymeric Liquids, vol. 1, Wiley 1987, ch. 4 (power law, Carreau); J. C. Dixon, The Shock Absorber Handbook, 2nd ed., Wiley 2007 (bump
+and rebound).
 """
 
 from dataclasses import dataclass
@@ -81,3 +83,21 @@ class HuntCrossley(Memoryless):
     def apply(self, y, s):
         """y + c x v on each branch."""
         return y + branches(self.c_sensed, self.c_dispersed, depth_in_contact(s.x) * s.v, s.x)
+
+
+@dataclass(frozen=True)
+class OneSidedDamping(Memoryless):
+    """Damping that differs between the way in and the way out."""
+
+    cause: ClassVar[str] = "rate_dependence"
+    form: ClassVar[str] = "one_sided"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Dixon 2007"
+    linear: ClassVar[bool] = True
+
+    c_sensed: float = quantity("N*s/m", 0.0, typical=200.0, doc="half the difference of damping between in and out, sensed")
+    c_dispersed: float = quantity("N*s/m", 0.0, typical=100.0, doc="half the difference of damping between in and out, dispersed")
+
+    def apply(self, y, s):
+        """y + c |v| on each branch in contact."""
+        return y + branches(self.c_sensed, self.c_dispersed, np.abs(s.v), s.x)
