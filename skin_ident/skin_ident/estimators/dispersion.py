@@ -74,6 +74,7 @@ def fit_dispersion(
     if held:
         to_theta = to_theta / np.concatenate([np.full(c.size, t.slope) for c, t in zip(regression.coefficients, held, strict=True)])
     more = noted(loss, dict(zip(channel_names(shape), held, strict=False)))
+    method += "" if loss == LINEAR else f", {loss} loss"
     return _estimate(method, sessions, shape, regression, theta, to_theta @ known @ to_theta.T, warnings, more)
 
 

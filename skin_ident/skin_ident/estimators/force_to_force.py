@@ -112,7 +112,7 @@ def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, u
     residual = _residual(fit, unit)
     left = "" if fit.converged else "the search did not settle: these numbers are not a minimum"
     return Estimate(
-        method=f"transfer function of order {order}, output error",
+        method=f"transfer function of order {order}, output error" + (f", {more['loss']['name']} loss" if more else ""),
         model=None,
         parameters=named,
         covariance=covariance,
