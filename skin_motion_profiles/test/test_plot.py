@@ -24,7 +24,7 @@ def test_a_picture_is_written(arguments, tmp_path):
 
 
 @pytest.mark.parametrize("arguments, sentence", [
-    (["nosuch"], "neither a YAML file"),
+    (["nosuch"], "no YAML file"),
     (["demo", "--out", "demo.txt"], "must end in .png"),
     (["demo", "--out", "nowhere/demo.png"], "cannot write nowhere/demo.png"),
     (["{type: zero}"], "zero does not move"),
