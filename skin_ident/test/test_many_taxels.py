@@ -1,4 +1,4 @@
-"""Recordings with many taxels: some are chosen by name, and too many are refused before memory is."""
+"""Recordings with many taxels: some are chosen by name, and all of them are searched, a few together and the others in groups."""
 
 import json
 
@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from skin_ident.cli.diagnose import main
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
-from skin_ident.criticism.size import check_size
+from skin_ident.criticism.many import loaded_most, renamed
+from skin_ident.criticism.size import affordable
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
@@ -38,10 +40,52 @@ def test_names_that_are_not_there(names, word):
         only_taxels([many(10)], names)
 
 
-def test_too_many_taxels_are_refused_in_a_sentence():
-    check_size([many(8)])
-    with pytest.raises(DiagnosisError, match="name those of interest with --taxels"):
-        check_size([many(64)] * 10)
+def test_a_search_takes_what_memory_has_and_refuses_in_a_sentence():
+    assert affordable([many(12)], 6) == 6 and affordable([many(64)] * 12, 6) < 6
+    with pytest.raises(DiagnosisError, match="name two taxels of interest with --taxels"):
+        affordable([many(64)] * 400, 6)
+
+
+def grid(seed, spoil=lambda taxels: taxels, count=25):
+    """A record of as many taxels on a grid, 5 mm apart, on silicone."""
+    rng = np.random.default_rng(seed)
+    places = np.array([(5.0 * (i % 5) - 10.0, 5.0 * (i // 5) - 10.0) for i in range(count)])
+    shares = np.exp(-((places**2).sum(axis=1) / 6.0**2)) * (1.0 + 0.01 * np.random.default_rng(0).standard_normal(count))
+    depth = 1e-4 * np.convolve(np.interp(T, np.arange(0.0, 31.0, 0.7), rng.uniform(1.0, 8.0, 45)), np.hanning(31) / 15.0, "same")
+    sensed = 9619.0 * depth + 939.5 * np.gradient(depth, 0.01)
+    force = sensed * 1.29 + 0.02 * rng.standard_normal(T.size)
+    taxels = spoil(shares[:, None] * sensed) + 0.02 * rng.standard_normal((count, T.size))
+    declared = Declared(taxel_positions_mm=tuple(map(tuple, places.tolist())), spread_width_mm=6.0)
+    return Recording(f"grid_{seed}", T, depth, force, taxels, declared=declared)
+
+
+def clipped(taxels):
+    out = taxels.copy()
+    out[7] = np.minimum(out[7], 0.6 * out[7].max())
+    return out
+
+
+def lagging(taxels):
+    out = taxels.copy()
+    for n in range(1, T.size):
+        out[2, n] = out[2, n - 1] + 0.05 * (taxels[2, n] - out[2, n - 1])
+    return out
+
+
+@pytest.mark.parametrize(("spoil", "expected"), [(clipped, ("saturation", "taxel_7")), (lagging, ("lag", "taxel_2"))])
+def test_what_a_taxel_has_of_its_own_is_found_among_many(spoil, expected):
+    recordings = [grid(i, spoil) for i in range(2)]
+    few = loaded_most(recordings)
+    assert 12 in few and len(few) <= 6
+    outcome = diagnose(recordings)
+    assert expected in [(f["cause"], f["where"]) for f in outcome.findings["findings"]]
+    assert len(outcome.model.shares) == 25 and outcome.model.shares[13] == pytest.approx(np.exp(-25 / 36), rel=0.05)
+    assert "the others, in groups" in outcome.findings["warnings"][0] and "taxel_12" in outcome.findings["baseline"]["rmse"]
+
+
+def test_numbers_are_those_of_all_taxels():
+    said = {"taxel_1": ["share_0 of taxel_2", 3], "taxel_10": ("taxel_1", "b")}
+    assert renamed(said, [4, 7, 9]) == {"taxel_7": ["share_4 of taxel_9", 3], "taxel_10": ("taxel_7", "b")}
 
 
 def test_the_command_says_which_taxel_is_which(tmp_path, capsys):

@@ -1,7 +1,8 @@
 """The diagnosis of recordings: from loaded sessions to findings, an extended model and the curves for the report."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,15 +18,25 @@ from skin_ident.criticism.faults import effects_of, with_effects
 from skin_ident.criticism.findings import Experiments, as_findings
 from skin_ident.criticism.judging import judge
 from skin_ident.criticism.leftover import systematic_rest
+from skin_ident.criticism.many import (
+    FEW,
+    criticism_of_all,
+    loaded_most,
+    model_of_all,
+    model_of_few,
+    renamed,
+    rest_of,
+    some,
+    symptom_of_all,
+    with_rest,
+)
 from skin_ident.criticism.odd_session import put_right
 from skin_ident.criticism.outcome import Outcome, Round, Trace
-from skin_ident.criticism.record import inspect
+from skin_ident.criticism.record import Inspected, inspect
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, meeting, motion_under
-from skin_ident.criticism.size import check_size
 from skin_ident.criticism.telemetry.noise_level import find_noise
-from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -65,37 +76,89 @@ def diagnose(
     every, odd = put_right(every)
     layout = layout_of(every, model)
     every = with_spread(every, layout)
-    check_size(every[: len(recordings)])
+    if len(every[0].taxels) > FEW:
+        if twins:
+            raise DiagnosisError(f"a twin of {len(every[0].taxels)} taxels cannot be compared at once: name {FEW} or fewer with --taxels")
+        return _of_many(every, len(recordings), odd, layout, model, progress)
+    part = _part(every, len(recordings), odd, layout, model, twins, progress)
+    array = array_criticism(part.criticism, layout, part.seen, every)
+    return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """What the search made of sessions: `seen` are the symptoms that are still in them, `symptoms` all of them."""
+
+    looked: Inspected
+    train: list[Session]
+    held: list[Session]
+    criticism: Criticism
+    seen: tuple[Symptom, ...]
+    symptoms: tuple[Symptom, ...]
+    findings: dict[str, Any]
+    experiments: Experiments
+
+
+def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: Model | None, twins: list | None, progress) -> _Part:
     progress("inspecting the recordings")
     looked = inspect(every)
     if twins:
         sessions, model, warnings = with_twins(looked.sessions, every, twins, skin_mass(every[0]))
         looked = looked.carrying([s.beyond for s in sessions], [s.weight for s in sessions])
         every[0] = every[0].warned(*warnings) if warnings else every[0]
-    train, held = _split(looked.sessions, len(recordings))
-    c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]), _encoder_step(every))
+    train, held = _split(looked.sessions, training)
+    step = _encoder_step(every)
+    c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]), step)
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
-    seen = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after), *_pieces(c, looked.symptoms, after))
+    seen = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after))
     symptoms = (*odd, *seen)
-    rest = systematic_rest(c.last, list(c.train), list(c.held), _encoder_step(every))
+    rest = systematic_rest(c.last, list(c.train), list(c.held), step)
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = _verdict(bool(c.named or symptoms), rest.is_systematic(explained))
     experiments = separating_experiments(c, train, progress)
     progress("judging what it is worth")
-    whole = _split(looked.whole, len(recordings))
+    whole = _split(looked.whole, training)
     judged = judge(c, symptoms, whole, model, skin_mass(every[0]))
-    c = judged.criticism
-    findings = as_findings(c, symptoms, every, *whole, rest, verdict, model is not None, experiments)
-    findings = tell(findings, judged, symptoms, _encoder_step(every))
-    array = array_criticism(c, layout, seen, every)
-    findings = joined(findings, array, c.extended.model)
+    findings = as_findings(judged.criticism, symptoms, every, *whole, rest, verdict, model is not None, experiments)
+    findings = tell(findings, judged, symptoms, step)
+    return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
+
+
+def _outcome(part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, model: Model, first: Session, symptoms) -> Outcome:
+    """`model` is the extended one, `first` the first session, with all their taxels."""
+    c, findings = part.criticism, joined(findings, array, model)
     if findings["findings"] and findings["verdict"] == "unexplained":  # until the array had its say
         findings["verdict"] = "partly_explained"
-    kept = {s.name for s in held}
-    traces = tuple(_trace(c, s, own, s.name in kept) for s, own in zip(looked.whole, _with_courses(looked.whole, c), strict=True))
-    carried = with_effects(_with_layout(c.extended.model, array, train[0]), effects_of(symptoms))
-    return Outcome(findings, c.baseline.model, carried, c.extended.std, traces, (), _rounds(c), dict(_batteries(experiments)))
+    kept, whole = {s.name for s in part.held}, part.looked.whole
+    traces = tuple(_trace(c, s, own, s.name in kept) for s, own in zip(whole, _with_courses(whole, c), strict=True))
+    carried = with_effects(_with_layout(model, array, first), effects_of(symptoms))
+    return Outcome(findings, c.baseline.model, carried, c.extended.std, traces, (), _rounds(c), dict(_batteries(part.experiments)))
+
+
+def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model: Model | None, progress) -> Outcome:
+    """The same where the taxels are too many for one search (see `many`)."""
+    chosen = loaded_most(every[:training])
+    few = some(every, chosen)
+    part = _part(few, training, (), layout_of(few, model), model and model_of_few(model, chosen), None, progress)
+
+    def split(sessions: list[Session]) -> tuple[list[Session], list[Session]]:
+        return _split(sessions, training)
+
+    c = part.criticism
+    rest = rest_of(c, every, chosen, layout, split, _encoder_step(every), progress)
+    seen = (*(symptom_of_all(s, chosen) for s in part.seen), *rest.symptoms)
+    extended = model_of_all(c.extended.model, chosen, rest.shares, rest.effects, layout)
+    progress("judging the ratios of all taxels")
+    wide = criticism_of_all(c, rest, every, chosen, extended, seen, split)
+    array = array_criticism(wide, layout, seen, every)
+    findings = with_rest(renamed(part.findings, chosen), odd, rest, chosen, len(every[0].taxels))
+    outcome = _outcome(part, findings, array, extended, wide.train[0], (*odd, *seen))
+    baseline = model_of_all(c.baseline.model, chosen, rest.shares, (), layout)
+    said = {name: renamed(getattr(outcome, name), chosen) for name in ("std", "batteries")}
+    traces = tuple(replace(t, channels=renamed(t.channels, chosen)) for t in outcome.traces)
+    rounds = tuple(replace(r, ranked=renamed(r.ranked, chosen)) for r in outcome.rounds)
+    return replace(outcome, baseline=baseline, traces=traces, rounds=rounds, **said)
 
 
 def are_scans(recordings: list) -> bool:
@@ -127,12 +190,6 @@ def _noise(c: Criticism, recordings: list, sessions: list[Session]) -> list[Symp
     stiffness = [skin.k1 + skin.k2 if c == "force" else skin.k1 * model.shares[int(c.rpartition("_")[2])] for c in sessions[0].channels]
     found = find_noise(recordings, sessions[0].channels, rest, calm, stiffness)
     return [s for s in found if s.channels[0] not in sessions[0].stuck]
-
-
-def _pieces(c: Criticism, known: tuple[Symptom, ...], sessions: list[Session]) -> list[Symptom]:
-    """Outliers that last, in channels of which telemetry has said nothing."""
-    said = {channel for s in known for channel in s.channels}
-    return [s for s in find_pieces(c.extended.model, sessions) if s.channels[0] not in said]
 
 
 def _verdict(anything: bool, systematic: bool) -> str:

@@ -1,0 +1,230 @@
+"""Many taxels: a few are searched together with everything that all share, each of the others then for what is its own.
+
+Every cause at every taxel bends every channel, so a joint search grows with the square of the taxels. Skin, rig, load cell and clock show
+in the taxels that are loaded most; these make the joint search. What it finds stays in the model, and the other taxels are asked in groups
+beside the load cell, for causes of their own alone. The ratios of all taxels are judged together, for that is small.
+"""
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.proposing import is_of_array
+from skin_ident.criticism.criticise import Criticism, Named, Search
+from skin_ident.criticism.findings import found, seen
+from skin_ident.criticism.fitting import fit
+from skin_ident.criticism.proposals import directions
+from skin_ident.criticism.record import inspect
+from skin_ident.criticism.residual import residual
+from skin_ident.criticism.session import Session, prepare, without_parting
+from skin_ident.criticism.size import affordable
+from skin_ident.criticism.survey import survey
+from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.whitening import fit_whitener
+from skin_ident.recordings.chosen import only_taxels
+from skin_models.effect import Effect
+from skin_models.model import Model
+
+FEW = 8  # taxels that are searched together
+JOINT = 6  # of more, those that are
+GROUP = 5  # and of the others at a time
+NUMBERED = re.compile(r"\b(taxel|share)_(\d+)\b")
+
+Split = Callable[[list[Session]], tuple[list[Session], list[Session]]]
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What was found in the taxels beside those of the joint search, under the numbers that all taxels have."""
+
+    named: tuple[Named, ...]
+    entries: tuple[dict[str, Any], ...]
+    effects: tuple[Effect, ...]
+    symptoms: tuple[Symptom, ...]
+    shares: dict[int, float]
+
+
+def loaded_most(recordings: list) -> list[int]:
+    """The taxels of the joint search: from each session in turn the one that moves most, until they are enough.
+
+    Raises `DiagnosisError` where the recordings are too long for the least of searches.
+    """
+    most = affordable(recordings, JOINT)
+    moved = np.array([np.std(r.taxels, axis=1) for r in recordings])
+    chosen: list[int] = []
+    for rank in range(moved.shape[1]):
+        for row in moved:
+            i = int(np.argsort(row)[::-1][rank])
+            if i not in chosen and len(chosen) < most:
+                chosen.append(i)
+    return sorted(chosen)
+
+
+def some(recordings: list, taxels: list[int]) -> list:
+    """The recordings with these taxels alone."""
+    return [
+        replace(only_taxels([r], [r.taxel_names[i] for i in taxels])[0], spread=None if r.spread is None else r.spread[taxels])
+        for r in recordings
+    ]
+
+
+def renamed(thing: Any, taxels: list[int]) -> Any:
+    """Anything made of texts, with the numbers of `taxels` in place of their order among themselves."""
+    if isinstance(thing, str):
+        return NUMBERED.sub(lambda m: f"{m[1]}_{taxels[int(m[2])]}" if int(m[2]) < len(taxels) else m[0], thing)
+    if isinstance(thing, dict):
+        return {renamed(k, taxels): renamed(v, taxels) for k, v in thing.items()}
+    if isinstance(thing, (list, tuple)):
+        return type(thing)(renamed(v, taxels) for v in thing)
+    return thing
+
+
+def symptom_of_all(s: Symptom, taxels: list[int]) -> Symptom:
+    """A symptom under the numbers that all taxels have."""
+    bad = {(session, renamed(channel, taxels)): mask for (session, channel), mask in s.bad.items()}
+    said = {name: renamed(getattr(s, name), taxels) for name in ("where", "channels", "parameters", "evidence")}
+    return replace(s, bad=bad, **said)
+
+
+def named_of_all(n: Named, taxels: list[int]) -> Named:
+    """A named cause under the numbers that all taxels have."""
+    return replace(
+        n, where=renamed(n.where, taxels), alternatives=tuple(replace(a, where=renamed(a.where, taxels)) for a in n.alternatives)
+    )
+
+
+def model_of_few(model: Model, taxels: list[int]) -> Model:
+    """A given model of all taxels, for these alone."""
+    place = {f"taxel_{i}": f"taxel_{k}" for k, i in enumerate(taxels)}
+    kept = tuple(replace(e, where=place.get(e.where, e.where)) for e in model.effects if e.taxel is None or e.where in place)
+    positions = tuple(model.positions[i] for i in taxels) if model.positions else ()
+    return replace(model, shares=tuple(model.shares[i] for i in taxels), effects=kept, positions=positions)
+
+
+def model_of_all(model: Model, taxels: list[int], shares: dict[int, float], more: tuple[Effect, ...], layout: Layout | str) -> Model:
+    """The model of a few taxels with the `shares` of all others, and `more` effects."""
+    every = {**shares, **dict(zip(taxels, model.shares, strict=True))}
+    effects = tuple(_placed(replace(e, where=renamed(e.where, taxels)), layout) for e in model.effects)
+    return replace(model, shares=tuple(every[i] for i in range(len(every))), effects=(*effects, *more))
+
+
+def _placed(e: Effect, layout: Layout | str) -> Effect:
+    """An effect of the array with the positions of all taxels."""
+    if isinstance(layout, str) or not (is_of_array(e) and hasattr(e, "taxels")):
+        return e
+    return replace(e, taxels=tuple((float(x), float(y)) for x, y in layout.seen))
+
+
+def rest_of(c: Criticism, recordings: list, chosen: list[int], layout: Layout | str, split: Split, step: float, progress) -> Rest:
+    """Every taxel that is not `chosen`, asked for what is its own, group by group."""
+    rest = [i for i in range(len(recordings[0].taxels)) if i not in chosen]
+    groups = [list(map(int, g)) for g in np.array_split(rest, int(np.ceil(len(rest) / GROUP)))]
+    parts = []
+    for k, group in enumerate(groups):
+        progress(f"judging the other taxels, group {k + 1} of {len(groups)}")
+        parts.append(_group(c, some(recordings, group), group, layout, split, step))
+    joined = {name: tuple(x for p in parts for x in getattr(p, name)) for name in ("named", "entries", "effects", "symptoms")}
+    return Rest(**joined, shares={i: s for p in parts for i, s in p.shares.items()})
+
+
+def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | str, split: Split, step: float) -> Rest:
+    looked = inspect(recordings)
+    own = [s for s in looked.symptoms if s.where.startswith("taxel_")]
+    k1 = c.extended.model.dispersion.k1
+    plain = _without_taxels(c.extended.model, len(taxels), [layout.seen[i] for i in taxels] if isinstance(layout, Layout) else [])
+    train, held = ([without_parting(s, plain.dispersion) for s in sessions] for sessions in split(looked.sessions))
+    start = replace(plain, shares=_shares(plain, train))
+    which = tuple(d for d in directions(train[0]) if d.where.startswith("taxel_"))
+    search = Search(train, held, which, lambda stage: None, step)
+    search.run(fit(start, train, survey(start, train, which).noise))
+    search.eliminate()
+    found_here = [n for n in search.named if n.where.startswith("taxel_")]
+    model, std = search.present.model, search.present.std
+    effects = [replace(e, where=renamed(e.where, taxels)) for e in model.effects if e.taxel is not None]
+    return Rest(
+        tuple(named_of_all(n, taxels) for n in found_here),
+        tuple(renamed(found(n, model, std, {}), taxels) for n in found_here),
+        tuple(effects),
+        tuple(symptom_of_all(s, taxels) for s in own),
+        {i: s * model.dispersion.k1 / max(k1, 1e-9) for i, s in zip(taxels, model.shares, strict=True)},
+    )
+
+
+def _without_taxels(model: Model, count: int, places: list) -> Model:
+    """The model without what single taxels have, for `count` others at `places`."""
+    seen = tuple((float(x), float(y)) for x, y in places)
+    effects = tuple(replace(e, taxels=seen) if is_of_array(e) and hasattr(e, "taxels") else e for e in model.effects if e.taxel is None)
+    return replace(model, shares=(1.0,) * count, effects=effects, positions=())
+
+
+def _shares(plain: Model, sessions: list[Session]) -> tuple[float, ...]:
+    """Shares by regression of what is measured on what a share of one would give."""
+    one = [s.measured[-s.n_taxels :] - residual(plain, s)[-s.n_taxels :] for s in sessions]
+    read = [s.measured[-s.n_taxels :] for s in sessions]
+    weight = [s.weight[-s.n_taxels :] for s in sessions]
+    up = sum((a * b * w).sum(axis=1) for a, b, w in zip(one, read, weight, strict=True))
+    down = sum((a * a * w).sum(axis=1) for a, w in zip(one, weight, strict=True))
+    return tuple(float(q) for q in np.maximum(up / np.maximum(down, 1e-300), 1e-6))
+
+
+def criticism_of_all(
+    c: Criticism, rest: Rest, recordings: list, chosen: list[int], model: Model, symptoms: tuple, split: Split
+) -> Criticism:
+    """The criticism with all taxels in its sessions and its model, as the analysis of the array asks for it."""
+    own = {s.name: s.beyond for s in (*c.train, *c.held)}
+    sessions = [_whole(r, symptoms) for r in recordings]
+    train, held = (
+        [replace(without_parting(s, model.dispersion), beyond=_spread_out(own.get(s.name), s, chosen)) for s in part]
+        for part in split(sessions)
+    )
+    noise = fit_whitener([residual(model, s) for s in train], [s.weight for s in train])
+    named = (*(named_of_all(n, chosen) for n in c.named), *rest.named)
+    extended, last = replace(c.extended, model=model), replace(c.last, noise=noise)
+    return replace(c, extended=extended, last=last, named=named, train=tuple(train), held=tuple(held))
+
+
+def _whole(recording, symptoms: tuple) -> Session:
+    names = [c for c in recording.channels if c != "force" or recording.depth is not None]
+    bad = np.zeros((len(names), len(recording)), bool)
+    for (session, channel), mask in _masks(symptoms):
+        if session == recording.name and channel in names:
+            bad[names.index(channel)] |= mask
+    return prepare(recording, bad)
+
+
+def _masks(symptoms: tuple) -> Iterator[tuple[tuple[str, str], np.ndarray]]:
+    yield from (pair for s in symptoms for pair in s.bad.items())
+
+
+def _spread_out(beyond: np.ndarray | None, s: Session, chosen: list[int]) -> np.ndarray | None:
+    """What a session has of its own in the few channels, (C, N), among all of them."""
+    if beyond is None:
+        return None
+    out = np.zeros_like(s.raw)
+    first = len(s.channels) - s.n_taxels
+    out[[*range(first), *(first + i for i in chosen)]] = beyond
+    return out
+
+
+def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, chosen: list[int], count: int) -> dict[str, Any]:
+    """findings.json of the joint search with what was found in the other taxels."""
+    baseline = findings["baseline"]
+    entries = [*(seen(s, baseline) for s in (*odd, *rest.symptoms)), *findings["findings"], *rest.entries]
+    named = {(e["cause"], e["where"]) for e in entries}
+    verdict = {"nothing_wrong": "explained", "unexplained": "partly_explained"}.get(findings["verdict"], findings["verdict"])
+    said = (
+        f"of {count} taxels those that are loaded most ({', '.join(map(str, chosen))}) were searched together with skin, rig and load "
+        "cell; the others, in groups, for causes of their own alone"
+    )
+    return {
+        **findings,
+        "findings": entries,
+        "excluded": [e for e in findings["excluded"] if (e["cause"], e.get("where")) not in named],
+        "untestable": [u for u in findings["untestable"] if u["cause"] not in {cause for cause, _ in named}],
+        "verdict": verdict if entries else findings["verdict"],
+        "warnings": [said, *findings["warnings"]],
+    }
