@@ -11,6 +11,7 @@ from scipy.signal import detrend
 from scipy.stats import f as f_distribution
 
 BY_DEPTH = 0.4  # of a line that the simulation may carry
+NEAR = 3  # bins to both sides
 TALL = 20.0  # times its background, where a motion has a line of its own
 CYCLES, LEAST_S = 8, 2.0  # of a line, in a window at rest, and its least length
 STILL = 0.25  # of the line's amplitude, by which the simulation may move there (standard deviation)
@@ -40,18 +41,20 @@ def goes_on_at_rest(rows: list[np.ndarray], predicted: list[np.ndarray], frequen
 
 
 def carried(predicted: list[np.ndarray], frequency: float, amplitude: float, dt: float) -> bool:
-    """Whether the simulated rows (N,) move as much at this frequency, or anything that a skin makes of them has a line there."""
-    return float(np.median([_amplitude(m, frequency, dt) for m in predicted])) > BY_DEPTH * amplitude or _of_motion(
-        predicted, frequency, dt
-    )
+    """Whether the simulated rows (N,) move as much near this frequency, or anything that a skin makes of them has a line there.
 
-
-def _of_motion(predicted: list[np.ndarray], frequency: float, dt: float) -> bool:
-    """Whether the same function of the motion has a line within a bin of the frequency in half of the rows or more."""
+    Near is as far as the lines of a residual may differ from session to session: periodic motions of different speed may meet there.
+    """
     n = min(m.size for m in predicted)
     i = round(frequency * n * dt)
-    near = slice(max(i - 1, 0), i + 2)
-    tall = [[np.max(over_background(y)[near]) for y in _made_of(row[:n])] for row in predicted if np.ptp(row[:n]) > 0.0]
+    near = slice(max(i - NEAR, 0), i + NEAR + 1)
+    moves = float(np.median([_amplitudes(m[:n])[near].max() for m in predicted]))
+    return moves > BY_DEPTH * amplitude or _of_motion([m[:n] for m in predicted], near)
+
+
+def _of_motion(predicted: list[np.ndarray], near: slice) -> bool:
+    """Whether the same function of the motion has a line in these bins in half of the rows or more."""
+    tall = [[np.max(over_background(y)[near]) for y in _made_of(row)] for row in predicted if np.ptp(row) > 0.0]
     return bool(tall) and bool(np.any(np.median(tall, axis=0) > TALL))
 
 
@@ -70,6 +73,7 @@ def _made_of(force: np.ndarray) -> list[np.ndarray]:
     return [y, y**2, y**3, y**4, np.maximum(y - 0.5, 0.0), np.abs(y - np.median(y)), rate * np.abs(rate), np.abs(rate), way, way * y]
 
 
-def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
-    turn = np.exp(-2j * np.pi * frequency * dt * np.arange(e.size)) * np.hanning(e.size)
-    return 4.0 * abs(np.mean((e - e.mean()) * turn))
+def _amplitudes(e: np.ndarray) -> np.ndarray:
+    """Amplitude of a line in each bin of e (N,)."""
+    taper = np.hanning(e.size)
+    return 2.0 * np.abs(np.fft.rfft((e - e.mean()) * taper)) / np.sum(taper)
