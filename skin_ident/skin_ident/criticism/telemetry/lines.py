@@ -44,7 +44,10 @@ def find_interference(
 
 
 def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> list[Line]:
-    """What stands in the rows (N,) of one channel, the tallest first, less what the motion brings."""
+    """What stands in the rows (N,) of one channel, the tallest first, less what the motion brings.
+
+    Where it brings one line it may bring lesser ones, of which nothing simple knows: then only what goes on at rest is believed.
+    """
     n = min(e.size for e in rows)
     frequency = np.fft.rfftfreq(n, dt)
     each = [over_background(e[:n]) for e in rows]
@@ -52,7 +55,7 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
     ratio = np.median([maximum_filter1d(row, DRIFT) for row in each], axis=0) if len(rows) > 2 else np.min(each, axis=0)
     ratio[(frequency < LOWEST_HZ) | (frequency > frequency[-1] - 2.0 / (n * dt))] = 0.0
     limit = 1.0 - np.log(CHANCE / n) / len(rows) if len(rows) > 1 else -np.log(CHANCE / n)
-    lines = []
+    lines, doubtful = [], False
     for _ in range(MOST):
         i = int(np.argmax(ratio))
         tall = float(ratio[i])
@@ -61,10 +64,11 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
         i += int(np.argmax(width[i : i + DRIFT]))
         line = _line(rows, frequency[i], tall, dt)
         alone = np.median(width[max(i - AROUND, 0) : i + AROUND + 1]) < LONELY * tall
-        if goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt) or (
-            alone and not carried(predicted, line.frequency, line.amplitude, dt)
-        ):
+        at_rest = goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
+        if at_rest or (alone and not doubtful and not carried(predicted, line.frequency, line.amplitude, dt)):
             lines.append(line)
+        else:
+            doubtful = True
         ratio[max(i - AROUND, 0) : i + AROUND + 1] = 0.0
     return lines
 
