@@ -12,12 +12,14 @@ from scipy.ndimage import uniform_filter1d
 
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.session import Session, meeting, motion_under
+from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_models.model import Model
 
 LASTING_S = 0.1
 FAR, NEAR = 10.0, 5.0  # widths of what the model leaves: for the channel itself, and for the others
 MOST, FEW = 0.6, 0.3  # of a lasting window's samples that must be far, and that may not be near in others
+FEWEST, LONG_S = 3, 1.0  # pieces, or one that is so long: a lone short one may be a touch of another kind
 SELDOM = 0.05  # of the time: what is there more often is no accident
 APART_S = 0.5  # pieces nearer than that are one
 MEETING = 0.5  # of the pieces that may lie where contact is made or lost, where a force may really jump
@@ -41,11 +43,18 @@ def find_pieces(model: Model, sessions: list[Session]) -> list[Symptom]:
     if len(channels) < 2:
         return []
     rest = [s.raw - simulated(model, s) for s in sessions]
-    width = 1.4826 * np.median(np.abs(np.concatenate(rest, axis=1)), axis=1)[:, None]
-    found = [p for s, e in zip(sessions, rest, strict=True) for p in _pieces(model, s, e, np.maximum(width, 1e-12))]
+    width = _width(sessions, np.concatenate(rest, axis=1))[:, None]
+    found = [p for s, e in zip(sessions, rest, strict=True) for p in _pieces(model, s, e, width)]
     whole = sum(float(np.ptp(s.motion.t)) for s in sessions)
     by_channel = {c: [p for p in found if p.channel == c] for c in channels}
     return [_symptom(own, sessions) for own in by_channel.values() if own and _accident(own, whole)]
+
+
+def _width(sessions: list[Session], rest: np.ndarray) -> np.ndarray:
+    """What the model leaves of every channel (C,), N, as nine tenths of the samples have it, contact included; at least a step of the
+    converter."""
+    steps = [max(step_of(s.raw[c]) or 0.0 for s in sessions) for c in range(len(rest))]
+    return np.maximum(np.percentile(np.abs(rest), 90.0, axis=1) / 1.645, np.maximum(steps, 1e-12))
 
 
 def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> Iterator[Piece]:
@@ -69,7 +78,8 @@ def _runs(mask: np.ndarray, gap: int) -> Iterator[tuple[int, int]]:
 
 
 def _accident(own: list[Piece], whole: float) -> bool:
-    return sum(p.seconds for p in own) < SELDOM * whole and np.mean([p.met for p in own]) <= MEETING
+    enough = len(own) >= FEWEST or max(p.seconds for p in own) >= LONG_S
+    return enough and sum(p.seconds for p in own) < SELDOM * whole and np.mean([p.met for p in own]) <= MEETING
 
 
 def _symptom(own: list[Piece], sessions: list[Session]) -> Symptom:
@@ -77,7 +87,7 @@ def _symptom(own: list[Piece], sessions: list[Session]) -> Symptom:
     said = ", ".join(f"{p.session} at {p.start:.1f} s for {p.seconds:.2g} s" for p in own[:4]) + (", …" if len(own) > 4 else "")
     why = f"{first.channel} leaves the model by {first.size:.3g} N while every other channel stays with it: {said}"
     parameters = {"pieces": quantity(len(own), "1"), "size": quantity(max(p.size for p in own), "N")}
-    evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": p.seconds} for p in own]}
+    evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": float(p.seconds)} for p in own]}
     bad = {(s.name, first.channel): _mask(s, own) for s in sessions if any(p.session == s.name for p in own)}
     return Symptom("outliers", place_of(first.channel, sessions[0].n_taxels), (first.channel,), parameters, evidence, bad)
 
