@@ -16,7 +16,7 @@ from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
-from skin_ident.criticism.telemetry.quantization import RESOLVED, step_of
+from skin_ident.criticism.telemetry.quantization import step_of
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
@@ -26,6 +26,7 @@ NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are 
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
+UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
@@ -249,7 +250,7 @@ class Search:
         readings across them."""
         skin, shares = self.present.model.dispersion, self.present.model.shares
         k = skin.k1 + skin.k2 if gain.channel == "force" else skin.k1 * shares[int(gain.channel.rpartition("_")[2])]
-        return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + (RESOLVED * self._step(gain.channel)) ** 2
+        return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + (UNEVEN * self._step(gain.channel)) ** 2
 
     def _step(self, channel: str) -> float:
         """The converter's step in a channel, N; zero where none is seen."""

@@ -15,12 +15,13 @@ from skin_ident.criticism.proposals import bank
 from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import Survey
-from skin_ident.criticism.telemetry.quantization import RESOLVED, step_of
+from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import stack
 
 SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
 SYSTEMATIC_RMSE = 0.05  # and of the plain error, in the channel that gains most
+RESOLVED = 0.2  # of a converter's step: what is smaller than that on average may be the converter's own unevenness
 SHADOW = 0.01  # of what the named causes explained: a remainder below is their own imperfect form
 
 

@@ -1,10 +1,11 @@
 """Effects of an array that change while it is pressed: they bend the ratios of the taxels over depth or time.
 
-All act on the share of every taxel, exp(-(r / c)^2) with r from the contact, and keep the total:
+All act on the share of every taxel, exp(-(r / c)^2) with r from the contact, and all but the last keep the total:
 
     Leaning    the contact moves by `shift` along `axis` from the surface to the greatest depth          off_centre
     Walking    the contact moves by `shift` along `axis` from the first to the last moment               off_centre
-    Widening   the width is (1 + growth x) c at depth x, c at the surface                                spread_depth
+    Widening   the width is (1 + growth (x - x_0)) c at depth x                                          spread_depth
+    Reaching   the same, with the share right under the contact as it was                                spread_depth
 
 They need to know where the taxels are, so they are made for one layout and are not in the catalogue.
 """
@@ -84,9 +85,25 @@ class Widening(OverTaxels, Memoryless):
 
     taxels: Pairs = ()
     width: float = 5.25e-3
+    usual: float = 0.0  # m, the depth x_0 at which the shares are as measured on the whole
     growth: float = quantity("1/m", 0.0, lower=-2000.0, upper=2000.0, typical=100.0, doc="relative growth of the width per metre of depth")
 
     def apply(self, y, s):
-        wider = np.maximum(1.0 + self.growth * np.maximum(s.x, 0.0), 0.2)
+        wider = self.wider(s.x)
         square = np.sum(np.square(self.taxels), axis=1) / self.width**2
         return y * np.exp(np.multiply.outer(square, 1.0 - wider**-2.0)) * wider**-2.0
+
+    def wider(self, x):
+        """The width at depth `x` (m) over c, at least 0.2."""
+        return np.maximum(1.0 + self.growth * (np.maximum(x, 0.0) - self.usual), 0.2)
+
+
+@dataclass(frozen=True)
+class Reaching(Widening):
+    """A spread that is wider the deeper the skin is pressed, and as strong in the centre: more of the force reaches the taxels."""
+
+    form: ClassVar[str] = "reaching"
+
+    def apply(self, y, s):
+        """What Widening makes of it, less its loss in the centre."""
+        return super().apply(y, s) * self.wider(s.x) ** 2

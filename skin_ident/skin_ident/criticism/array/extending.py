@@ -65,7 +65,7 @@ def known(e: Any) -> Effect | None:
         x, y = np.array(e.axis) * e.shift / e.deepest
         return CatalogueLeaning("rig", lean_x=float(x), lean_y=float(y))
     if isinstance(e, Widening):
-        return SpreadDepth("skin", growth=float(np.clip(e.growth, -1e3, 1e4)))
+        return SpreadDepth("skin", growth=float(np.clip(e.growth / max(1.0 - e.growth * e.usual, 0.2), -1e3, 1e4)))
     return None
 
 

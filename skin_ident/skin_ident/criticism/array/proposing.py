@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from skin_ident.criticism.array.bending import Leaning, Walking, Widening
+from skin_ident.criticism.array.bending import Leaning, Reaching, Walking, Widening
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.smeared import Smeared
 from skin_ident.criticism.proposals import Direction
@@ -10,6 +10,8 @@ from skin_ident.criticism.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
+
+USUAL = 0.75  # of the greatest depth: where a slope over all depths is that of the share
 
 
 def array_directions(layout: Layout | str, session: Session) -> tuple[Direction, ...]:
@@ -40,7 +42,9 @@ def _effects(layout: Layout, session: Session) -> Iterator[Effect]:
         yield Leaning("rig", taxels, along, layout.width, deepest, shift=0.0)
         yield Walking("rig", taxels, along, layout.width, seconds, shift=0.0)
     if len(taxels) > 2:
-        yield Widening("skin", taxels, layout.width, growth=0.0)
+        usual = USUAL * deepest
+        yield Widening("skin", taxels, layout.width, usual, growth=0.0)
+        yield Reaching("skin", taxels, layout.width, usual, growth=0.0)
         yield from Smeared.absent_shapes()
 
 

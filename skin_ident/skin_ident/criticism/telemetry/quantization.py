@@ -12,7 +12,6 @@ COARSER = 1.5  # times the declared step
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
 FEWEST_LEVELS = 4
 FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
-RESOLVED = 0.2  # of a step: what is smaller than that on average may be the converter's own unevenness
 MANY = 0.5  # share of samples that are levels of their own: then nothing is quantized
 
 
