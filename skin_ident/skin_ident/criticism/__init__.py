@@ -2,20 +2,23 @@
 
 The method, in the order in which `diagnose` runs it:
 
-1.  `telemetry` looks at each recording before any model: quantization, saturation, spikes, frozen samples, dead taxels, copied data.
+1.  `odd_session` puts a session right that differs from all others in whole (columns in another order, a unit, a sign). `telemetry`
+    looks at each recording before any model: quantization, saturation, spikes, frozen samples, dead taxels, copied data, and by a first
+    fit at pieces that one channel alone knows of.
 2.  `session` and `band` put measured and simulated channels through one and the same low-pass, at full rate, then thin them out. A depth
     in coarse steps is drawn again first (`recordings.staircase`). Moments when the plunger may have left the skin are not compared.
 3.  `fitting` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error.
 4.  `proposals` simulates every effect of the catalogue, at every shape of its grid, on top of the model: the change it makes to every
     channel is the direction in which that cause would bend the residual. With declared taxel positions `array` proposes what bends the
     spread over them.
-5.  `whitening` fits the noise (autoregressive per channel, correlated between channels) to what the richest set of directions leaves,
-    beginning from white noise (`noise`).
+5.  `whitening` fits the noise (predicted from its last samples and from slower and slower averages, correlated between channels) to what
+    the richest set of directions leaves, beginning from white noise (`noise`).
 6.  `ranking` projects the model's own parameters out and asks how much of the whitened residual each cause explains, within the signs
     that physics allows.
 7.  The best few are refitted jointly, nonlinearly (`growing`); `gate` demands that held-out sessions are predicted better (block
     bootstrap). What comes within reach of the best is reported beside it. `course` competes with all of them by what belongs to one
-    session alone: a zero, a slope, or a depth that changed before or during it.
+    session alone: a zero, a slope, or a depth that changed before or during it (`steps` finds the moments). Where such courses explain
+    most and predict nothing, the noise wanders more than its model knows, and nothing is named.
 8.  Repeat; then eliminate backwards (`criticise`); then ask whether a general model still predicts something of the residual on held-out
     data (`leftover`), and look at the moments that were left out for a pull (`telemetry.pull`).
 

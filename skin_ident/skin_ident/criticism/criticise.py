@@ -7,7 +7,7 @@ import numpy as np
 
 from skin_ident.criticism.course import BEHIND, MARGIN, Run, added, believed, course_gain, fitted, worthwhile
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
-from skin_ident.criticism.gate import Gain, held_out_gain
+from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
@@ -156,11 +156,15 @@ class Search:
                 return
 
     def _choose(self, trials: list[_Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
-        """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those."""
+        """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those.
+
+        Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named for
+        it.
+        """
         best = trials[0].score if trials else 0.0
         first = runs and runs[0].score > max(MARGIN * best, best + 10.0)
         own = self._own_course(runs[0], trials) if first else None
-        shared = None if own else self._first_believed(trials, runs)
+        shared = None if own or first else self._first_believed(trials, runs)
         if not (own or shared or first) and runs and runs[0].score > BEHIND * best:
             own = self._own_course(runs[0], trials)
         return own, shared
@@ -214,7 +218,8 @@ class Search:
                 tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals) + _own(runs, trial, rivals) + _same(trial, rivals)
             )
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
-            if gain.passed and gain.squares > shadow and self._resolved(gain) and _shows(trial.ranked.where, gain):
+            told = trial.score > MATERIAL * trial.fit.count  # what it was fitted to must gain by it, too
+            if told and gain.passed and gain.squares > shadow and self._resolved(gain) and _shows(trial.ranked.where, gain):
                 return trial.fit, finding
             self.refused.append(finding)
         return None
