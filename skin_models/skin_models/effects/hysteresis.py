@@ -37,6 +37,7 @@ class SkinHysteresis(Dynamic):
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Prandtl-Ishlinskii; Krejčí 1996"
     linear: ClassVar[bool] = True
+    turn: ClassVar[float] = 1.0
 
     k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness before it yields, sensed")
     k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness before it yields, dispersed")
@@ -52,42 +53,20 @@ class SkinHysteresis(Dynamic):
         """k (x - P) on each branch."""
         x = depth_in_contact(s.x)
         state = play_step(state, x, self.threshold)
-        return state, y + branches(self.k_sensed, self.k_dispersed, x - state, s.x)
+        return state, y + branches(self.k_sensed, self.k_dispersed, self.turn * (x - state), s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """k times the stop operator over the whole recording."""
-        return y + branches(self.k_sensed, self.k_dispersed, stop(depth_in_contact(s.x), self.threshold), s.x)
+        return y + branches(self.k_sensed, self.k_dispersed, self.turn * stop(depth_in_contact(s.x), self.threshold), s.x)
 
 
 @dataclass(frozen=True)
-class LaggingHysteresis(Dynamic):
-    """A play operator's part of both branches: what it adds stays behind the depth at every reversal."""
+class LaggingHysteresis(SkinHysteresis):
+    """The same with the loop run the other way round: what a play operator adds stays behind the depth at every reversal."""
 
-    cause: ClassVar[str] = "hysteresis"
     form: ClassVar[str] = "lagging"
-    places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Prandtl-Ishlinskii, of plays; Krejčí 1996"
-    linear: ClassVar[bool] = True
-
-    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness missing after a turning point, sensed")
-    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness missing after a turning point, dispersed")
-    threshold: float = quantity(
-        "m", 0.2e-3, lower=1e-6, upper=0.05, role=SHAPE, typical=0.2e-3, scan=DEPTHS, doc="way r until the force has caught up"
-    )
-
-    def initial(self, rng=None) -> None:
-        """None: the first sample is taken as rest. From then on the state is the play P, m."""
-        return None
-
-    def step(self, state, y, s: Sample, dt: float):
-        """-k (x - P) on each branch."""
-        x = depth_in_contact(s.x)
-        state = play_step(state, x, self.threshold)
-        return state, y + branches(self.k_sensed, self.k_dispersed, state - x, s.x)
-
-    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """-k times the stop operator over the whole recording."""
-        return y - branches(self.k_sensed, self.k_dispersed, stop(depth_in_contact(s.x), self.threshold), s.x)
+    turn: ClassVar[float] = -1.0
 
 
 @dataclass(frozen=True)
