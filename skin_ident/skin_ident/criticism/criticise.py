@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import islice
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from skin_ident.criticism.telemetry.quantization import step_of
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
-SHORTLIST = 4  # causes that are refitted before one is chosen
+SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
 WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
@@ -176,15 +177,17 @@ class Search:
         return survey(self.present.model, self.train, self.which)
 
     def _trials(self, last: Survey) -> list[_Trial]:
-        """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, and
-        one that the record itself has shown goes before all."""
+        """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, all
+        taxels alike before one of them, and one that the record itself has shown before all."""
         known = {(n.cause, n.where) for n in self.named}
-        able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score)][:SHORTLIST]
         shown = [r for r in last.ranked if (r.cause, r.where) in self.suspected - known and r.score > 0.0]
-        able += [r for r in shown if r not in able]
-        trials = sorted((t for t in map(self._trial, able) if self._plausible(t)), key=lambda t: (t.ranked not in shown, -t.score))
+        able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score) and r not in shown]
+        plausible = (t for t in map(self._trial, able[:LONGEST]) if self._plausible(t))
+        trials = [*filter(self._plausible, map(self._trial, shown)), *islice(plausible, SHORTLIST)]
+        trials.sort(key=lambda t: (t.ranked not in shown, -t.score))
         again = [t for t in trials if t.key in known and t.score > _reach(trials[0].score)]
-        return again[:1] + [t for t in trials if t not in again[:1]]
+        first = again[:1] or _all_alike(trials)
+        return first + [t for t in trials if t not in first]
 
     def _trial(self, r: Ranked) -> _Trial:
         self.progress(f"trying {r.cause} in the {r.where}")
@@ -320,6 +323,12 @@ def _same(trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:
     """Names at other places that are the same signal by nature: a force below a threshold is swallowed by skin or taxels."""
     said = {t.key for t in rivals}
     return tuple(Rival(*other, 0.0) for one, other in SAME if one == trial.key and other not in said)
+
+
+def _all_alike(trials: list[_Trial]) -> list[_Trial]:
+    """Where the best trial is a cause in one taxel, the same cause in all of them, if that explains as much."""
+    best = trials[0] if trials else None
+    return [t for t in trials if t.key == (best.ranked.cause, "taxel") and best.ranked.where != "taxel" and t.score > _reach(best.score)]
 
 
 def _reach(score: float) -> float:
