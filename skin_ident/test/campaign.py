@@ -119,9 +119,14 @@ def _word(hidden, findings, alike: list) -> str:
         return "admitted"
     if findings["findings"] and _passes_for(findings, alike):
         return "admitted"
-    if not findings["findings"] and any(u["cause"] == hidden.cause for u in findings["untestable"]):
+    if not findings["findings"] and any(u["cause"] == hidden.cause and _about(u, hidden) for u in findings["untestable"]):
         return "untestable"
     return "wrong" if findings["findings"] else "missed"
+
+
+def _about(reason, hidden) -> bool:
+    """Whether a reason speaks of what is hidden: one with a place speaks of a constant form there, and of no other."""
+    return "where" not in reason or (hidden.form == "static" and _same_place(reason["where"], hidden.where))
 
 
 def _passes_for(findings, alike: list) -> bool:

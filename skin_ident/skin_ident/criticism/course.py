@@ -43,6 +43,8 @@ KNOT_S = 20.0
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
 AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
+LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
+SURE = 0.3  # of the fall of the error, which its interval must exclude: seven courses are tried every time
 BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
 
 
@@ -72,7 +74,7 @@ class Run:
 
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains anything, and is more than what a good stage does at rest or its encoder can tell."""
-        return self.score > 0.0 and not (self.course.carrier == DEPTH and self.largest < max(AT_REST, 0.5 * encoder_step))
+        return self.score > LEAST and not (self.course.carrier == DEPTH and self.largest < max(AT_REST, 0.5 * encoder_step))
 
 
 def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
@@ -152,7 +154,7 @@ def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarra
 def believed(gain: Gain) -> bool:
     """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
     little too early or too late leaves a spike, which whitening would make the most of."""
-    return gain.ci95[0] > 0.0 and gain.after < (1.0 - MATERIAL_RMSE) * gain.before
+    return gain.ci95[0] > SURE * (gain.before - gain.after) and gain.after < (1.0 - MATERIAL_RMSE) * gain.before
 
 
 def course_gain(course: Course, before: Model, after: Model, held: list[Session], noise: Whitener, said: str) -> Gain:
