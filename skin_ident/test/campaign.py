@@ -1,9 +1,9 @@
 """python campaign.py KIND: hides effects by the hundred in the world's recordings and counts what the diagnosis makes of them.
 
-KIND is `null`, `single`, `pair` or `poor`. One line a case; at the end the rates with their counts, extra names, the held-out error over that
-of an oracle that knows the noise-free signal, and the time. A case is right when the hidden cause is named at its place; `admitted` when
-it is among the alternatives of a finding, or the name is one of the rivals that carry the same equations; `untestable` when nothing is named
-and the cause is listed as such.
+KIND is `null`, `single`, `pair` or `poor`. One line a case; at the end the rates with their counts, extra names, the held-out error over
+that of an oracle that knows the noise-free signal, and the time. A case is right when the hidden cause is named at its place; `admitted`
+when it is among the alternatives of a finding, or the name is one of the rivals that carry the same equations; `untestable` when nothing is
+named and the cause is listed as such.
 """
 
 import argparse
