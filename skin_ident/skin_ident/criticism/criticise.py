@@ -326,9 +326,10 @@ def _same(trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:
 
 
 def _all_alike(trials: list[_Trial]) -> list[_Trial]:
-    """Where the best trial is a cause in one taxel, the same cause in all of them, if that explains as much."""
+    """Where the best trial is in one taxel and its cause may as well be the skin's: the same in all taxels, if that explains as much."""
     best = trials[0] if trials else None
-    return [t for t in trials if t.key == (best.ranked.cause, "taxel") and best.ranked.where != "taxel" and t.score > _reach(best.score)]
+    alike = [t for t in trials if (t.key, (t.ranked.cause, "skin")) in SAME and t.ranked.cause == best.ranked.cause]
+    return [t for t in alike if best.ranked.where != "taxel" and t.score > _reach(best.score)]
 
 
 def _reach(score: float) -> float:

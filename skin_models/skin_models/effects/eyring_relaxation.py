@@ -2,9 +2,9 @@
 
     q' = v - A sinh(q / q_0),        f = k q        q: stretch of the spring, m
 
-From small loads it decays exponentially with the time constant q_0 / A, from large ones like the logarithm of time, and its loop over depth
-hardly depends on the rate: between a Maxwell arm and a dry slider. Exact for steps of depth followed by rest, whatever the step: with
-u = tanh(q / 2 q_0) a step d and a rest dt are u -> e (u + t) / (1 + t u), t = tanh(d / 2 q_0), e = exp(-A dt / q_0).
+From small loads it decays exponentially with the time constant q_0 / A (`flow_time`), from large ones like the logarithm of time, and its
+loop over depth hardly depends on the rate: between a Maxwell arm and a dry slider. Exact for steps of depth followed by rest, whatever
+the step: with u = tanh(q / 2 q_0) a step d and a rest dt are u -> e (u + t) / (1 + t u), t = tanh(d / 2 q_0), e = exp(-A dt / q_0).
 
 Sources: H. Eyring, J. Chem. Phys. 4 (1936) 283-291; R. N. Haward and G. Thackray, Proc. R. Soc. A 302 (1968) 453-472 (spring and
 dashpot).
@@ -34,8 +34,8 @@ class EyringRelaxation(Dynamic):
     source: ClassVar[str] = "Eyring 1936; Haward and Thackray 1968"
     linear: ClassVar[bool] = True
 
-    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness k of the spring, sensed")
-    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness k of the spring, dispersed")
+    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=4000.0, doc="stiffness of the flowing arm, sensed")
+    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=2000.0, doc="stiffness of the flowing arm, dispersed")
     stretch: float = quantity(
         "m",
         0.1e-3,
@@ -44,10 +44,10 @@ class EyringRelaxation(Dynamic):
         role=SHAPE,
         typical=0.1e-3,
         scan=(0.02e-3, 0.08e-3, 0.3e-3),
-        doc="stretch q_0 that speeds it up",
+        doc="stretch that speeds its flow up",
     )
-    tau: float = quantity(
-        "s", 10.0, lower=1e-3, upper=1e5, role=SHAPE, typical=10.0, scan=(3.0, 30.0, 300.0), doc="time constant q_0 / A at small loads"
+    flow_time: float = quantity(
+        "s", 10.0, lower=1e-3, upper=1e5, role=SHAPE, typical=10.0, scan=(3.0, 30.0, 300.0), doc="time constant at small loads"
     )
 
     def initial(self, rng=None) -> tuple[float, None]:
@@ -69,7 +69,7 @@ class EyringRelaxation(Dynamic):
         return y + branches(self.k_sensed, self.k_dispersed, self._carried(u), s.x)
 
     def _map(self, dx, dt):
-        return np.exp(-dt / self.tau) + 0.0 * dx, np.tanh(dx / (2.0 * self.stretch))
+        return np.exp(-dt / self.flow_time) + 0.0 * dx, np.tanh(dx / (2.0 * self.stretch))
 
     def _carried(self, u):
         return 2.0 * self.stretch * np.arctanh(np.clip(u, -FULL, FULL))
