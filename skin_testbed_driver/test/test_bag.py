@@ -87,12 +87,14 @@ def messages_before_the_tear(path) -> list[int]:
 
 def test_whenever_a_writer_is_killed_all_but_the_last_half_second_reads_back(tmp_path):
     """By construction no more than `HELD` of what was given is missing, however late the machine lets the writer run."""
-    fork = multiprocessing.get_context("fork")
+    spawn = multiprocessing.get_context("spawn")  # a fork would carry along whatever other tests have left in this process
     for i in range(12):
-        given = fork.Value("Q", 0)
-        writer = fork.Process(target=write_on_and_on, args=(tmp_path / str(i), given), daemon=True)
+        given = spawn.Value("Q", 0)
+        writer = spawn.Process(target=write_on_and_on, args=(tmp_path / str(i), given), daemon=True)
         writer.start()
+        patience = time.monotonic() + 30.0
         while not given.value:
+            assert writer.is_alive() and time.monotonic() < patience, "the writer wrote nothing"
             time.sleep(0.01)
         time.sleep(0.3 + 0.4 * random.random())
         writer.kill()
