@@ -1,6 +1,7 @@
-import multiprocessing
 import random
 import struct
+import subprocess
+import sys
 import time
 
 import pytest
@@ -64,15 +65,20 @@ def test_a_vanished_file_is_noticed(tmp_path):
         bag.flush()
 
 
-def write_on_and_on(directory, given) -> None:
-    """In a process of its own: a message every millisecond that holds the time at which it was written; `given` tells the last one's."""
-    bag = BagWriter(directory)
-    topic = bag.add_topic(CLOCK)
-    while True:
-        now = time.monotonic_ns()
-        bag.write(topic, struct.pack("<IQ", 0x100, now), now, now)
-        given.value = now
-        time.sleep(1e-3)
+# A process of its own: a message every millisecond that holds the time at which it was written; the file named last tells the last one's.
+WRITER = """
+import mmap, struct, sys, time
+from skin_testbed_driver.bag import BagWriter, TopicInfo
+
+bag, file = BagWriter(sys.argv[1]), open(sys.argv[2], "r+b")
+given = mmap.mmap(file.fileno(), 8)
+topic = bag.add_topic(TopicInfo("/clock", "builtin_interfaces/msg/Time", "int32 sec\\nuint32 nanosec\\n"))
+while True:
+    now = time.monotonic_ns()
+    bag.write(topic, struct.pack("<IQ", 0x100, now), now, now)
+    given[:] = struct.pack("<Q", now)
+    time.sleep(1e-3)
+"""
 
 
 def messages_before_the_tear(path) -> list[int]:
@@ -87,18 +93,18 @@ def messages_before_the_tear(path) -> list[int]:
 
 def test_whenever_a_writer_is_killed_all_but_the_last_half_second_reads_back(tmp_path):
     """By construction no more than `HELD` of what was given is missing, however late the machine lets the writer run."""
-    spawn = multiprocessing.get_context("spawn")  # a fork would carry along whatever other tests have left in this process
     for i in range(12):
-        given = spawn.Value("Q", 0)
-        writer = spawn.Process(target=write_on_and_on, args=(tmp_path / str(i), given), daemon=True)
-        writer.start()
+        given = tmp_path / f"given_{i}"
+        given.write_bytes(bytes(8))
+        writer = subprocess.Popen([sys.executable, "-c", WRITER, str(tmp_path / str(i)), str(given)])
         patience = time.monotonic() + 30.0
-        while not given.value:
-            assert writer.is_alive() and time.monotonic() < patience, "the writer wrote nothing"
+        while not any(given.read_bytes()):
+            assert writer.poll() is None and time.monotonic() < patience, "the writer wrote nothing"
             time.sleep(0.01)
         time.sleep(0.3 + 0.4 * random.random())
         writer.kill()
-        writer.join()
+        writer.wait(10.0)
         times = messages_before_the_tear(tmp_path / str(i) / f"{i}_0.mcap")
         assert times == sorted(times) and len(times) > 10
-        assert 1e-9 * (given.value - times[-1]) < 0.5
+        (last,) = struct.unpack("<Q", given.read_bytes())
+        assert 1e-9 * (last - times[-1]) < 0.5
