@@ -36,7 +36,10 @@ def drawn_again(x: np.ndarray) -> np.ndarray:
     when = np.concatenate([change - 0.5, reached, left, middle - quarter, middle, middle + quarter])
     where = np.concatenate([border, cell[rests], cell[rests], foot + 0.75 * top, foot + top, foot + 0.75 * top])
     order = np.argsort(when, kind="stable")
-    return np.interp(np.arange(x.size), when[order], where[order])
+    again = np.interp(np.arange(x.size), when[order], where[order])
+    jumps = np.abs(np.diff(x))
+    allowed = np.maximum(0.5 * jumps[jumps > 0.0].min(), np.abs(np.gradient(x)))
+    return np.clip(again, x - allowed, x + allowed)
 
 
 def _rise(cell: np.ndarray, length: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
