@@ -5,7 +5,8 @@
 Times are medians of the repetitions, each in a process of its own: by the clock on the wall, and by the processor, which does not mind a
 busy machine. Ratios are of both. Memory is the process's peak beyond what it held after reading a small file. `read alone` fetches the file
 and decompresses its chunks; `read, checked` also takes the checksums that the chunks carry (eight times as quick with zlib-ng installed).
-What is not installed is left out. `ours` reads on two threads, of which a machine without an idle core gives it one.
+What is not installed is named as such, and what fails by its own last line. `ours` reads on two threads, of which a machine without an idle
+core gives it one.
 """
 
 import argparse
@@ -117,10 +118,15 @@ def mcap(path: Path) -> None:
     assert rows and rest
 
 
-def measured(name: str, path: Path) -> tuple[float, float, float] | None:
-    """Seconds by the wall's clock and of the processor, and peak memory (MB), in a process of its own; None if it cannot run."""
+def measured(name: str, path: Path) -> tuple[float, float, float] | str:
+    """Seconds by the wall's clock and of the processor, and peak memory (MB), in a process of its own; why not, if it cannot run."""
     done = subprocess.run([sys.executable, __file__, "--one", name, "--path", path], capture_output=True, text=True)
-    return tuple(json.loads(done.stdout)) if done.returncode == 0 else None
+    if done.returncode == 0:
+        return tuple(json.loads(done.stdout))
+    said = done.stderr.strip().splitlines()
+    last = said[-1] if said else f"ended with status {done.returncode}"
+    missing = last.startswith("ModuleNotFoundError")
+    return f"not installed: {last.partition(': ')[2]}" if missing else f"failed: {last}"
 
 
 def one(name: str, path: Path) -> None:
@@ -162,35 +168,39 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as temporary:
         folder = chosen.folder or Path(temporary)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            parser.error(f"--folder {folder}: {error.strerror}")
         for compression in ("NONE", "LZ4", "ZSTD"):
-            path, small = folder / f"{compression}.mcap", folder / "small.mcap"
-            if not path.exists():
-                make(path, compression, chosen.seconds)
+            path, small = folder / f"{compression}_{chosen.seconds:g}s.mcap", folder / "small.mcap"
+            if not path.exists():  # whole or not at all: a call that was interrupted must not leave half a bag for the next one
+                make(path.with_suffix(".partial"), compression, chosen.seconds).replace(path)
             make(small, compression, 0.5)
             arrays = 8 * 1000 * chosen.seconds * (64 + 2 + 3 * 2) / 1e6
-            print(
-                f"\n{compression.lower()}: {path.stat().st_size / 1e6:.0f} MB, {3000 * chosen.seconds:.0f} messages, arrays {arrays:.0f} MB"
-            )
-            table(path, chosen.only, chosen.repeat)
+            size = path.stat().st_size / 1e6
+            print(f"\n{compression.lower()}: {size:.0f} MB, {3000 * chosen.seconds:.0f} messages, arrays {arrays:.0f} MB", flush=True)
+            table(path, chosen.only, chosen.repeat, arrays)
 
 
-def table(path: Path, names: list[str], repeat: int) -> None:
+def table(path: Path, names: list[str], repeat: int, arrays: float) -> None:
     """One line per contender, with how many times ours is quicker; contenders take turns, so that a busy spell meets all of them."""
-    runs: dict[str, list] = {name: [] for name in sorted(names, key=lambda name: name != "ours: arrays")}
+    runs: dict[str, list] = {name: [] for name in dict.fromkeys(["ours: arrays", *names])}
     for turn in range(repeat):
         for name, done in runs.items():
-            if turn == 0 or (name not in SLOW and None not in done):
+            if turn == 0 or (name not in SLOW and not isinstance(done[0], str)):
                 done.append(measured(name, path))
-    print(f"  {'':<14} {'wall':>10} {'processor':>12} {'memory':>11}   times ours (wall, processor)")
+    print(f"  {'':<14} {'wall':>10} {'processor':>12} {'memory':>11} {'of arrays':>10}   times ours (wall, processor)")
     ours = None
     for name, done in runs.items():
-        if None in done:
-            print(f"  {name:<14} not installed", flush=True)
+        failures = [turn for turn in done if isinstance(turn, str)]
+        if failures:
+            print(f"  {name:<14} {failures[0]}", flush=True)
             continue
         wall, worked, memory = (statistics.median(column) for column in zip(*done, strict=True))
         ours = ours or (wall, worked)
         ratios = f"{wall / ours[0]:6.2f} {worked / ours[1]:6.2f}"
-        print(f"  {name:<14} {wall:8.3f} s {worked:10.3f} s {memory:8.0f} MB   {ratios}", flush=True)
+        print(f"  {name:<14} {wall:8.3f} s {worked:10.3f} s {memory:8.0f} MB {memory / arrays:9.2f}    {ratios}", flush=True)
 
 
 if __name__ == "__main__":
