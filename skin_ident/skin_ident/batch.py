@@ -18,11 +18,11 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from skin_ident.cli.common import whole
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
 from skin_ident.recordings.load import load_one
 from skin_models.errors import SkinError
+from skin_models.whole_file import whole_file
 
 JOURNAL = "fits.jsonl"
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -153,7 +153,7 @@ def parquet_library() -> tuple[Any, Any]:
 def write_table(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """All rows as CSV or, by the suffix .parquet, as Parquet; whole or not at all. Raises `FitError` without pyarrow for the latter."""
     columns = list(dict.fromkeys(name for row in rows for name in row if name != "key"))
-    with whole(path) as partial:
+    with whole_file(path) as partial:
         if path.suffix == ".parquet":
             arrow, parquet = parquet_library()
             parquet.write_table(arrow.table({c: [row.get(c) for row in rows] for c in columns}), partial)

@@ -8,8 +8,8 @@ import json
 from pathlib import Path
 
 import pytest
-
 from hide_and_seek import seek
+
 from skin_ident.criticism.vocabulary import CAUSES
 
 FOUND = [

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from making import G, SILICONE, response, sine
+from making import SILICONE, G, response, sine
 
 from skin_ident.estimators.dispersion import FREE, fit_dispersion
 from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE

@@ -22,6 +22,10 @@ def test_goes_on_until_one_name_is_left(tmp_path, capsys):
 
 
 def test_bad_calls(tmp_path, capsys):
-    for arguments, word in ((["--budget", "0"], "--budget"), (["--cause", "witchcraft"], "choose from"), (["--first", "x"], "no YAML file")):
+    for arguments, word in (
+        (["--budget", "0"], "--budget"),
+        (["--cause", "witchcraft"], "choose from"),
+        (["--first", "x"], "no YAML file"),
+    ):
         assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
         assert word in capsys.readouterr().err and not (tmp_path / "out").exists()

@@ -64,7 +64,7 @@ class Effect(ABC):
     def __post_init__(self) -> None:
         if not isinstance(self.where, str):
             raise ModelError(f"{self.cause} needs a place such as {next(iter(self.places))!r}, not {self.where!r}")
-        self.place  # raises for a place this effect does not know
+        self.place  # noqa: B018 - raises for a place this effect does not know
         check_parameters(self)
 
     @property

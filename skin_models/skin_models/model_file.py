@@ -24,7 +24,6 @@ sentence.
 
 import os
 from collections.abc import Mapping
-from contextlib import suppress
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -39,6 +38,7 @@ from skin_models.model import Model
 from skin_models.parameter import parameters_of
 from skin_models.spread.noted import kernel_of
 from skin_models.strict_yaml import load_yaml
+from skin_models.whole_file import whole_file
 
 SCHEMA = 1
 
@@ -61,13 +61,10 @@ def save_model(model: Model, path: str | os.PathLike, std: Mapping[str, float] |
     Raises `ModelError` where it cannot be written.
     """
     path, text = Path(path), yaml.safe_dump(model_to_dict(model, std or {}), sort_keys=False, allow_unicode=True)
-    partial = path.with_name(path.name + ".partial")
     try:
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
+        with whole_file(path) as partial:
+            partial.write_text(text, encoding="utf-8")
     except OSError as error:
-        with suppress(OSError):
-            partial.unlink()
         raise ModelError(f"cannot write the model {path}: {error.strerror or error}") from error
 
 

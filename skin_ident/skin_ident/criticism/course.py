@@ -15,6 +15,7 @@ slow drift is told from strongly coloured noise in this way only: knots and bloc
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -139,6 +140,11 @@ class _Ground:
         i = next(i for i, s in enumerate(self.sessions) if s is session)
         return self.left[sum(sizes[:i]) : sum(sizes[: i + 1])].reshape(session.measured.shape)
 
+    @cached_property
+    def deeper(self) -> dict[str, np.ndarray]:
+        """What a unit of another zero of depth adds to every session, (C, N) N/m."""
+        return {s.name: _deeper(self.model, s, self.plain[s.name]) for s in self.sessions}
+
     def beside(self, rows: np.ndarray) -> np.ndarray:
         """Whitened rows (R, …) less what `Q` spans."""
         return rows if self.Q is None else rows - self.Q @ (self.Q.T @ rows)
@@ -212,10 +218,9 @@ def _after_jump(g: _Ground, s: Session, moment: float) -> np.ndarray:
 
 def _carrier(course: Course, g: _Ground, s: Session) -> np.ndarray:
     """D of the module's equation, (C, N), newtons for each unit of z."""
-    y = g.plain[s.name]
     if course.carrier == DEPTH:
-        return _deeper(g.model, s, y)
-    return _unit(course, s) * (1.0 if course.carrier == ZERO else y[course.channel])
+        return g.deeper[s.name]
+    return _unit(course, s) * (1.0 if course.carrier == ZERO else g.plain[s.name][course.channel])
 
 
 def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:

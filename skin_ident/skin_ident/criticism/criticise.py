@@ -12,7 +12,7 @@ from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
-from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.residual import simulated, stiffness
 from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
@@ -141,11 +141,8 @@ class Search:
             self.noise = last.noise
             self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
             trials = self._trials(last)
-            runs = [
-                r
-                for r in worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
-                if r.course not in {t.course for t in self.runs}
-            ]
+            had = {r.course for r in self.runs}
+            runs = [r for r in worthwhile(self.present.model, self.train, self.noise, self.encoder_step) if r.course not in had]
             own, shared = self._choose(trials, runs)
             taken = own or shared
             self.rounds.append((last, taken[1].cause if taken else None))
@@ -230,17 +227,14 @@ class Search:
     def _own_course(self, run: Run, trials: list[_Trial]) -> tuple[Run, Named] | None:
         """A finding from a course of each session's own, where the blocks between support it."""
         self.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
-        sessions, said = (
-            (self.held, ", ".join(s.name for s in self.held)) if self.held else (self.train, "every other block of each session")
-        )
+        sessions = self.held or self.train
+        said = ", ".join(s.name for s in self.held) or "every other block of each session"
         after = fit(self.present.model, added(self.train, run.values), self.noise)
         gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > _reach(run.score) and t.key[0] != run.course.cause)
-        return (
-            (run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said))
-            if believed(gain) and self._resolved(gain)
-            else None
-        )
+        if not (believed(gain) and self._resolved(gain)):
+            return None
+        return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
 
     def _take_course(self, run: Run, finding: Named) -> None:
         """Give every session its course; the rest of the search goes on with what is left."""
@@ -256,8 +250,7 @@ class Search:
         """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever
         the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the
         readings across them."""
-        skin, shares = self.present.model.dispersion, self.present.model.shares
-        k = skin.k1 + skin.k2 if gain.channel == "force" else skin.k1 * shares[int(gain.channel.rpartition("_")[2])]
+        k = stiffness(self.present.model, gain.channel)
         return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + (UNEVEN * self._step(gain.channel)) ** 2
 
     def _step(self, channel: str) -> float:

@@ -33,7 +33,7 @@ from skin_ident.criticism.many import (
 from skin_ident.criticism.odd_session import put_right
 from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import Inspected, inspect
-from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.residual import simulated, stiffness
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.telemetry.noise_level import find_noise
@@ -186,9 +186,8 @@ def _noise(c: Criticism, recordings: list, sessions: list[Session]) -> list[Symp
     model = c.extended.model
     rest = [s.raw - simulated(model, s) for s in sessions]
     calm = [~meeting(motion_under(s, model.dispersion), model.dispersion) for s in sessions]
-    skin = model.dispersion
-    stiffness = [skin.k1 + skin.k2 if c == "force" else skin.k1 * model.shares[int(c.rpartition("_")[2])] for c in sessions[0].channels]
-    found = find_noise(recordings, sessions[0].channels, rest, calm, stiffness)
+    channels = sessions[0].channels
+    found = find_noise(recordings, channels, rest, calm, [stiffness(model, c) for c in channels])
     return [s for s in found if s.channels[0] not in sessions[0].stuck]
 
 

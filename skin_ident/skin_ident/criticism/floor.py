@@ -17,15 +17,12 @@ import numpy as np
 
 from skin_ident.criticism.criticise import Criticism
 from skin_ident.criticism.faults import PREDICTS
-from skin_ident.criticism.fitting import tangents
 from skin_ident.criticism.noise import RICHEST, pursue
-from skin_ident.criticism.proposals import bank
-from skin_ident.criticism.residual import residual, simulated
+from skin_ident.criticism.residual import residual, simulated, stiffness
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import Survey
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
-from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener, stack, white
 from skin_models.model import Model
 
@@ -44,17 +41,15 @@ def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, An
     It bounds what any model can gain. `rms` N; `lag_one` is the correlation of neighbouring samples.
     """
     longest = max(sessions, key=lambda s: float(s.weight.sum()))
-    rest = left_by_everything(last.model, last.noise, longest, last)
+    rest = left_by_everything(last, longest)
     rows = {c: e[w > 0] for c, e, w in zip(longest.channels, rest, longest.weight, strict=True)}
     edge = float(longest.band.edge)
     return {c: {"rms": _rms(e), "unit": "N", "lag_one": _lag_one(e), "band_hz": edge} for c, e in rows.items()}
 
 
-def left_by_everything(model: Model, noise: Whitener, session: Session, last: Survey) -> np.ndarray:
+def left_by_everything(last: Survey, session: Session) -> np.ndarray:
     """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
-    own = tangents(model, [session], unknowns(model, session))[0]
-    every = np.concatenate([own, bank(model, last.projected.which, [session])[0]])
-    return _less(residual(model, session), every, len(own), noise, session)
+    return _less(residual(last.model, session), *last.directions_of(session), last.noise, session)
 
 
 def _less(e: np.ndarray, every: np.ndarray, forced: int, noise: Whitener, session: Session) -> np.ndarray:
@@ -63,16 +58,16 @@ def _less(e: np.ndarray, every: np.ndarray, forced: int, noise: Whitener, sessio
     return e - np.tensordot(pursue(A, r, forced + RICHEST, forced=forced), every, 1)
 
 
-def predicted_between(session: Session, last: Survey) -> np.ndarray:
+def predicted_between(last: Survey, session: Session) -> np.ndarray:
     """What is left (C, n) N where directions and delayed copies, fitted to every other block, predict the blocks between."""
-    own = tangents(last.model, [session], unknowns(last.model, session))[0]
-    every = np.concatenate([own, bank(last.model, last.projected.which, [session])[0], _delayed(last.model, session)])
+    every, own = last.directions_of(session)
+    every = np.concatenate([every, _delayed(last.model, session)])
     e = residual(last.model, session)
     odd = ((session.t - session.t[0]) / BLOCK_S).astype(int) % 2
     out = e.copy()
     for side in (0, 1):
         seen = replace(session, weight=session.weight * (odd == side))
-        out[:, odd != side] = _less(e, every, len(own), white([e]), seen)[:, odd != side]
+        out[:, odd != side] = _less(e, every, own, white([e]), seen)[:, odd != side]
     return out
 
 
@@ -91,8 +86,8 @@ def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str,
     if all(rms <= DOUBTED * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
         return floor
     tested = list(c.held or c.train)
-    fitted = _pooled([left_by_everything(c.last.model, c.last.noise, s, c.last) for s in tested], tested)
-    between = _pooled([predicted_between(s, c.last) for s in tested], tested)
+    fitted = _pooled([left_by_everything(c.last, s) for s in tested], tested)
+    between = _pooled([predicted_between(c.last, s) for s in tested], tested)
     return {name: {**floor[name], "rms": float(rms)} for name, rms in zip(floor, np.minimum(fitted, between), strict=True)}
 
 
@@ -122,8 +117,7 @@ def beyond_noise(
 
 def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:
     """What steps of converter and encoder leave open in a channel, N."""
-    skin, shares = c.extended.model.dispersion, c.extended.model.shares
-    k = skin.k1 + skin.k2 if channel == "force" else skin.k1 * shares[int(channel.rpartition("_")[2])]
+    k = stiffness(c.extended.model, channel)
     return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), k * encoder_step / np.sqrt(12.0)))
 
 

@@ -8,15 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.fitting import tangents
 from skin_ident.criticism.gate import bootstrap_fall, rmse_fall
 from skin_ident.criticism.noise import RICHEST, pursue
-from skin_ident.criticism.proposals import bank
 from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import Survey
 from skin_ident.criticism.telemetry.quantization import step_of
-from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import stack
 
 SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
@@ -50,21 +47,16 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     """
     held = held or train[-1:]
     fitted = [s for s in train if s not in held] or train
-    rows = {s.name: _directions(last, s) for s in [*fitted, *held]}
-    A = stack([rows[s.name][0] for s in fitted], fitted, last.noise)
-    r = stack([rows[s.name][1] for s in fitted], fitted, last.noise)
-    own = len(unknowns(last.model, train[0]))
+    every = {s.name: last.directions_of(s) for s in [*fitted, *held]}
+    _, own = every[fitted[0].name]
+    A = stack([every[s.name][0] for s in fitted], fitted, last.noise)
+    r = stack([residual(last.model, s) for s in fitted], fitted, last.noise)
     z = pursue(A, r, own + RICHEST, forced=own)
-    before = [rows[s.name][1] for s in held]
-    after = [e - np.tensordot(z, rows[s.name][0], 1) for e, s in zip(before, held, strict=True)]
+    before = [residual(last.model, s) for s in held]
+    after = [e - np.tensordot(z, every[s.name][0], 1) for e, s in zip(before, held, strict=True)]
     fall, lower = bootstrap_fall(*([last.noise.apply(e, s.weight) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
     skin = last.model.dispersion
     open_to = np.hypot(RESOLVED * (step_of(held[0].raw[c]) or 0.0), (skin.k1 + skin.k2) * encoder_step / np.sqrt(12.0))
     return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to))
-
-
-def _directions(last: Survey, s: Session) -> tuple[np.ndarray, np.ndarray]:
-    own = tangents(last.model, [s], unknowns(last.model, s))[0]
-    return np.concatenate([own, bank(last.model, last.projected.which, [s])[0]]), residual(last.model, s)

@@ -104,7 +104,7 @@ def _in_residuals(recordings: list, sessions: list[Session]) -> list[Symptom]:
     names = [s.name for s in sessions]
     outliers = find_outliers(names, channels, rest, raw, jumps, n, dt)
     known = {c for s in outliers for c in s.channels}
-    outliers += [s for s in find_pieces(first, sessions) if s.channels[0] not in known]
+    outliers += [s for s in find_pieces(first, sessions, rest) if s.channels[0] not in known]
     bad = [_bad_samples(r, outliers) for r in recordings]
     rest, raw = ([_bridged(y, b) for y, b in zip(rows, bad, strict=True)] for rows in (rest, raw))
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]

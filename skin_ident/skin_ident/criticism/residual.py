@@ -40,6 +40,12 @@ def residual(model: Model, session: Session) -> np.ndarray:
     return session.measured - session.band.thin(simulated(model, session))
 
 
+def stiffness(model: Model, channel: str) -> float:
+    """What a quick step of depth makes of a channel, N/m: k1 + k2 of the load cell, its share of k1 of a taxel."""
+    skin = model.dispersion
+    return skin.k1 + skin.k2 if channel == "force" else skin.k1 * model.shares[int(channel.rpartition("_")[2])]
+
+
 def rmse(residuals: list[np.ndarray], sessions: list[Session]) -> dict[str, float]:
     """Root mean squared error by channel over sessions, N; samples not believed are left out."""
     channels = sessions[0].channels

@@ -25,6 +25,11 @@ class Survey:
     projected: Projected
     ranked: tuple[Ranked, ...]
 
+    def directions_of(self, session: Session) -> tuple[np.ndarray, int]:
+        """All that may change a session as simulated, (M, C, n): first the model's own unknowns, whose number is returned too."""
+        own = tangents(self.model, [session], unknowns(self.model, session))[0]
+        return np.concatenate([own, bank(self.model, self.projected.which, [session])[0]]), len(own)
+
 
 def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
     """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""

@@ -28,7 +28,7 @@ class Unknown:
 
 def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
     """Everything that a fit of this model to sessions of this kind may change. The largest share is the reference and stays 1."""
-    return tuple([*_of_dispersion(model, session), *_of_shares(model), *effect_unknowns(model)])
+    return (*_of_dispersion(model, session), *_of_shares(model), *effect_unknowns(model))
 
 
 def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:

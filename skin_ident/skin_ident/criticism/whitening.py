@@ -22,6 +22,9 @@ from scipy.signal import lfilter
 
 ORDER = 8
 MEMORIES = np.array([10.0, 30.0, 100.0, 300.0])  # T_m, samples
+POLES = 1.0 - 1.0 / MEMORIES
+AVERAGING = np.poly(POLES)  # the common denominator of all averages, and the numerator that each has over it
+EACH = np.array([np.poly(np.delete(POLES, m)) / memory for m, memory in enumerate(MEMORIES)])
 FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must not be blown up
 
 
@@ -116,9 +119,7 @@ def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int) ->
 
 def _averages(c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Numerator and denominator of the filter that makes sum of c_m s_m from e."""
-    poles = 1.0 - 1.0 / MEMORIES
-    rest = np.array([np.poly(np.delete(poles, m)) for m in range(poles.size)])
-    return np.concatenate([[0.0], (c / MEMORIES) @ rest]), np.poly(poles)
+    return np.concatenate([[0.0], c @ EACH]), AVERAGING
 
 
 def stack(rows: list[np.ndarray], sessions: list, noise: Whitener) -> np.ndarray:

@@ -9,6 +9,7 @@ import yaml
 from skin_ident.hiding.errors import HidingError
 from skin_ident.recordings.declared import FILE_NAME, Declared
 from skin_ident.recordings.recording import Recording
+from skin_models.whole_file import whole_file
 
 
 def write_recordings(recordings: list[Recording], folder: Path) -> list[Path]:
@@ -35,9 +36,9 @@ def _table(r: Recording, path: Path) -> Path:
     if r.depth is not None:
         columns["x_mm"] = 1e3 * r.depth
     columns |= {f"{name}_n": y for name, y in r.channels.items()}
-    partial = path.with_name(path.name + ".partial")
-    np.savetxt(partial, np.array(list(columns.values())).T, "%.9g", ",", header=",".join(columns), comments="", encoding="utf-8")
-    return partial.replace(path)
+    with whole_file(path) as partial:
+        np.savetxt(partial, np.array(list(columns.values())).T, "%.9g", ",", header=",".join(columns), comments="", encoding="utf-8")
+    return path
 
 
 def _rig(declared: Declared) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 
 from skin_ident.criticism.outcome import Outcome, Round, ScanTrace, Trace
 from skin_ident.report.errors import ReportError
+from skin_models.whole_file import whole_file
 
 TRACES = "traces.npz"
 FINDINGS = "findings.json"
@@ -23,7 +24,6 @@ _MEANING = "_content"
 def save_traces(outcome: Outcome, directory: Path) -> Path:
     """Write `traces.npz` whole or not at all; returns its path. Raises `ReportError` where it cannot be written."""
     path = Path(directory) / TRACES
-    partial = path.with_name(path.name + ".partial")
     arrays: dict[str, np.ndarray] = {}
     content = {
         "format": _FORMAT,
@@ -32,11 +32,9 @@ def save_traces(outcome: Outcome, directory: Path) -> Path:
         "rounds": [{"ranked": [list(r) for r in round_.ranked], "named": round_.named} for round_ in outcome.rounds],
     }
     try:
-        with partial.open("wb") as out:
+        with whole_file(path) as partial, partial.open("wb") as out:
             np.savez_compressed(out, **{_MEANING: np.array(json.dumps(content))}, **arrays)
-        partial.replace(path)
     except OSError as error:
-        partial.unlink(missing_ok=True)
         raise ReportError(f"cannot write {path}: {error.strerror or error}") from error
     return path
 

@@ -71,8 +71,10 @@ def _relaxation(make):
 
 def _prony(count):
     def make(rng, total):
-        taus = np.exp(np.sort(rng.uniform(np.log(0.15), np.log(12), count))) if count < 3 else np.array([0.12, 1.1, 11]) * np.exp(
-            rng.uniform(-0.4, 0.4, 3)
+        taus = (
+            np.exp(np.sort(rng.uniform(np.log(0.15), np.log(12), count)))
+            if count < 3
+            else np.array([0.12, 1.1, 11]) * np.exp(rng.uniform(-0.4, 0.4, 3))
         )
         weights = rng.dirichlet(np.full(count, 4.0))
         return lambda: memory.Arms(total * weights, taus)

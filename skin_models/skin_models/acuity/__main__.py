@@ -14,6 +14,7 @@ from skin_models.layout_file import load_layout
 from skin_models.materials import silicone
 from skin_models.spread.kernels import Gaussian
 from skin_models.spread_by_thickness import silicone_spread
+from skin_models.whole_file import whole_file
 
 CONVERTER_NOISE = 4.88e-3 * 11.75 / math.sqrt(12.0)  # N: a 12 bit converter at the mean slope of the thesis's Table 3-1
 
@@ -28,9 +29,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(looked_at(patch).sentence())
         from skin_models.acuity.drawing import png  # matplotlib: not before the arguments are known to be right
 
-        partial = given.out.with_name(given.out.name + ".partial")
-        partial.write_bytes(png(patch))
-        partial.replace(given.out)
+        with whole_file(given.out) as partial:
+            partial.write_bytes(png(patch))
     except (SkinError, OSError) as error:
         print(f"skin_acuity: {error}", file=sys.stderr)
         return 2

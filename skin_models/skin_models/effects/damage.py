@@ -53,18 +53,11 @@ class Damage(ByGreatestDepth):
 
 
 @dataclass(frozen=True)
-class DamageBelow(ByGreatestDepth):
+class DamageBelow(Damage):
     """The virgin curve is as it is; below the greatest depth so far the skin is as much softer as it is damaged."""
 
-    cause: ClassVar[str] = "cyclic_softening"
     form: ClassVar[str] = "virgin"
-    places: ClassVar = {"skin": Place.SKIN}
-    source: ClassVar[str] = "Simo 1987"
-
-    loss: float = quantity("1", 0.0, lower=0.0, upper=0.95, typical=0.2, doc="greatest share d of the force that is lost")
-    length: float = quantity(
-        "m", 0.5e-3, lower=1e-5, upper=0.05, role=SHAPE, typical=0.5e-3, scan=(0.2e-3, 0.5e-3, 1e-3, 2e-3), doc="depth scale l"
-    )
+    linear: ClassVar[bool] = False
 
     def factor(self, x, greatest):
         """D(X) / D(x)."""

@@ -23,16 +23,27 @@ from skin_models.signals import Motion, Sample
 
 
 @dataclass(frozen=True)
-class Friction(Memoryless):
-    """Smoothed Coulomb friction, seen by the load cell."""
+class _Rubbing:
+    """What rubs against the load cell, however it begins to slip."""
 
     cause: ClassVar[str] = "friction"
     places: ClassVar = {"rig": Place.LOAD_CELL, "load_cell": Place.LOAD_CELL}
-    source: ClassVar[str] = "Armstrong-Hélouvry et al. 1994"
     linear: ClassVar[bool] = True
 
     force: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="sliding friction F")
     coefficient: float = quantity("1", 0.0, lower=0.0, upper=2.0, typical=0.03, doc="friction mu per load")
+
+    def _rubbing(self, y, slipping):
+        """y + (F + mu |y|) `slipping`, which is between -1 and 1."""
+        return y + (self.force + self.coefficient * np.abs(y)) * slipping
+
+
+@dataclass(frozen=True)
+class Friction(_Rubbing, Memoryless):
+    """Smoothed Coulomb friction, seen by the load cell."""
+
+    source: ClassVar[str] = "Armstrong-Hélouvry et al. 1994"
+
     speed: float = quantity(
         "m/s",
         2e-4,
@@ -46,21 +57,16 @@ class Friction(Memoryless):
 
     def apply(self, y, s):
         """y + (F + mu |y|) tanh(v / v_s)."""
-        return y + (self.force + self.coefficient * np.abs(y)) * np.tanh(s.v / self.speed)
+        return self._rubbing(y, np.tanh(s.v / self.speed))
 
 
 @dataclass(frozen=True)
-class DahlFriction(Dynamic):
+class DahlFriction(_Rubbing, Dynamic):
     """Friction of bristles, seen by the load cell. State: their deflection over d, and the last depth (m; None before the first sample)."""
 
-    cause: ClassVar[str] = "friction"
     form: ClassVar[str] = "dahl"
-    places: ClassVar = {"rig": Place.LOAD_CELL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Dahl 1968"
-    linear: ClassVar[bool] = True
 
-    force: float = quantity("N", 0.0, lower=0.0, upper=1e3, typical=0.5, doc="sliding friction F")
-    coefficient: float = quantity("1", 0.0, lower=0.0, upper=2.0, typical=0.03, doc="friction mu per load")
     slip: float = quantity(
         "m", 1e-5, lower=1e-7, upper=1e-2, role=SHAPE, typical=1e-5, scan=(3e-6, 1e-5, 3e-5), doc="distance d over which bristles bend"
     )
@@ -79,9 +85,6 @@ class DahlFriction(Dynamic):
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recurrence in log2(N) passes over the whole recording."""
         return self._rubbing(y, running_affine(*self._map(np.diff(s.x, prepend=s.x[0]))))
-
-    def _rubbing(self, y, bent):
-        return y + (self.force + self.coefficient * np.abs(y)) * bent
 
     def _map(self, dx):
         path = -np.abs(dx) / self.slip

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from skin_models.errors import SkinError
+from skin_models.whole_file import whole_file
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -27,9 +28,8 @@ def _write(out: Path) -> None:
     from skin_models.gallery.page import page  # matplotlib: not before the arguments are known to be right
     from skin_models.gallery.scene import pictures
 
-    partial = out.with_name(out.name + ".partial")
-    partial.write_text(page(list(pictures())), encoding="utf-8")
-    partial.replace(out)
+    with whole_file(out) as partial:
+        partial.write_text(page(list(pictures())), encoding="utf-8")
 
 
 if __name__ == "__main__":

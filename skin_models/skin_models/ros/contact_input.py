@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import WrenchStamped
+from skin_testbed_msgs.msg import ContactArray
 
 from skin_models.signals import DEEPEST
 from skin_models.simulated_skin import HARDEST, Presses
-from skin_testbed_msgs.msg import ContactArray
 
 _GONE = 1e-3
 

@@ -6,10 +6,10 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Vector3, WrenchStamped
 from rclpy.node import Node
+from skin_testbed_msgs.msg import TaxelArray, TaxelLayout
 
 from skin_models.layout import Layout, arbitrary
 from skin_models.ros.qos import LATCHED, overridable, stream
-from skin_testbed_msgs.msg import TaxelArray, TaxelLayout
 
 
 class TaxelOutput:

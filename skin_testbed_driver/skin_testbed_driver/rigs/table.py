@@ -1,12 +1,12 @@
 """Tab- or comma-separated tables of one recording, with units in the header: `t_s  x_mm  force_n  taxel_0_n  …`. Read and written."""
 
-import contextlib
 import csv
 import os
 from pathlib import Path
 
 import numpy as np
 
+from skin_models.whole_file import whole_file
 from skin_testbed_driver.rig import RigError
 from skin_testbed_driver.rigs.replay import Recorded, Track
 
@@ -42,13 +42,10 @@ def write_table(path: str | os.PathLike, recorded: Recorded) -> int:
     lines = ["\t".join(titles), *("\t".join(map(repr, row)) for row in columns.tolist())]
     if path.exists():
         raise RigError(f"{path} exists already: choose another name, nothing is overwritten")
-    partial = path.with_name(f"{path.name}.partial")
     try:
-        partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        partial.replace(path)
+        with whole_file(path) as partial:
+            partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
     except OSError as error:
-        with contextlib.suppress(OSError):
-            partial.unlink(missing_ok=True)
         raise RigError(f"cannot write the table {path}: {error.strerror}") from error
     return t.size
 

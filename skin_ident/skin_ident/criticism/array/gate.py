@@ -12,7 +12,7 @@ from skin_ident.criticism.array.gains import Gains, with_shares
 from skin_ident.criticism.array.hypotheses import EXACT
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.gate import CARRIES, Gain, bootstrap_fall, rmse_fall
+from skin_ident.criticism.gate import Gain, gain_of_residuals
 from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener
@@ -39,7 +39,7 @@ def held_out_gain(
             shares = _predicted(layout, measured, fit_on, try_on, around.scatter, free)
             errors += [residual(*with_shares(model, sessions[i], row)) for i, row in zip(try_on, shares, strict=True)]
         judged += [sessions[i] for i in try_on]
-    return _gain(before, after, judged, noise, said)
+    return gain_of_residuals(before, after, judged, noise, said)
 
 
 def _predicted(layout: Layout, measured: Gains, fit_on: list[int], try_on: list[int], scatter: float, free: dict) -> np.ndarray:
@@ -48,14 +48,3 @@ def _predicted(layout: Layout, measured: Gains, fit_on: list[int], try_on: list[
     level = member["level"] + float(np.mean([member[f"scale_{s}"] for s in range(len(fit_on))]))
     rest = {name: value for name, value in member.items() if not name.startswith("scale_")}
     return Family(layout.of(try_on)).shares({**rest, "level": level})
-
-
-def _gain(before: list, after: list, sessions: list[Session], noise: Whitener, said: str) -> Gain:
-    white = [[noise.apply(e, s.weight) for e, s in zip(es, sessions, strict=True)] for es in (before, after)]
-    total, lower = bootstrap_fall(*white, sessions)
-    rms, drawn = rmse_fall(before, after, sessions)
-    c = int(np.argmax((rms[0] - rms[1]) / np.maximum(rms[0], 1e-300)))
-    low, high = np.percentile(drawn[0, c] - drawn[1, c], [2.5, 97.5])
-    channels = sessions[0].channels
-    carried = tuple(name for name, b, a in zip(channels, *rms, strict=True) if b - a > CARRIES * b)
-    return Gain(channels[c], carried or (channels[c],), float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said)

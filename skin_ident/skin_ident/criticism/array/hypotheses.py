@@ -16,16 +16,9 @@ from skin_ident.criticism.array.layout import MEASURED_AT, Layout
 # Relative error of calibrations where none is declared: (standard deviation, prior probability).
 SCATTER = ((0.002, 0.9), (0.01, 0.05), (0.03, 0.05))
 EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is known, and of one that is only expected
-SHIFT, GAIN, LEAK, COMMON, REPEAT, WIDTH, POWER, RATIO = (
-    1e-3,
-    0.15,
-    0.03,
-    0.03,
-    0.06,
-    0.2,
-    0.5,
-    0.2,
-)  # m, then relative: what a cause is like
+# What a cause is like: prior standard deviations, the shift in m, the others relative.
+SHIFT, GAIN, LEAK, COMMON = 1e-3, 0.15, 0.03, 0.03
+REPEAT, WIDTH, POWER, RATIO = 0.06, 0.2, 0.5, 0.2
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
@@ -37,12 +36,11 @@ class Piece:
     met: bool  # whether contact is made or lost there
 
 
-def find_pieces(model: Model, sessions: list[Session]) -> list[Symptom]:
-    """Outliers that last, by channel, in what `model` leaves of sessions with two channels or more."""
+def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -> list[Symptom]:
+    """Outliers that last, by channel, in what `model` leaves (C, N) N, at full rate, of sessions with two channels or more."""
     channels = sessions[0].channels
     if len(channels) < 2:
         return []
-    rest = [s.raw - simulated(model, s) for s in sessions]
     width = _width(sessions, np.concatenate(rest, axis=1))[:, None]
     found = [p for s, e in zip(sessions, rest, strict=True) for p in _pieces(model, s, e, width)]
     whole = sum(float(np.ptp(s.motion.t)) for s in sessions)
