@@ -128,6 +128,7 @@ BAD = {
     "no processes": lambda d: [write_table(d / "a.csv", R), "--each", "--jobs", "-1"],
     "profiles of a batch": lambda d: [write_table(d / "a.csv", R), "--each", "--profile"],
     "decimal commas": lambda d: [commas(write_table(d / "a.csv", R))],
+    "a plunger that never moves": lambda d: [write_table(d / "a.csv", Recording("a", R.t, 0 * R.depth + 5e-4, R.force, R.taxels))],
     "a dead load cell": lambda d: [write_table(d / "a.csv", Recording("a", R.t, R.depth, 0 * R.force, R.taxels))],
     "output is a file": lambda d: [write_table(d / "a.csv", R), "--out", d / "a.csv"],
 }

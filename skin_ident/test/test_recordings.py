@@ -59,6 +59,9 @@ BAD_TABLES = {
     "unit of another quantity": ("t_s,x_n,force_n\n" + "0,1,2\n" * 30, "'n'"),
     "no time": ("x_mm,force_n\n" + "1,2\n" * 30, "time"),
     "short rows": ("t_s,x_mm,force_n\n" + "0,1\n" * 30, "columns"),
+    "rows longer than the header": ("t_s,x_mm,force_n\n" + "".join(f"{i},{0.01 * i},1,2\n" for i in range(30)), "4 columns"),
+    "spaces between columns": ("t_s x_mm force_n\n" + "0 1 2\n" * 30, "not by spaces"),
+    "a column of no numbers": ("t_s,x_mm,force_n\n" + "".join(f"{0.01 * i},,2\n" for i in range(30)), "x holds no number"),
     "force in volts": ("t_s,x_mm,force_v\n" + "".join(f"{0.01 * i},1,{i}\n" for i in range(30)), "volts"),
     "few": ("t_s,x_mm,force_n\n0,1,2\n0.01,1,2\n", "at least 20"),
     "metres that are millimetres": ("t_s,x_m,force_n\n" + "".join(f"{0.01 * i},{0.1 * i},{i}\n" for i in range(30)), "mm"),
@@ -76,6 +79,12 @@ def test_bad_table_is_refused_in_one_sentence(tmp_path, case):
     with pytest.raises(RecordingError) as error:
         load(tmp_path / "a.csv")
     assert says in str(error.value) and "\n" not in str(error.value)
+
+
+def test_cells_in_quotes_are_numbers(tmp_path):
+    text = write_table(tmp_path / "a.csv", R).read_text()
+    (tmp_path / "a.csv").write_text("\n".join(",".join(f'"{cell}"' for cell in line.split(",")) for line in text.splitlines()))
+    assert same(load(tmp_path / "a.csv")[0], R, 1e-6)
 
 
 def test_rig_yaml_calibrates_and_declares(tmp_path):

@@ -78,6 +78,8 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
     if lacking:
         raise FitError(f"{', '.join(lacking)}: no depth was recorded, and this fit needs it")
     _same_channels(recordings)
+    if all(np.ptp(r.depth) == 0.0 for r in recordings):
+        raise FitError(f"{recordings[0].name}: the depth never changes: without motion nothing can be identified")
     looked = [inspected(r) for r in recordings]
     for r, _, q in looked:
         if q.impossible:

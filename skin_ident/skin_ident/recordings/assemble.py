@@ -41,6 +41,7 @@ def assemble(
     notes: list[str] = [*declared.warnings, *warnings]
     parts = [p for part in parts for p in _calibrated(t, _live(part, notes), declared, notes) if p.names]
     _some_alive(name, parts, notes)
+    _some_numbers(name, parts)
     _note_unused(declared, parts, notes)
     if not parts:
         raise RecordingError(f"{name} has neither depth nor force nor taxels")
@@ -88,6 +89,13 @@ def _some_alive(name: str, parts: Sequence[Channels], notes: list[str]) -> None:
     taxels = sum(len(p.names) for p in parts if p.kind == "taxel")
     if taxels and sum(DEAD in note for note in notes) >= taxels:
         raise RecordingError(f"{name}: every taxel is dead ({DEAD}); leave the taxels out")
+
+
+def _some_numbers(name: str, parts: Sequence[Channels]) -> None:
+    """Raises `RecordingError` where the depth or the load cell holds no number at all."""
+    empty = [n for p in parts if p.kind != "taxel" for n, row in zip(p.names, p.rows, strict=True) if not np.isfinite(row).any()]
+    if empty:
+        raise RecordingError(f"{name}: {empty[0]} holds no number; mend it, or leave it out")
 
 
 def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[str]) -> list[Channels]:

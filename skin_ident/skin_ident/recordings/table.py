@@ -23,14 +23,14 @@ def read_text(path: Path) -> str:
         raise RecordingError(f"cannot read {path}: {getattr(error, 'strerror', None) or 'it is not text'}") from error
     if not text.strip():
         raise RecordingError(f"{path} is empty")
-    return text
+    return text.replace('"', "")  # some programs put every cell in quotes
 
 
 def header_of(text: str) -> tuple[list[str], str]:
     """The column titles and the separator."""
     line = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     mark = max("\t,;", key=line.count)
-    return [title.strip().strip('"') for title in line.split(mark)], mark
+    return [title.strip() for title in line.split(mark)], mark
 
 
 def read_rows(text: str, path: Path) -> tuple[list[str], np.ndarray, tuple[str, ...]]:
@@ -43,10 +43,15 @@ def read_rows(text: str, path: Path) -> tuple[list[str], np.ndarray, tuple[str, 
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")][1:]
     if not lines:
         raise RecordingError(f"{path} has a header but no rows")
+    if mark not in lines[0] and len(lines[0].split()) > 1:
+        raise RecordingError(f"{path}: columns are to be separated by tabs, commas or semicolons, not by spaces")
     try:
-        return titles, np.loadtxt(io.StringIO("\n".join(lines)), delimiter=mark, ndmin=2, unpack=True, comments=None)[: len(titles)], ()
+        values = np.loadtxt(io.StringIO("\n".join(lines)), delimiter=mark, ndmin=2, unpack=True, comments=None)
     except ValueError:
         return _carefully(titles, mark, lines, path)
+    if len(values) != len(titles):
+        raise RecordingError(f"{path}: the rows have {counted(len(values), 'column')}, the header {len(titles)}")
+    return titles, values, ()
 
 
 def _carefully(titles: list[str], mark: str, lines: list[str], path: Path) -> tuple[list[str], np.ndarray, tuple[str, ...]]:
@@ -67,8 +72,6 @@ def read_table(path: Path, declared: Declared, keep: bool = False) -> Recording:
     """The recording in a table; `keep` leaves uneven times as they are. Raises `RecordingError`."""
     text = read_text(path)
     titles, values, warnings = read_rows(text, path)
-    if values.shape[0] != len(titles):
-        raise RecordingError(f"{path}: the rows have {values.shape[0]} columns, the header {len(titles)}")
     try:
         columns = [column(title) for title in titles]
     except RecordingError as error:
