@@ -65,7 +65,8 @@ def load_calibration(path: str | os.PathLike, names: Sequence[str]) -> Calibrati
     try:
         content = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise CalibrationError(f"cannot read the calibration {path}: {' '.join(str(error).split())}") from error
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+        raise CalibrationError(f"cannot read the calibration {path}: {reason}") from error
     try:
         return _calibration(content, names, str(path))
     except CalibrationError as error:

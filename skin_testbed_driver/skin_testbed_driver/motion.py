@@ -72,7 +72,7 @@ class Motion:
         tail = brake(path.end, path.x[-1], path.v[-1], self.limits.max_acceleration)
         ends_moving = abs(path.v[-1]) > _AT_REST
         whole = path.then(Trajectory(tail.t[1:], tail.x[1:], tail.v[1:])) if ends_moving else path
-        check_trajectory(whole, self.limits)
+        check_trajectory(whole, self.limits, self.at(now)[0])
         self._path, self._runs_out = whole, path.end if ends_moving else math.inf
 
     def _spliced(self, command: Trajectory, now: float) -> Trajectory:
@@ -124,8 +124,10 @@ class Motion:
         self._path, self._runs_out = brake(now, x, v, self.limits.max_acceleration), math.inf
 
     def stop(self, stop: Stop, now: float) -> None:
-        """Stop because of `stop`. While stopped only a first over-force changes what the axis does."""
+        """Stop because of `stop`. While stopped only a first over-force changes what the axis does, and that nobody knows where it is."""
         if self.stopped is not None and (self.stopped.retract or not stop.retract):
+            if stop.lost and self.at_rest(now):  # no longer held where it was: it may come back elsewhere
+                self.stopped = replace(self.stopped, lost=True)
             return
         self.stopped = stop
         if stop.retract:
@@ -140,7 +142,11 @@ class Motion:
         if math.isnan(depth):
             raise CommandError("the encoder gives no fresh reading: the depth is not known")
         self.stopped = None
-        self._path = Trajectory((now,), (depth,), (0.0,))
+        self.stand(depth, now)
+
+    def stand(self, depth: float, now: float) -> None:
+        """Rest at `depth` (m), where the axis is: it does not move for that. A stop remains one."""
+        self._path, self._runs_out = Trajectory((now,), (depth,), (0.0,)), math.inf
 
     def shift(self, dx: float) -> None:
         """Count depths from elsewhere: all of them grow by `dx` (m)."""

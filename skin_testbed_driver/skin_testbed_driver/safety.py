@@ -49,12 +49,15 @@ class Stop:
     lost: bool = False
 
 
-def check_trajectory(path: Trajectory, limits: Limits) -> None:
-    """Raise `CommandError`, a sentence with both numbers, if `path` leaves the limits anywhere between its set points too."""
+def check_trajectory(path: Trajectory, limits: Limits, start: float = 0.0) -> None:
+    """Raise `CommandError`, a sentence with both numbers, if `path` leaves the limits anywhere between its set points too.
+
+    A plunger that is beyond a limit of depth, at `start` (m), may go back from there, only no farther.
+    """
     e = extremes(path)
-    if e.deepest > limits.max_depth + _SLACK_DEPTH:
+    if e.deepest > max(limits.max_depth, start) + _SLACK_DEPTH:
         raise CommandError(f"the command goes to {_mm(e.deepest)}, deeper than the limit of {_mm(limits.max_depth)}")
-    if e.lowest < limits.min_depth - _SLACK_DEPTH:
+    if e.lowest < min(limits.min_depth, start) - _SLACK_DEPTH:
         raise CommandError(f"the command goes to {_mm(e.lowest)}, beyond the limit of {_mm(limits.min_depth)} in the air")
     if e.speed > limits.max_speed * (1.0 + _SLACK) + 1e-6:
         raise CommandError(f"the command reaches {_mm(e.speed)}/s, faster than the limit of {_mm(limits.max_speed)}/s")

@@ -28,7 +28,7 @@ class Sample(NamedTuple):  # the quickest to make of all that do not change
     depth: float
     speed: float
     force: float
-    force_voltage: float
+    force_voltage: float  # of a rig that measures N: what eq. 25 would have it be
     taxel_force: np.ndarray
     taxel_voltage: np.ndarray
     taxel_status: np.ndarray
@@ -146,7 +146,8 @@ class Sensing:
         """The sample of one reading."""
         depth = r.position - self.zero
         volts = not math.isnan(r.load_cell_voltage)
-        load = self.calibration.force(r.load_cell_voltage) if volts else r.force
+        voltage = r.load_cell_voltage if volts else r.force / self.calibration.load_cell
+        load = self.calibration.force(voltage) if volts else r.force
         stuck = self._stuck_cell.add(r.load_cell_voltage if volts else r.force, depth)
         untared, status = self._taxel(r, load)
         load = math.nan if stuck else load
@@ -155,7 +156,7 @@ class Sensing:
         taxels = untared - self._taxel_offset if self._tared else untared
         # In the order of its fields: names would be looked up again for every sample.
         return Sample(
-            depth, self._speed.add(depth), force, r.load_cell_voltage, taxels, r.taxel_voltage, status,
+            depth, self._speed.add(depth), force, voltage, taxels, r.taxel_voltage, status,
             r.position, load, untared, r.force_truth, r.taxels_truth,
         )  # fmt: skip
 

@@ -53,6 +53,7 @@ class Testbed:
         self._guard = Guard(limits, rig.travel)
         self._sensing = Sensing(calibration, 0.0, self.period, speed_samples)
         self._start_depth, self._begun = start_depth, False
+        self._resuming = False  # the axis is not told anything before it is known where it is
         self._motion = Motion(limits, start_depth)
         self._motion.stop(Stop(_WAITING, lost=True), 0.0)
         self._job, self._done = None, None
@@ -69,12 +70,20 @@ class Testbed:
             if not self._begun and not self._begin_with(reading, t):
                 return None
             sample = self._last = self._sensing.sample(reading)
+            if self._resuming and not math.isnan(sample.depth):
+                self._motion.stand(sample.depth, t)
+                self._resuming = False
             if self.rig.moves:
                 self._watch(sample, t)
             self._work(sample, t)
-            if self.rig.moves:
+            if self.rig.moves and not self._resuming:
                 self._command()
         return sample
+
+    def resume(self) -> None:
+        """Call this before the first tick after a pause: others may have moved the axis, which is to rest where it is now."""
+        with self._lock:
+            self._resuming = self._begun
 
     def _begin_with(self, r: Reading, t: float) -> bool:
         """Whether the first reading is there: it says where the stage is."""

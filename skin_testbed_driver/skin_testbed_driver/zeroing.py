@@ -16,6 +16,10 @@ from skin_testbed_driver.sensing import Sample
 _Stages = Generator[None, tuple[Motion, float, float, float], object]
 
 
+class _NotFoundError(Exception):
+    """The search has ended in vain; the sentence says why."""
+
+
 class RollingMean:
     """Mean of the last `size` values, None until there are as many."""
 
@@ -73,28 +77,42 @@ class Zeroing:
 
     def _run(self) -> _Stages:
         s = self._settings
-        found = yield from self._approach(s.fast, max(s.samples // 10, 1), 2.0 * s.threshold)
-        if found is not None:
+        _, start, _, _ = yield
+        try:
+            mean, air = yield from self._listen(max(s.samples // 10, 1))
+            found = yield from self._approach(s.fast, 2.0 * s.threshold, mean, air)
             yield from self._leave(found - s.back_off, s.fast)
-            found = yield from self._approach(s.slow, s.samples, s.threshold)
-        if found is None:
-            return Outcome(f"no contact within {1e3 * s.travel:g} mm: is there anything below the plunger?")
+            mean, free = yield from self._listen(s.samples)
+            if air - free >= s.threshold:
+                raise _NotFoundError("the plunger pressed on something before the search began: bring it into the air")
+            found = yield from self._approach(s.slow, s.threshold, mean, free)
+        except _NotFoundError as error:
+            yield from self._leave(start, math.inf)
+            return Outcome(str(error))
         yield from self._leave(found + s.retracted_depth, math.inf)
         return Outcome(f"surface found: the mean of {s.samples} samples rose by {s.threshold:g} V", found)
 
-    def _approach(self, speed: float, samples: int, threshold: float) -> _Stages:
-        """Listen, then press until contact; gives the depth of contact, or None at the end of the search."""
-        mean, air = RollingMean(samples), None
-        while air is None:
-            motion, depth, voltage, t = yield
-            air = mean.add(voltage)
+    def _listen(self, samples: int) -> _Stages:
+        """A mean over as many samples, and its first value (V)."""
+        mean, value = RollingMean(samples), None
+        while value is None:
+            _, _, voltage, _ = yield
+            value = mean.add(voltage)
+        return mean, value
+
+    def _approach(self, speed: float, threshold: float, mean: RollingMean, air: float) -> _Stages:
+        """Press until contact, in which `mean` differs from `air` (V); gives the depth of contact. Raises `_NotFoundError`."""
+        motion, depth, _, t = yield
         motion.go_to(depth + self._settings.travel, speed, t)
         while not motion.at_rest(t):
             motion, depth, voltage, t = yield
-            if mean.add(voltage) - air >= threshold:
+            rise = mean.add(voltage) - air
+            if abs(rise) >= threshold:
                 motion.rest(t)
+                if rise < 0.0:  # or it would press on until the limit of force
+                    raise _NotFoundError("the load cell says that something pulls at the plunger: check the sign of its force")
                 return depth
-        return None
+        raise _NotFoundError(f"no contact within {1e3 * self._settings.travel:g} mm: is there anything below the plunger?")
 
     def _leave(self, depth: float, speed: float) -> _Stages:
         motion, _, _, t = yield

@@ -66,8 +66,8 @@ class Graph:
         self.wait(future.done, f"an answer of {name}")
         return future.result()
 
-    def command(self, *points: tuple[float, float, float]) -> None:
-        """Command (time from now, depth, speed)."""
+    def command(self, *points: tuple[float, float, float], stamp: int = 0) -> None:
+        """Command (time from now, or from `stamp` in s, depth, speed)."""
         from builtin_interfaces.msg import Duration
         from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -75,6 +75,7 @@ class Graph:
             self._commands = self.node.create_publisher(JointTrajectory, "command", 10)
         self.wait(self._commands.get_subscription_count, "a driver that listens")
         message = JointTrajectory(joint_names=["indentation"])
+        message.header.stamp.sec = stamp
         for t, x, v in points:
             when = Duration(sec=int(t), nanosec=int(1e9 * (t % 1.0)))
             message.points.append(JointTrajectoryPoint(positions=[x], velocities=[v], time_from_start=when))

@@ -173,6 +173,29 @@ def test_without_autostart_a_manager_leads_through_the_states(graph):
     graph.wait(lambda: len(encoder) > count + 10, "samples")
 
 
+def test_what_makes_no_sense_is_answered_and_ends_nothing(graph):
+    driver = graph.driver()
+    wrong = Transition(id=77), Transition(id=Transition.TRANSITION_ACTIVATE), Transition(label="fly")
+    for transition in wrong:
+        assert not graph.call(ChangeState, DRIVER + "change_state", ChangeState.Request(transition=transition)).success
+    for request in (Zero.Request(threshold=math.nan), Zero.Request(threshold=-1.0), Zero.Request(samples=10**9)):
+        answer = graph.call(Zero, DRIVER + "zero", request)
+        assert not answer.success and "zero_" in answer.message
+    for duration in (math.nan, math.inf, -1.0, 1e9):
+        answer = graph.call(Tare, DRIVER + "tare", Tare.Request(duration=duration))
+        assert not answer.success and "tare_duration" in answer.message
+    assert graph.state() == DriverState.READY and driver.status is None
+
+
+def test_a_command_of_another_clock_is_refused(graph):
+    graph.driver()
+    for seconds, words in ((1000, "ago: check the clock"), (2 * 10**9, "from now: check the clock")):
+        graph.command((1.0, -1e-3, 0.0), stamp=seconds)
+        graph.wait(lambda w=words: w in graph.states[-1].reason, "the stop")
+        graph.wait(lambda: graph.call(Trigger, DRIVER + "reset").success, "a reset")
+        graph.wait(lambda: graph.state() == DriverState.READY, "readiness")
+
+
 def test_diagnostics_tell_rate_drops_and_faults(graph):
     graph.driver()
     heard = graph.hear(DiagnosticArray, "/diagnostics")

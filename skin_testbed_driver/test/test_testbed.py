@@ -84,6 +84,97 @@ def test_zero_without_anything_below_says_so():
     assert not bench.testbed.status().zeroed
 
 
+class ForceRig(SimulatedRig):
+    """A load cell that gives newtons."""
+
+    sign = 1.0
+
+    def read(self):
+        reading = super().read()
+        force = self.sign * thesis_calibration(1).force(reading.load_cell_voltage)
+        return Reading(reading.position, force=force, taxel_voltage=reading.taxel_voltage)
+
+
+def test_zero_finds_the_surface_with_a_load_cell_that_gives_newtons():
+    bench, outcomes = Bench(rig_type=ForceRig, surface=0.0755, start=0.073), []
+    bench.run(0.1)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(40.0)
+    assert outcomes[0].value == pytest.approx(5e-4, abs=4e-5)
+    assert max(s.force for s in bench.samples) < 2.0
+
+
+def test_zero_with_a_load_cell_of_the_wrong_sign_ends_before_it_presses():
+    bench, outcomes = Bench(rig_type=ForceRig), []
+    bench.rig.sign = -1.0
+    bench.run(0.1)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(30.0)
+    assert outcomes[0].value is None and "sign" in outcomes[0].message
+    assert min(s.force for s in bench.samples) > -2.0
+    assert bench.samples[-1].depth == pytest.approx(-0.002, abs=1e-5)
+
+
+def test_zero_from_within_the_skin_is_no_zero():
+    bench, outcomes = Bench(surface=0.075, start=0.076), []  # it believes to be 2 mm above
+    bench.run(0.1)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(30.0)
+    assert outcomes[0].value is None and "before the search began" in outcomes[0].message
+    assert not bench.testbed.status().zeroed
+
+
+def test_after_a_search_in_vain_the_plunger_is_back_and_can_be_commanded():
+    bench, outcomes = Bench(surface=0.14, start=0.073), []
+    bench.run(0.1)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(30.0)
+    assert bench.samples[-1].depth == pytest.approx(-0.002, abs=1e-5)
+    assert bench.testbed.status().activity is Activity.READY
+
+
+def test_who_is_beyond_a_limit_of_depth_may_go_back_but_no_farther():
+    bench, outcomes = Bench(surface=0.14, start=0.073), []
+    bench.run(0.1)
+    bench.testbed.zero(ZeroSettings(), outcomes.append)
+    bench.run(16.0)
+    bench.testbed.cancel()
+    bench.run(0.5)
+    assert bench.samples[-1].depth > 5e-3
+    bench.go(0.0, 2.0)
+    assert bench.run(2.5).depth == pytest.approx(0.0, abs=1e-5)
+    with pytest.raises(CommandError, match="deeper than the limit"):
+        bench.go(4.1e-3, 2.0)
+
+
+def test_an_axis_that_others_moved_during_a_pause_stays_where_they_put_it():
+    bench = Bench()
+    bench.run(0.1)
+    bench.testbed.stop("a pause")
+    bench.rig.command(0.0735, 0.0)  # of somebody else
+    bench.rig.read()
+    bench.testbed.resume()
+    assert bench.run(1.0).position == pytest.approx(0.0735, abs=6e-6)
+    assert bench.testbed.status().reason == "a pause"
+    bench.testbed.reset()
+    bench.go(-1e-3, 1.0)
+    assert bench.run(1.5).depth == pytest.approx(-1e-3, abs=6e-6)
+
+
+def test_an_axis_that_comes_back_elsewhere_after_a_stop_is_not_moved():
+    bench = Bench(rig_type=LosableRig)
+    bench.run(0.1)
+    bench.testbed.stop("enough")
+    bench.run(0.1)
+    bench.rig.lost = "encoder"
+    bench.run(0.1)
+    bench.rig.command(0.0735, 0.0)
+    bench.rig.read()
+    bench.rig.lost = ""
+    assert bench.run(1.0).position == pytest.approx(0.0735, abs=6e-6)
+    assert bench.testbed.status().reason == "enough"
+
+
 def test_zero_is_refused_while_moving_and_ended_by_a_stop():
     bench, outcomes = Bench(), []
     bench.run(0.1)

@@ -11,6 +11,7 @@ pytest.importorskip("skin_testbed_msgs")
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import JointState
 from skin_testbed_msgs.msg import DriverState, TaxelArray
+from skin_testbed_msgs.srv import Zero
 from std_srvs.srv import Trigger
 
 from skin_models.ros.processes import Process
@@ -32,7 +33,7 @@ class Hardware:
         parameters = {**PARAMETERS, "command_type": kind, **parameters}
         self.driver = graph.processes.start("skin_testbed_driver", "driver_node", parameters=parameters, remap=REMAP)
         graph.states = graph.hear(DriverState, "driver_state", latched=True)
-        self.axis = graph.hear(JointState, "joint_states")
+        self.axis, graph.encoder = graph.hear(JointState, "joint_states"), graph.hear(JointState, "encoder")
         self.force, self.taxels = graph.hear(WrenchStamped, "force"), graph.hear(TaxelArray, "taxels")
         graph.wait(lambda: graph.state() == DriverState.READY and self.axis, "the driver and the axis")
 
@@ -43,7 +44,10 @@ class Hardware:
         return process
 
     def depth(self) -> float:
-        return -0.052 - self.axis[-1].position[1]
+        return self.depth_of(self.axis[-1])
+
+    def depth_of(self, message: JointState) -> float:
+        return -0.052 - message.position[1]
 
     def samples(self, count: int = 50) -> None:
         start = len(self.axis)
@@ -81,6 +85,29 @@ def test_a_killed_sensor_stops_the_motion_until_it_is_back_and_reset(graph, vict
     hardware.start(victim)
     graph.wait(lambda: graph.call(Trigger, "testbed_driver/reset").success, "a reset")
     graph.wait(lambda: graph.state() == DriverState.READY, "readiness")
+
+
+def test_an_axis_that_is_started_again_after_a_stop_stays_where_it_is(graph):
+    hardware = Hardware(graph)
+    graph.command((2.0, 5e-4, 0.0))
+    graph.wait(lambda: hardware.depth() == pytest.approx(5e-4, abs=1e-6), "the depth")
+    assert graph.call(Trigger, "testbed_driver/stop").success
+    hardware.running["axis"].kill()
+    graph.wait(lambda: hardware.force and np.isnan(graph.encoder[-1].position[0]), "silence")
+    hardware.start("axis")  # it wakes 2 mm above the skin
+    hardware.samples(200)
+    assert {round(1e6 * hardware.depth_of(m)) for m in hardware.axis[-190:]} == {-2000}
+    assert graph.call(Trigger, "testbed_driver/reset").success
+    hardware.samples(100)
+    assert hardware.depth() == pytest.approx(-2e-3, abs=1e-6)
+
+
+def test_zero_finds_the_surface_with_a_foreign_load_cell(graph):
+    hardware = Hardware(graph)
+    answer = graph.call(Zero, "testbed_driver/zero")
+    assert answer.success, answer.message
+    assert answer.shift == pytest.approx(2e-5, abs=2e-5)
+    assert min(m.wrench.force.z for m in hardware.force) > -3.0
 
 
 def test_killed_taxels_are_nan_with_a_status_and_stop_nothing(graph):

@@ -67,12 +67,16 @@ class Parameters(Generic[Settings]):
         node.add_on_set_parameters_callback(self._set)
         _warn_of_strangers(node, self._names)
 
+    def now_with(self, **changes: Any) -> Settings:
+        """The present settings with other values, which stay in force nowhere else. Raises `SkinError` where they could not be set."""
+        return _checked(self._cls, replace(self.now, **changes))
+
     def _set(self, parameters: list[Parameter]) -> SetParametersResult:
         changes = {p.name: _plain(p.value) for p in parameters if p.name in self._names}
         if not changes:
             return SetParametersResult(successful=True)
         try:
-            settings = _checked(self._cls, replace(self.now, **changes))
+            settings = self.now_with(**changes)
             if self._on_change is not None:
                 self._on_change(settings)
         except SkinError as error:

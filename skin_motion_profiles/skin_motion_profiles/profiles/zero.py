@@ -14,5 +14,5 @@ class Zero(Action):
     kind: ClassVar[str] = "zero"
     example: ClassVar = {}
 
-    threshold_v: float = number("V, rise of the load cell's rolling mean; 0: the driver's own", 0.0, lower=0.0, upper=10.0)
-    samples: int = whole("length of the rolling mean; 0: the driver's own", 0, upper=100000)
+    threshold_v: float = number("V, rise of the load cell's rolling mean; 0: the driver's own", 0.0, lower=0.0, upper=1.0)
+    samples: int = whole("length of the rolling mean; 0: the driver's own", 0, upper=10000)

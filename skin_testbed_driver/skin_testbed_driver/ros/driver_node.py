@@ -25,6 +25,7 @@ from skin_testbed_driver.ros.driver_settings import DriverSettings
 from skin_testbed_driver.ros.publishing import Publishing, state_message
 from skin_testbed_driver.ros.requests import Requests
 from skin_testbed_driver.ros.sampling import SamplingThread
+from skin_testbed_driver.ros.transitions import bear_wrong_transitions
 from skin_testbed_driver.statistics import LoopStatistics
 from skin_testbed_driver.testbed import Status, Testbed
 
@@ -39,6 +40,7 @@ class DriverNode(LifecycleNode):
     def __init__(self) -> None:
         """Declare parameters, and start at once where `autostart` says so. Raises `SkinError`."""
         super().__init__("testbed_driver")
+        bear_wrong_transitions(self)
         self._settings = Parameters(self, DriverSettings)
         self._testbed: Testbed | None = None
         self._thread: SamplingThread | None = None
@@ -122,6 +124,7 @@ class DriverNode(LifecycleNode):
             self._tick, self._clock_ns, 1.0 / settings.sample_rate, self._statistics, owned, settings.time_scale,
             settings.realtime_priority, self.get_logger().warning,
         )  # fmt: skip
+        self._testbed.resume()
         self._thread.start()
         self._requests.heeded = True
         self.get_logger().info(f"sampling at {settings.sample_rate:g} Hz, rig {settings.rig}")

@@ -48,9 +48,9 @@ class DriverSettings(RigSettings):
         """The parameters that are limits. Raises `SkinError` if they contradict each other."""
         return Limits(**{f.name: getattr(self, f.name) for f in fields(Limits)})
 
-    def zeroing(self, threshold: float = 0.0, samples: int = 0) -> ZeroSettings:
-        """How to find the surface; 0 takes the parameter."""
+    def zeroing(self) -> ZeroSettings:
+        """How to find the surface."""
         return ZeroSettings(
-            threshold=threshold or self.zero_threshold, samples=samples or self.zero_samples, fast=self.zero_fast, slow=self.zero_slow,
+            threshold=self.zero_threshold, samples=self.zero_samples, fast=self.zero_fast, slow=self.zero_slow,
             travel=self.zero_travel, retracted_depth=self.retracted_depth,
         )  # fmt: skip

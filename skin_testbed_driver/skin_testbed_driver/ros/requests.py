@@ -15,6 +15,7 @@ from skin_models.ros.qos import LATCHED, overridable
 from skin_models.ros.taxel_output import floats
 from skin_testbed_driver.ros.answering import create_answering_service
 from skin_testbed_driver.ros.commands import trajectory_of
+from skin_testbed_driver.ros.driver_settings import DriverSettings
 from skin_testbed_driver.testbed import Testbed
 from skin_testbed_driver.zeroing import Outcome
 
@@ -25,7 +26,7 @@ COMMANDS = QoSProfile(depth=50, reliability=ReliabilityPolicy.RELIABLE)
 class Requests:
     """The driver's subscriptions and services. Nothing is done unless `heeded`: the node is active."""
 
-    def __init__(self, node: LifecycleNode, testbed: Testbed, settings: Parameters, epoch: int) -> None:
+    def __init__(self, node: LifecycleNode, testbed: Testbed, settings: Parameters[DriverSettings], epoch: int) -> None:
         """`epoch` (ns) is the node time at which the testbed's clock read zero."""
         self._node, self._testbed, self._settings, self._epoch = node, testbed, settings, epoch
         self.heeded = False
@@ -70,8 +71,8 @@ class Requests:
             found = outcome.value is not None
             answer(Zero.Response(success=found, message=outcome.message, shift=outcome.value if found else 0.0))
 
-        zero = self._settings.now.zeroing(request.threshold, request.samples)
-        self._begin(lambda: self._testbed.zero(zero, done), done)
+        wanted = {"zero_threshold": request.threshold, "zero_samples": request.samples}
+        self._begin(lambda: self._testbed.zero(self._now_with(wanted).zeroing(), done), done)
 
     def _on_tare(self, request: Tare.Request, answer: Callable[[Tare.Response], None]) -> None:
         def done(outcome: Outcome) -> None:
@@ -80,8 +81,12 @@ class Requests:
                 response.force_offset, response.taxel_offset = outcome.value.force, floats(outcome.value.taxels)
             answer(response)
 
-        duration = request.duration or self._settings.now.tare_duration
-        self._begin(lambda: self._testbed.tare(duration, done), done)
+        wanted = {"tare_duration": request.duration}
+        self._begin(lambda: self._testbed.tare(self._now_with(wanted).tare_duration, done), done)
+
+    def _now_with(self, wanted: dict[str, float]) -> DriverSettings:
+        """The parameters with what a request asks for; 0 asks for nothing. Raises `SkinError` beyond a parameter's range."""
+        return self._settings.now_with(**{name: value for name, value in wanted.items() if value})
 
     def _begin(self, begin: Callable[[], None], done: Callable[[Outcome], None]) -> None:
         if not self.heeded:
