@@ -55,6 +55,11 @@ def test_options(fit, tmp_path, more):
     assert done.returncode == 0 and not list(tmp_path.glob("*.yaml"))
 
 
+def test_the_sinusoid_that_was_fitted_is_printed(fit, tmp_path):
+    done = fit(write_table(tmp_path / "a.csv", R), "--motion", "sinusoid")
+    assert "A 0.3 mm, B 1.5708 rad/s, C 0.5 mm, t0 " in done.stdout
+
+
 def test_a_session_given_twice_counts_once(fit, tmp_path):
     write_bag(tmp_path / "in" / "a", R)
     write_table(tmp_path / "in" / "b.csv", R)

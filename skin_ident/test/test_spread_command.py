@@ -1,6 +1,7 @@
 """`fit` on static spread scans, and the spread that the shares of an array draw."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -62,6 +63,7 @@ def test_shares_of_an_array_draw_its_spread(tmp_path, capsys):
     write_table(tmp_path / "a.csv", recording(0, shares=tuple(np.array(shares) / max(shares)), n=1500))
     (tmp_path / "rig.yaml").write_text(f"taxel_positions_mm: {[list(p) for p in places]}\nmoving_mass_kg: {SILICONE[4][0]}\n")
     assert main([str(tmp_path / "a.csv"), "--out", str(tmp_path / "out")]) == 0
-    assert "spread over the taxels: centre (1" in capsys.readouterr().out
+    centre = re.search(r"spread over the taxels: centre \((\S+) ± ", capsys.readouterr().out)
+    assert float(centre[1]) == pytest.approx(1.0, abs=0.05)
     spread = json.loads((tmp_path / "out" / "fit.json").read_text())["notes"]["spread"]
     assert spread["x_mm"]["value"] == pytest.approx(1.0, abs=0.05) and spread["c_mm"]["value"] == pytest.approx(5.0, rel=0.02)

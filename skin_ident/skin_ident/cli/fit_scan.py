@@ -7,6 +7,7 @@ import numpy as np
 
 from skin_ident.cli import common
 from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.figures import plus_minus
 from skin_ident.spread_fit import GaussianFit, fit_spread
 from skin_ident.spread_scan import SpreadScan
 
@@ -46,7 +47,7 @@ def _table(scan: SpreadScan, fits: Sequence[GaussianFit], both: bool, step: floa
 
 
 def _pair(f: GaussianFit, name: str, unit: float) -> str:
-    return f"{unit * getattr(f, name):.4g} ± {unit * f.half_width(name):.2g}"
+    return plus_minus(unit * getattr(f, name), unit * f.half_width(name))
 
 
 def _entry(depth: float, f: GaussianFit, both: bool) -> dict[str, Any]:

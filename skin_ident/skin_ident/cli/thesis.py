@@ -10,6 +10,7 @@ import numpy as np
 from skin_ident import thesis_repeat as again
 from skin_ident.cli import common
 from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.figures import plus_minus
 from skin_ident.thesis_dispersion import FreeMass, free_masses, speed_exponents
 from skin_models.thesis.tables import estimates
 
@@ -40,12 +41,12 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 def _fixed(cases: Sequence[FreeMass], runs: int) -> dict[str, Any]:
     print(f"Table 4-5, mass fixed: specimen, and what {again.TRIALS} sines on chapter 3's rig give back (± 95 %)")
-    print(f"  {'':<6}" + "".join(f"{name + ' ' + unit:>24}" for name, unit in zip(again.NAMES, ("N*s/m", "N/m") * 2, strict=True)))
+    print(f"  {'':<6}" + "".join(f"{name + ' ' + unit:>26}" for name, unit in zip(again.NAMES, ("N*s/m", "N/m") * 2, strict=True)))
     out: dict[str, Any] = {}
     for case in cases:
         fit, printed = again.recovered(case), estimates("4-5", f"{case.thickness_mm}mm")
-        cells = [f"{printed[n].value:>9.5g} {fit.values[n]:>8.5g} ±{_half(fit, n):>4.1g}" for n in again.NAMES]
-        print(f"  {case.thickness_mm} mm  " + "".join(f"{cell:>24}" for cell in cells))
+        cells = [f"{printed[n].value:>9.5g} {plus_minus(fit.values[n], _half(fit, n)):>14}" for n in again.NAMES]
+        print(f"  {case.thickness_mm} mm  " + "".join(f"{cell:>26}" for cell in cells))
         rows = {n: {"specimen": printed[n].value, "value": fit.values[n], "std": fit.std[n]} for n in again.NAMES}
         out[f"{case.thickness_mm}mm"] = rows
     _say("k2 is what is left of the whole after k1: the load cell's own nonlinearity and hysteresis, tenths of a percent of the whole, end "

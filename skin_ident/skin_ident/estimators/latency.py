@@ -13,6 +13,7 @@ import numpy as np
 
 from skin_ident.estimators.dispersion import Shape, channel_names, recovery_of, settled, shape_of
 from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.figures import plus_minus
 from skin_ident.estimators.regression import Block, regress
 from skin_ident.estimators.sessions import Session, prepare
 from skin_ident.recordings.recording import Recording
@@ -36,7 +37,7 @@ class Latency:
         if abs(self.seconds) <= max(SURE * self.std, LEAST * period):
             return []
         when, what = ("later", "lower") if self.seconds > 0 else ("earlier", "higher")
-        size = f"{1e3 * abs(self.seconds):.2g} ± {1960 * self.std:.1g} ms"
+        size = f"{plus_minus(1e3 * abs(self.seconds), 1960 * self.std)} ms"
         return [f"{channel} comes {size} {when} than the depth: its damping b is {what} by k times that, unless the skin itself creeps"]
 
 

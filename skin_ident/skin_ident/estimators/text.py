@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.figures import figures, plus_minus
 from skin_ident.recordings.timing import counted
 from skin_models.parameter import Parameter
 
@@ -44,11 +45,21 @@ def _telemetry(estimate: Estimate) -> list[str]:
     ]
     lines += [f"  … and {len(sessions) - SHOWN} more"] * (len(sessions) > SHOWN)
     late = [
-        f"{name} {e['value']:.2g} ± {1.96 * e['std']:.1g}" if math.isfinite(e["std"]) else f"{name} not told"
+        f"{name} {plus_minus(e['value'], 1.96 * e['std'])}" if math.isfinite(e["std"]) else f"{name} not told"
         for name, e in estimate.notes.get("latency_behind_depth_ms", {}).items()
     ]
     lines += [f"  latency behind the depth, ms: {', '.join(late)}"] if late else []
-    return lines
+    return lines + _sinusoids(estimate)
+
+
+def _sinusoids(estimate: Estimate) -> list[str]:
+    """A, B, C and start time of eq 29, as fitted, of the first few sessions."""
+    found = estimate.notes.get("sinusoids", {})
+    return [
+        f"  {name}: x = A sin(B (t - t0)) + C with A {1e3 * s['amplitude']:.4g} mm, B {s['omega']:.5g} rad/s, "
+        f"C {1e3 * s['offset']:.4g} mm, t0 {s['start']:.4g} s, missed by {1e6 * s['rms']:.2g} um rms"
+        for name, s in list(found.items())[:SHOWN]
+    ]
 
 
 def _spread(estimate: Estimate) -> list[str]:
@@ -58,7 +69,7 @@ def _spread(estimate: Estimate) -> list[str]:
         return []
     if "reason" in s:
         return [f"spread over the taxels: {s['reason']}"]
-    x, y, c = (f"{s[n]['value']:.3g} ± {1.96 * s[n]['std']:.1g}" for n in ("x_mm", "y_mm", "c_mm"))
+    x, y, c = (plus_minus(s[n]["value"], 1.96 * s[n]["std"]) for n in ("x_mm", "y_mm", "c_mm"))
     return [f"spread over the taxels: centre ({x}, {y}) mm, width c {c} mm, R² {s['r2']:.4f}"]
 
 
@@ -92,7 +103,7 @@ def _ranges(intervals: Mapping[str, Sequence[float]]) -> list[str]:
 def _row(estimate: Estimate, p: Parameter) -> str:
     low, high = estimate.interval(p.name)
     half = (high - low) / 2
-    error = "" if half == 0.0 else f"{half:.2g}"
+    error = "" if half == 0.0 else figures(half)
     return f"  {p.name:<9} {_rounded(p.value, half):>12} {error:>11}  {p.unit:<7} {estimate.verdicts[p.name].word}"
 
 
