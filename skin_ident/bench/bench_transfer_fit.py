@@ -4,17 +4,16 @@
 
 Every contender gets the input, the output and the sampling period. Those that fit a discrete model have its poles and static gain turned
 into the continuous ones. `error` is the worst of alpha_1, alpha_0 and static gain, relative, median over the runs; `covers` is how often
-its own 95 % interval holds the truth, where it gives one. Libraries that are not installed are left out: lmfit, mujoco[sysid], pysindy,
-sippy_unipi, sysidentpy.
+its own 95 % intervals of alpha_1 and alpha_0 hold the truth, where it gives any; `time` that of its quickest run. Libraries that are not
+installed are named as such: lmfit, mujoco[sysid], pysindy, sippy_unipi, sysidentpy.
 """
 
 import argparse
-import contextlib
 import importlib
-import io
 import os
 import time
 import warnings
+from functools import partial
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -90,50 +89,30 @@ def lmfit_lfilter(u, y):
     return answer([q.value for q in p], [q.stderr or np.nan for q in p])
 
 
-def sippy_arx(u, y):
-    """SIPPY's ARX by least squares."""
-    sippy = importlib.import_module("sippy_unipi")
-    with contextlib.redirect_stdout(io.StringIO()):
-        model = sippy.system_identification(y - y[0], u - u[0], "ARX", ARX_orders=[2, 3, 0], tsample=DT)
-    num, den = np.ravel(model.NUMERATOR), np.ravel(model.DENOMINATOR)
-    return _from_discrete(den[:3], num.sum() / den.sum())
+def _rival(of):
+    return lambda u, y: answer(*of(u, y, DT))
 
 
-def sysidentpy_narx(u, y):
-    """SysIdentPy, linear polynomial terms chosen by FROLS."""
-    frols = importlib.import_module("sysidentpy.model_structure_selection").FROLS
-    polynomial = importlib.import_module("sysidentpy.basis_function").Polynomial
-    estimator = importlib.import_module("sysidentpy.parameter_estimation").LeastSquares
-    model = frols(n_terms=4, order_selection=False, ylag=2, xlag=2, estimator=estimator(), basis_function=polynomial(degree=1))
-    model.fit(X=(u - u[0])[:, None], y=(y - y[0])[:, None])
-    theta = dict(zip([tuple(row) for row in model.final_model], model.theta.ravel(), strict=True))
-    den = np.array([1.0, -theta.get((1001,), 0.0), -theta.get((1002,), 0.0)])
-    return _from_discrete(den, (theta.get((2001,), 0.0) + theta.get((2002,), 0.0)) / den.sum())
-
-
-def _from_discrete(den, gain):
-    poles = np.log(np.roots(den).astype(complex)) / DT
-    return np.array([-poles.sum().real, poles.prod().real, gain]), None
-
-
-SLOW = ("scipy least_squares + lsim", "mujoco.sysid")
+SLOW = ("scipy least_squares + lsim", "mujoco.sysid", "SIPPY OE")
 CONTENDERS = {
     "ours": ours,
     "ours, white noise assumed": ours_compared,
     "scipy least_squares + lfilter": _by_hand(_lfilter),
     "scipy least_squares + lsim": _by_hand(_lsim),
     "lmfit + lfilter": lmfit_lfilter,
-    "mujoco.sysid": lambda u, y: answer(*rivals.mujoco_sysid(u, y, DT)),
-    "PySINDy": lambda u, y: answer(*rivals.pysindy_linear(u, y, DT)),
-    "SIPPY ARX": sippy_arx,
-    "SysIdentPy FROLS": sysidentpy_narx,
+    "mujoco.sysid": _rival(rivals.mujoco_sysid),
+    "PySINDy": _rival(rivals.pysindy_linear),
+    "SIPPY OE": _rival(rivals.sippy_output_error),
+    "SIPPY ARX": _rival(rivals.sippy_arx),
+    "SysIdentPy FROLS": _rival(rivals.sysidentpy_narx),
+    "SysIdentPy FROLS, extended": _rival(partial(rivals.sysidentpy_narx, extended=True)),
 }
 
 
 def run(name, contender, n: int, runs: int, rho: float):
     """One line of the table."""
     truth, _ = answer(TRUTH.theta)
-    errors, hits, best = [], [], np.inf
+    errors, hits, took = [], [], []
     for seed in range(runs):
         u, y = session(n, seed, rho)
         begin = time.perf_counter()
@@ -143,12 +122,12 @@ def run(name, contender, n: int, runs: int, rho: float):
                 values, std = contender(u, y)
         except ImportError:
             return f"{name:<32} not installed"
-        best = min(best, time.perf_counter() - begin)
+        took.append(time.perf_counter() - begin)
         errors.append(np.max(np.abs(values / truth - 1)))
         if std is not None:
             hits += list(np.abs(values - truth)[:2] <= 1.96 * std[:2])
     covers = f"{100 * np.mean(hits):5.1f} %" if hits else "      –"
-    return f"{name:<32} {100 * np.median(errors):9.3f} % {covers:>9} {1e3 * best:10.2f} ms"
+    return f"{name:<32} {100 * np.median(errors):9.3f} % {covers:>9} {1e3 * min(took):10.2f} ms {len(took):>6}"
 
 
 def main() -> None:
@@ -159,8 +138,8 @@ def main() -> None:
     parser.add_argument("--samples", type=int, nargs="+", default=[4000, 60_000])
     chosen = parser.parse_args()
     for n, rho in [(n, rho) for n in chosen.samples for rho in (0.0, 0.95) if n < 10_000 or rho == 0.0]:
-        print(f"\n{n} samples at 100 Hz, 1 % {'white' if rho == 0 else f'AR({rho})'} noise, {chosen.runs} runs")
-        print(f"{'':<32} {'error':>11} {'covers':>9} {'time':>13}")
+        print(f"\n{n} samples at 100 Hz, 1 % {'white' if rho == 0 else f'AR({rho})'} noise")
+        print(f"{'':<32} {'error':>11} {'covers':>9} {'time':>13} {'runs':>6}")
         for name, contender in CONTENDERS.items():
             print(run(name, contender, n, chosen.slow if name in SLOW else chosen.runs, rho), flush=True)
 

@@ -1,4 +1,4 @@
-"""Contenders of bench_transfer_fit.py that need more than a few lines: mujoco.sysid and PySINDy, used as their manuals say.
+"""Contenders of bench_transfer_fit.py that need more than a few lines, used as their manuals say.
 
 Each takes input and output (N,) and the period (s), and gives theta = (beta_1, beta_0, alpha_1, alpha_0) with standard errors or None.
 """
@@ -66,10 +66,49 @@ def _like(old, value: float):
     return new
 
 
+def sippy_arx(u: np.ndarray, y: np.ndarray, dt: float):
+    """SIPPY's ARX by least squares."""
+    return _sippy(u - u[0], y - y[0], dt, "ARX", ARX_orders=[2, 3, 0])
+
+
+def sippy_output_error(u: np.ndarray, y: np.ndarray, dt: float):
+    """SIPPY's output error, by a general optimiser."""
+    return _sippy(u, y, dt, "OE", centering="MeanVal", OE_orders=[3, 2, 0])
+
+
+def _sippy(u: np.ndarray, y: np.ndarray, dt: float, method: str, **how):
+    sippy = importlib.import_module("sippy_unipi")
+    with contextlib.redirect_stdout(io.StringIO()):
+        model = sippy.system_identification(y, u, method, tsample=dt, **how)
+    num, den = np.ravel(model.NUMERATOR), np.ravel(model.DENOMINATOR)
+    return _from_discrete(den[:3], num.sum() / den.sum(), dt)
+
+
+def sysidentpy_narx(u: np.ndarray, y: np.ndarray, dt: float, extended: bool = False):
+    """SysIdentPy, linear polynomial terms chosen by FROLS, by least squares or by its extended least squares."""
+    frols = importlib.import_module("sysidentpy.model_structure_selection").FROLS
+    polynomial = importlib.import_module("sysidentpy.basis_function").Polynomial
+    estimator = importlib.import_module("sysidentpy.parameter_estimation").LeastSquares(unbiased=extended)
+    model = frols(n_terms=5, order_selection=False, ylag=2, xlag=2, estimator=estimator, basis_function=polynomial(degree=1))
+    model.fit(X=(u - u[0])[:, None], y=(y - y[0])[:, None])
+    theta = dict(zip([tuple(row) for row in model.final_model], model.theta.ravel(), strict=True))
+    den = np.array([1.0, -theta.get((1001,), 0.0), -theta.get((1002,), 0.0)])
+    return _from_discrete(den, (theta.get((2001,), 0.0) + theta.get((2002,), 0.0)) / den.sum(), dt)
+
+
+def _from_discrete(den: np.ndarray, gain: float, dt: float):
+    """Continuous poles and the static gain; beta_1 is not asked for."""
+    poles = np.log(np.roots(den).astype(complex)) / dt
+    return np.array([np.nan, gain * poles.prod().real, -poles.sum().real, poles.prod().real]), None
+
+
 def pysindy_linear(u: np.ndarray, y: np.ndarray, dt: float):
-    """Sparse regression of the second derivative on y, y', u and u', with the library's smoothed differences."""
+    """Sparse regression of the second derivative on y, y', u and u', with the library's smoothed differences as they come.
+
+    Their window of 11 samples suits these data best: 5 leave 2.6 % of error under white noise, 17 1.5 %, 51 59 %.
+    """
     ps = importlib.import_module("pysindy")
-    smooth = ps.SmoothedFiniteDifference(smoother_kws={"window_length": 51})
+    smooth = ps.SmoothedFiniteDifference()
     rate_y, rate_u = smooth._differentiate(y[:, None], dt), smooth._differentiate(u[:, None], dt)
     states, inputs = np.column_stack([y, rate_y]), np.column_stack([u, rate_u])
     model = ps.SINDy(
