@@ -104,6 +104,16 @@ def test_live_estimates_approach_the_truth_and_can_be_saved(world):
     assert load_model(folder / "live.yaml").dispersion.k1 == pytest.approx(9619, rel=0.03)
 
 
+def test_rude_messages_do_not_end_it(world):
+    bench, _, node = world
+    for message in (JointState(name=["indentation"]), JointState(), JointState(name=["indentation"], position=[float("nan")])):
+        bench.encoder.publish(message)
+    bench.taxels.publish(TaxelArray(force=[float("inf")] * 500))
+    heard = len(bench.heard)
+    wait_until(lambda: len(bench.heard) > heard + 3, 10.0, "estimates after rude messages")
+    assert node.status is None
+
+
 def test_identify_fits_recordings(world):
     bench, folder, _ = world
     bags = [str(write_bag(folder / f"s{i}", recording(i, n=500))) for i in range(2)]
@@ -115,7 +125,7 @@ def test_identify_fits_recordings(world):
     assert bench.feedback and [f.progress for f in bench.feedback] == sorted(f.progress for f in bench.feedback)
 
 
-@pytest.mark.parametrize("paths", [[], ["/does/not/exist"]])
+@pytest.mark.parametrize("paths", [[], [""], ["/does/not/exist"]])
 def test_identify_refuses_what_it_cannot_use(world, paths):
     bench, folder, _ = world
     answer = bench.ask(bench.send(recordings=paths, output_directory=str(folder / "none")).get_result_async).result

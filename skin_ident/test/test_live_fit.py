@@ -44,6 +44,48 @@ def test_pause_starts_the_filter_anew():
     assert fit.live.values == pytest.approx(TRUTH, rel=0.02)
 
 
+def offered(fit, rows, shift_ns=0, scale=1.0):
+    for k, i in enumerate(rows):
+        stamp = round(R.t[i] * 1e9) + 10**12 + shift_ns
+        fit.offer("encoder", stamp, scale * R.depth[i : i + 1])
+        fit.offer("force", stamp, R.force[i : i + 1])
+        fit.offer("taxels", stamp, R.taxels[:, i])
+        if k % 10 == 9:
+            fit.update()
+
+
+@pytest.mark.parametrize("back", [-10_000, 10_000_000])
+def test_a_clock_that_is_set_back_stops_nobody(back):
+    """A bag that is played again; and one sample from the far future, behind which all others seem old."""
+    fit = LiveFit(30.0, 5.0, SILICONE[4][0])
+    offered(fit, range(1000))
+    if back > 0:
+        offered(fit, range(1000, 1010), shift_ns=back * 10**9)
+    offered(fit, range(1010, 3000), shift_ns=min(back, 0) * 10**9)
+    assert fit.live.values == pytest.approx(TRUTH, rel=0.02)
+    assert fit.health.used == 10 and fit.health.used_ever > 2900
+
+
+def test_absurd_values_are_left_out():
+    fit = LiveFit(30.0, 5.0, SILICONE[4][0])
+    offered(fit, range(1000))
+    offered(fit, range(1000, 1010), scale=1e300)
+    assert fit.health.invalid == 10
+    offered(fit, range(1010, 3000))
+    assert fit.live.values == pytest.approx(TRUTH, rel=0.02)
+
+
+def test_an_array_of_another_size_is_learnt_anew():
+    fit = LiveFit(30.0, 5.0, SILICONE[4][0])
+    for i in range(len(R)):
+        stamp = round(R.t[i] * 1e9) + 10**12
+        fit.offer("encoder", stamp, R.depth[i : i + 1])
+        fit.offer("taxels", stamp, R.taxels[:, i] if i > 100 else R.taxels[:1, i])
+        if i % 10 == 9:
+            fit.update()
+    assert fit.live.values[[0, 1, 5]] == pytest.approx([*SILICONE[4][1:3], 0.3], rel=0.02)
+
+
 def test_nothing_is_claimed_in_the_air():
     assert fed(recording(n=1000, offset=-1e-3), 50).live is None
 

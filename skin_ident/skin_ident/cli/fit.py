@@ -101,7 +101,7 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
         raise FitError(f"{chosen.jobs} processes can do nothing: give --jobs a number from 1 on, or leave it out")
     if chosen.format == "parquet":
         parquet_library()
-    paths = [file for path in chosen.recordings for file in find(Path(path))]
+    paths = [file for path in chosen.recordings for file in find(path)]
     folder = common.output_folder(chosen.out)
     how = {"jobs": chosen.jobs, "scheduler": chosen.scheduler, "log_time": chosen.log_time, "keep": chosen.keep_stamps}
     rows = run_batch(paths, folder, options, topics, **how, progress=_row_done)

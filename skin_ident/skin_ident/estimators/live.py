@@ -10,6 +10,8 @@ from skin_ident.estimators.recursive import Live, Memory, State
 LEARN = 20  # samples from which rate and taxels are learnt
 KEEP = 4000  # samples that wait for their partners, at most
 LOST = 10.5  # periods: a longer pause starts the filter anew
+LONG_AGO = 10**12  # ns
+FARTHEST, STRONGEST = 10.0, 1e5  # m, N: what exceeds these is no measurement
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,8 @@ class LiveFit:
     _seen: int = 0
     _dropped: int = 0
     _left_out: int = 0  # messages of a topic that was silent when the others were learnt
+    _behind: int = 0  # samples in a row that bear older stamps than the newest
+    _odd: int = 0  # samples in a row of another number of taxels
 
     def offer(self, role: str, stamp_ns: int, values: np.ndarray) -> None:
         """One message of encoder (1,) m, force (1,) N or taxels (T,) N."""
@@ -99,21 +103,31 @@ class LiveFit:
 
     def _learnt(self, rows: list[tuple[int, np.ndarray]], speaking: list[str]) -> list[tuple[int, np.ndarray]]:
         """On first sight: sampling period and number of taxels. Later: only the rows that have as many."""
+        if self._odd >= LEARN:  # another array, or the first message was not like the others
+            self.memory = self.state = self.live = self._last = None
         if self.memory is None:
             dt = float(np.median(np.diff([stamp for stamp, _ in rows]))) * 1e-9
             force = "force" in speaking
-            taxels = rows[0][1].size - 1 - force
+            taxels = rows[-1][1].size - 1 - force
             cutoff = min(self.cutoff, 0.2 / dt)
             self.memory = Memory(dt, cutoff, self.window, self.mass, force, taxels)
             self.state = recursive.initial(self.memory)
         width = 1 + self.memory.force + self.memory.taxels
-        fitting = [(stamp, row) for stamp, row in rows if row.size == width and stamp > self.newest]
+        alike = [(stamp, row) for stamp, row in rows if row.size == width]
+        self._odd = 0 if alike else self._odd + len(rows)
+        rows = alike
+        fitting = [(stamp, row) for stamp, row in rows if stamp > self.newest]
+        self._behind = 0 if fitting else self._behind + len(rows)
+        if self._behind >= LEARN:  # the clock was set back, as where a bag is played again, or one stamp came from the future
+            fitting, self.newest, self._behind = rows, rows[0][0] - LONG_AGO, 0
         self.health = replace(self.health, alone=self.health.alone + self._seen - len(fitting))
         return fitting
 
     def _absorb(self, rows: list[tuple[int, np.ndarray]]) -> None:
         stamps = np.array([stamp for stamp, _ in rows])
         values = np.array([row for _, row in rows]).T
+        limits = np.where(np.arange(len(values)) == 0, FARTHEST, STRONGEST)
+        values[~(np.abs(values) <= limits[:, None])] = np.nan
         silent = ~np.isfinite(values).any(axis=1)
         silent[: 1 + self.memory.force] = False
         values[silent] = 0.0  # one dead taxel must not stop the others

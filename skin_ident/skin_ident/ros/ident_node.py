@@ -79,9 +79,9 @@ class IdentNode(Node):
             self.create_subscription(kind, topic, callback, qos_profile_sensor_data, qos_overriding_options=policies)
 
     def _on_encoder(self, message: JointState) -> None:
-        joint = self.settings.now.joint
-        if joint in message.name:
-            self.fit.offer("encoder", _ns(message), np.array([message.position[message.name.index(joint)]]))
+        position = dict(zip(message.name, message.position, strict=False)).get(self.settings.now.joint)
+        if position is not None:  # a message may name joints and hold no positions
+            self.fit.offer("encoder", _ns(message), np.array([position]))
 
     def _on_force(self, message: WrenchStamped) -> None:
         self.fit.offer("force", _ns(message), np.array([-message.wrench.force.z]))

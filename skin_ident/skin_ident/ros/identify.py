@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from skin_testbed_msgs.action import Identify
 
@@ -76,7 +75,7 @@ class Run:
         if not paths:
             raise RecordingError("the goal names no recordings")
         topics = topics_of(self.goal.topics)
-        files = [file for path in paths for file in find(Path(path))]
+        files = [file for path in paths for file in find(path)]
         start, loaded = self.done, []
         for i, file in enumerate(files):
             self._say(f"reading {file.name}", start + share * i / len(files))

@@ -57,7 +57,7 @@ def diagnostics(fit: LiveFit, stamp: Time, name: str) -> DiagnosticArray:
     level, message = _level(fit)
     values = {
         "rate (Hz)": f"{h.rate:.4g}",
-        "jitter (ms)": f"{1e3 * h.jitter:.3g}",
+        "jitter (ms)": f"{round(1e3 * h.jitter, 6):.3g}",  # stamps are whole nanoseconds
         "samples used": h.used_ever,
         "samples without a partner": h.alone,
         "samples that are no numbers": h.invalid,
