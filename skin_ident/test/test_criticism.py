@@ -22,6 +22,8 @@ FOUND = [
     ("position_offset", "rig", "constant"),
     ("force_offset", "taxel_0", "constant"),
     ("lag", "taxel_0", "one_pole"),
+    ("lag", "taxel_0", "two_pole"),
+    ("drift", "load_cell", "creep_under_load"),
 ]
 
 

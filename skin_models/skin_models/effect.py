@@ -57,6 +57,7 @@ class Effect(ABC):
     linear: ClassVar[bool] = False  # in its amplitudes: then `regressors` gives what each of them multiplies
     finds_taxels: ClassVar[bool] = False  # looks at where the taxels are: the footprint of a sample or a motion
     form: ClassVar[str] = ""  # tells several forms of one cause at one place apart; the plainest has none
+    refines: ClassVar[type | None] = None  # the form that this one equals when it is small, and in whose place it is tried
     proposed: ClassVar[bool] = True  # False: it is simulated, and no recording is asked whether it has it
 
     where: str

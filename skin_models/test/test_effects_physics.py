@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import trapezoid
+from scipy.signal import lsim
 from scipy.special import gamma
 
 from skin_models.catalogue import effects
@@ -14,10 +15,10 @@ from skin_models.effects.backlash import Backlash
 from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.cyclic_softening import CyclicSoftening
 from skin_models.effects.dead_zone import GatedTaxel, HardDeadZone, SkinDeadZone, TaxelDeadZone
-from skin_models.effects.drift import LogDrift, LogGainDrift
+from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.gain_error import GainStep
 from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, SkinHysteresis
-from skin_models.effects.lag import Lag
+from skin_models.effects.lag import Lag, SecondOrderLag
 from skin_models.effects.mount_compliance import MountCompliance
 from skin_models.effects.preisach import PreisachHysteresis
 from skin_models.effects.quantization import SensorQuantization
@@ -167,6 +168,26 @@ def test_a_lag_follows_a_ramp_at_its_time_constant():
     t, tau = np.arange(0.0, 2.0, 0.01), 0.1
     out = Lag(where="load_cell", tau=tau).batch(3.0 * t, at_times(np.zeros(t.size), 0.01))
     assert out == pytest.approx(3.0 * (t - tau * -np.expm1(-t / tau)), abs=1e-12)
+
+
+@pytest.mark.parametrize("damping", [0.3, 0.7071, 1.0, 3.0])
+def test_a_second_order_lag_is_the_filter_of_its_transfer_function(damping):
+    t, tau = np.arange(0.0, 3.0, 0.01), 0.1
+    y = np.interp(t, [0.0, 0.2, 0.5, 1.0, 1.5, 3.0], [0.0, 0.0, 2.0, -1.0, 3.0, 3.0])
+    _, expected, _ = lsim(([1.0], [(tau / (2.0 * damping)) ** 2, tau, 1.0]), y, t)
+    lag = SecondOrderLag(where="load_cell", tau=tau, damping=damping)
+    assert lag.batch(y, at_times(np.zeros(t.size), 0.01)) == pytest.approx(expected, abs=1e-9)
+    late = lag.batch(5.0 + 3.0 * t, at_times(np.zeros(t.size), 0.01))
+    assert late[-1] == pytest.approx(5.0 + 3.0 * (t[-1] - tau), abs=5e-3)  # late by tau, at rest before
+
+
+def test_creep_goes_on_under_load_and_comes_back_without():
+    t = np.arange(0.0, 200.0, 0.1)
+    y = np.where((t > 50.0) & (t <= 100.0), 4.0, 0.0)
+    out = Creep(where="taxel", creep=0.05, tau=8.0).batch(y[None], at_times(np.zeros(t.size), 0.1))[0] - y
+    held = (t > 51.0) & (t < 99.0)
+    assert out[held] == pytest.approx(0.2 * -np.expm1(-(t[held] - 50.05) / 8.0), abs=2e-4)
+    assert out[t < 50.0] == pytest.approx(0.0) and abs(out[-1]) < 1e-5
 
 
 def test_a_delay_and_a_skew_shift_a_line_exactly():

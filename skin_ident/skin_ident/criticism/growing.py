@@ -1,5 +1,7 @@
 """Adding one cause to a model: as many instances of its effect as the data ask for, each refitted with everything else."""
 
+from dataclasses import replace
+
 from skin_ident.criticism.fitting import Fit, fit
 from skin_ident.criticism.proposals import Direction
 from skin_ident.criticism.ranking import Ranked
@@ -7,6 +9,7 @@ from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import survey
 from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener
+from skin_models.catalogue import effects
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
@@ -14,6 +17,7 @@ from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 MOST = 3  # instances of one cause at one place
 AT_SHAPE = 3  # iterations
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
+FINER = 0.002  # nor, which is the same name with one number more, a finer form of it
 
 
 def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> Fit:
@@ -26,7 +30,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         first = first or gained
         if gained < max(10.0, WORTH * first):
             break
-        present = trial
+        present = _refined(trial, gained, sessions, noise)
         own = tuple(d for d in own if _adds(d, present.model))
         if not own:
             break
@@ -44,6 +48,17 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
 
 
+def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:
+    """The same, the effect that came last in the form that equals it when it is small, where that explains more."""
+    *others, last = present.model.effects
+    for finer in (cls for cls in effects() if cls.refines is type(last)):
+        model = replace(present.model, effects=(*others, finer.typical(last.where, **last.values)))
+        trial = fit(model, sessions, noise)
+        if present.cost - trial.cost > max(20.0, FINER * gained):
+            return trial
+    return present
+
+
 def _ready(d: Direction, amount: float) -> Effect:
     """The effect at the amount that the ranking found, its other amplitudes at a tenth of that, so that every unknown can move."""
     values = {}
@@ -58,7 +73,7 @@ def _ready(d: Direction, amount: float) -> Effect:
 def _adds(d: Direction, model: Model) -> bool:
     """Whether another instance could be anything new: two delays are one delay, two relaxation times are two."""
     shaped = any(p.role == SHAPE for p in parameters_of(d.effect))
-    return shaped or not any(type(e) is type(d.effect) and e.where == d.where for e in model.effects)
+    return shaped or not any(type(d.effect) in (type(e), e.refines) and e.where == d.where for e in model.effects)
 
 
 def instances(model: Model, cause: str, where: str) -> tuple[Effect, ...]:

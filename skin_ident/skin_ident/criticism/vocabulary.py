@@ -126,7 +126,7 @@ CAUSES: tuple[Cause, ...] = (
     Cause(
         "drift",
         _SENSORS,
-        "the zero or the gain creeps with time",
+        "the zero, the gain or the reading under load creeps with time",
         "warm up, tare often, or model the drift",
         "free air before and after, and long holds",
     ),
@@ -147,7 +147,7 @@ CAUSES: tuple[Cause, ...] = (
     Cause(
         "lag",
         _SENSORS,
-        "the sensor follows with a first-order lag",
+        "the sensor follows with a lag",
         "remove the filter, or undo the lag before using fast signals",
         "sinusoids or a multisine up to a few Hz",
     ),

@@ -51,6 +51,12 @@ def _gain_creep(c):
     return Sensor(c, lambda y, fine, a, rng: y * (1 + 0.02 * way * a * np.log1p(fine.t / t0)))
 
 
+def _creep(c):
+    """A reading that goes on rising under load by the logarithm of time, and comes back without: many slow elements in a row."""
+    taus = np.geomspace(1.0, 100.0, 9)
+    return Sensor(c, lambda y, fine, a, rng: y + 0.004 * a * sum(_low_pass(y, fine.dt, tau) for tau in taus))
+
+
 def _peak(y):
     return np.max(np.abs(y)) + 1e-12
 
@@ -229,6 +235,7 @@ FORMS = {
     "drift": {
         "linear": _drift(lambda s, part, rng: s), "logarithmic": _drift(lambda s, part, rng: np.log1p(s / (part / 10))),
         "warm_up": _drift(lambda s, part, rng: 1 - np.exp(-s / part)), "random_walk": _drift(_walk), "gain_creep": _gain_creep,
+        "creep_under_load": _creep,
     },
     "saturation": {"hard": _clip_hard, "soft": _clip_soft, "leaky": _clip_leaky},
     "quantization": {"round": Steps, "cut": lambda c: Steps(c, cut=True)},

@@ -1,24 +1,32 @@
-"""Drift: a sensor's zero or gain creeps with the time T since the first sample.
+"""Drift: a sensor's zero or gain creeps with the time T since the first sample, or its reading with the time under load.
 
     zero, linear         y' = y + d T
     zero, logarithmic    y' = y + A log10(1 + T / tau)
     gain, linear         y' = y (1 + d T)
     gain, logarithmic    y' = y (1 + A log10(1 + T / tau))        what FlexiForce's "drift per logarithmic time" means under load
+    creep                y' = y + c z,   tau z' + z = y           z(0) = y(0): goes on rising under a load, and comes back without
 
-Source: Tekscan FlexiForce A201 data sheet (drift < 5 % per logarithmic time scale).
+A reading that falls under a held depth is what skin that relaxes does; creep only rises. Several arms add up to any creep curve.
+
+Sources: Tekscan FlexiForce A201 data sheet (drift < 5 % per logarithmic time scale); OIML R 60, Metrological regulation for load cells,
+2017 (creep, and the return of the zero).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from skin_models.effect import Place
+from skin_models.effect import Dynamic, Place
 from skin_models.operators.elapsed import Elapsed
+from skin_models.operators.lagging import lagged, lagged_step
 from skin_models.parameter import SHAPE, quantity
+from skin_models.signals import Motion, Sample
 
 SENSORS = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
 ONSETS = (0.1, 1.0, 10.0, 100.0)  # s
+TIMES = 4.0  # its time constant, the shortest recording that tells creep
 
 
 @dataclass(frozen=True)
@@ -92,3 +100,37 @@ class LogGainDrift(Elapsed):
     def apply(self, y, elapsed):
         """y (1 + A log10(1 + T / tau))."""
         return y * (1.0 + self.per_decade * np.log10(1.0 + elapsed / self.tau))
+
+
+@dataclass(frozen=True)
+class Creep(Dynamic):
+    """A reading that rises under load. State: z and y of the sample before, N; None before the first."""
+
+    cause: ClassVar[str] = "drift"
+    form: ClassVar[str] = "creep"
+    places: ClassVar = SENSORS
+    source: ClassVar[str] = "OIML R 60, creep"
+    linear: ClassVar[bool] = True
+
+    creep: float = quantity("1", 0.0, lower=0.0, upper=1.0, typical=0.03, doc="final creep c, share of the load")
+    tau: float = quantity("s", 10.0, lower=1.0, upper=1e4, role=SHAPE, typical=10.0, scan=(3.0, 10.0, 30.0, 100.0), doc="time constant tau")
+
+    @classmethod
+    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
+        """Time constants that the recording is several times as long as: what it saw only the beginning of is any slow thing."""
+        return (shape for shape in super().shapes(s) if shape["tau"] <= (s.t[-1] - s.t[0]) / TIMES)
+
+    def initial(self, rng=None) -> None:
+        """None: the first sample has lasted for ever."""
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """y + c z, z after one more sample."""
+        mine = self.mine(y)
+        state, z = lagged_step(state, mine, self.tau, dt)
+        return state, self.put_back(y, mine + self.creep * z)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same over the whole recording."""
+        mine = self.mine(y)
+        return self.put_back(y, mine + self.creep * lagged(mine, self.tau, s.dt))

@@ -1,12 +1,12 @@
-"""Lag: a sensor follows its input as a first-order filter.
+"""Lag: a sensor follows its input as a filter of first or of second order.
 
-    tau z' + z = y,        y' = z,        z(0) = y(0)
+    first order      tau z' + z = y,                                    y' = z
+    second order     (tau / 2 zeta)^2 z'' + tau z' + z = y,             y' = z        zeta = 1 / sqrt 2: Butterworth; 1: two equal poles
 
-The step is exact for an input that is linear between samples (first-order hold):
+Both start at rest, z(0) = y(0), and are late by tau for slow inputs; tau = 0 is the identity. The steps are exact for an input that is
+linear between samples (first-order hold). Of first order:
 
     z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n],        e = exp(-dt / tau),  g = (1 - e) tau / dt.
-
-tau = 0 is the identity.
 
 Source: G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley 1998, section 6.3.2.
 """
@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.signal import lfilter, lfilter_zi
 
 from skin_models.effect import Dynamic, Place
-from skin_models.operators.lagging import lag_factors
-from skin_models.parameter import quantity
+from skin_models.operators.lagging import lagged, lagged_step, second_order_factors
+from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
 
@@ -39,16 +39,47 @@ class Lag(Dynamic):
 
     def step(self, state, y, s: Sample, dt: float):
         """z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n]."""
-        mine = self.mine(y)
-        z, last = (mine, mine) if state is None else state
-        e, g = lag_factors(self.tau, dt)
-        z = e * z + (g - e) * last + (1.0 - g) * mine
-        return (z, mine), self.put_back(y, z)
+        state, z = lagged_step(state, self.mine(y), self.tau, dt)
+        return state, self.put_back(y, z)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recursion as a filter, at rest at y[0]."""
+        return self.put_back(y, lagged(self.mine(y), self.tau, s.dt))
+
+
+@dataclass(frozen=True)
+class SecondOrderLag(Dynamic):
+    """Sensor lag of two poles, as an anti-aliasing filter has. A small one is the same as one of first order, which is tried before it."""
+
+    cause: ClassVar[str] = "lag"
+    form: ClassVar[str] = "second_order"
+    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
+    source: ClassVar[str] = "Franklin, Powell and Workman 1998, section 6.3.2"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = Lag
+
+    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, doc="delay of slow inputs")
+    damping: float = quantity("1", 0.7, lower=0.2, upper=5.0, role=SHAPE, typical=0.7, doc="damping ratio zeta")
+
+    def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is (z, z' tau / 2 zeta) and y[n-1], N."""
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """x[n] = Phi x[n-1] + before y[n-1] + now y[n], of which z is the first row."""
         mine = self.mine(y)
-        e, g = lag_factors(self.tau, s.dt)
-        start = g * mine[..., :1]  # the filter's memory of an input that has always been y[0]
-        z, _ = lfilter([1.0 - g, g - e], [1.0, -e], mine, zi=start)
+        if self.tau == 0.0:
+            return None, y
+        x, last = (np.stack([mine, np.zeros_like(mine)]), mine) if state is None else state
+        f = second_order_factors(self.tau, self.damping, dt)
+        x = np.tensordot(f.transition, x, 1) + np.multiply.outer(f.before, last) + np.multiply.outer(f.now, mine)
+        return (x, mine), self.put_back(y, x[0])
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same recursion as a filter, at rest at y[0]."""
+        if self.tau == 0.0:
+            return y
+        mine = self.mine(y)
+        b, a = second_order_factors(self.tau, self.damping, s.dt).filter
+        z, _ = lfilter(b, a, mine, zi=lfilter_zi(b, a) * mine[..., :1])
         return self.put_back(y, z)

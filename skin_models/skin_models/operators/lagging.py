@@ -1,6 +1,15 @@
-"""The exact step of a first-order lag, for an input that is linear between samples."""
+"""The exact steps of lags, for an input that is linear between samples."""
 
 import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.signal import lfilter
+
+NONE = 1e-6  # of a sample: a shorter delay is stepped as this one
 
 
 def lag_factors(tau: float, dt: float) -> tuple[float, float]:
@@ -8,3 +17,47 @@ def lag_factors(tau: float, dt: float) -> tuple[float, float]:
     if tau == 0.0:
         return 0.0, 0.0
     return math.exp(-dt / tau), -math.expm1(-dt / tau) * tau / dt
+
+
+def lagged(y: np.ndarray, tau: float, dt: float) -> np.ndarray:
+    """z (..., N) of y, at rest at y[..., 0]."""
+    e, g = lag_factors(tau, dt)
+    z, _ = lfilter([1.0 - g, g - e], [1.0, -e], y, zi=g * y[..., :1])  # the filter's memory of an input that has always been y[0]
+    return z
+
+
+def lagged_step(state: tuple | None, y: Any, tau: float, dt: float) -> tuple[tuple, Any]:
+    """One sample of the same: the state (z and y of the sample before, None before the first) after it, and z."""
+    z, last = (y, y) if state is None else state
+    e, g = lag_factors(tau, dt)
+    z = e * z + (g - e) * last + (1.0 - g) * y
+    return (z, y), z
+
+
+@dataclass(frozen=True)
+class SecondOrder:
+    """x[n] = transition x[n-1] + before y[n-1] + now y[n], (2, 2), (2,) and (2,); the output is x's first row."""
+
+    transition: np.ndarray
+    before: np.ndarray
+    now: np.ndarray
+
+    @property
+    def filter(self) -> tuple[np.ndarray, np.ndarray]:
+        """The same as numerator and denominator in powers of 1/z: C (I - Phi/z)^-1 (now + before/z), by the adjugate of a 2x2 matrix."""
+        trace = np.trace(self.transition)
+        adjugate = (self.transition - trace * np.eye(2))[0]
+        b = np.array([self.now[0], self.before[0] + adjugate @ self.now, adjugate @ self.before])
+        return b, np.array([1.0, -trace, np.linalg.det(self.transition)])
+
+
+@lru_cache(maxsize=256)
+def second_order_factors(tau: float, damping: float, dt: float) -> SecondOrder:
+    """The step of (tau / 2 zeta)^2 z'' + tau z' + z = y with the state (z, z' tau / 2 zeta), from the exponential of the system and its
+    input as a ramp."""
+    w = 2.0 * damping * dt / max(tau, NONE * dt)  # natural frequency times dt
+    system = np.zeros((4, 4))
+    system[:2, :3] = w * np.array([[0.0, 1.0, 0.0], [-1.0, -2.0 * damping, 1.0]])
+    system[2, 3] = 1.0
+    moved = expm(system)
+    return SecondOrder(moved[:2, :2], moved[:2, 2] - moved[:2, 3], moved[:2, 3])
