@@ -1,20 +1,22 @@
 """Many sessions, each fitted by itself, in parallel: one table of results, failures listed in it, resumable.
 
 Every finished session is appended to `fits.jsonl` at once, under a key of its path, size, time of change and the options; a second call
-skips what is there. `fits.csv` (or `fits.parquet`) is written from it at the end, whole.
+skips what is there. What no fault of the session stopped, a process that died, is not kept, and tried again by the next call. `fits.csv`
+(or `fits.parquet`) is written from it at the end, whole.
 """
 
 import csv
 import hashlib
 import json
 import os
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import asdict
 from importlib import import_module
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any
 
@@ -73,8 +75,9 @@ def run_batch(
         for row in _rows(todo, (options, how), jobs, scheduler):
             row["key"] = keys[row["path"]]
             rows[row["key"]] = row
-            journal.write(json.dumps(row) + "\n")
-            journal.flush()
+            if not row.pop("lost", False):
+                journal.write(json.dumps(row) + "\n")
+                journal.flush()
             progress(len(rows), len(keys), row)
     return [rows[key] for key in keys.values()]
 
@@ -114,12 +117,28 @@ def _rows(todo: list[str], how: tuple[Options, dict[str, Any]], jobs: int | None
                 yield future.result()
             except BrokenProcessPool:
                 lost.append(running[future])
+            except Exception as error:  # a cluster has failures of its own
+                yield _lost(running[future], f"lost by the cluster: {type(error).__name__}: {' '.join(str(error).split())}")
     for path in lost:
         with _workers(1, scheduler) as executor:
             try:
                 yield executor.submit(fit_session, path, *how).result()
             except BrokenProcessPool:
-                yield {"path": path, "status": "failed", "why": "the process that fitted it died (out of memory?)"}
+                yield _lost(path, "the process that fitted it died (out of memory?)")
+
+
+def _lost(path: str, why: str) -> dict[str, Any]:
+    return {"path": path, "status": "failed", "why": why, "lost": True}
+
+
+def _end_with_parent() -> None:
+    """Let this process end when the one that started it is killed: it would wait for work for ever."""
+
+    def wait() -> None:
+        parent_process().join()
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
 
 
 @contextmanager
@@ -127,19 +146,23 @@ def _workers(jobs: int | None, scheduler: str | None) -> Iterator[Executor]:
     if scheduler is None:
         for name in THREADS:  # one thread each: the sessions are the parallelism
             os.environ.setdefault(name, "1")
-        with ProcessPoolExecutor(jobs or os.cpu_count(), mp_context=get_context("spawn")) as pool:
+        with ProcessPoolExecutor(jobs or os.cpu_count(), mp_context=get_context("spawn"), initializer=_end_with_parent) as pool:
             yield pool
         return
+    with dask_client(scheduler) as client:
+        yield client.get_executor()
+
+
+def dask_client(scheduler: str) -> Any:
+    """A client of the cluster at this address. Raises `FitError` without Dask, or where no scheduler answers."""
     try:
         client_of = import_module("distributed").Client  # by name: optional, and no dependency of the package
     except ImportError as error:
         raise FitError("a Dask scheduler was named, but Dask is not installed: pip install distributed") from error
     try:
-        client = client_of(scheduler, timeout="10s")
+        return client_of(scheduler, timeout="10s")
     except (OSError, ValueError) as error:
         raise FitError(f"no Dask scheduler answers at {scheduler}") from error
-    with client:
-        yield client.get_executor()
 
 
 def parquet_library() -> tuple[Any, Any]:

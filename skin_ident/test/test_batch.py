@@ -2,7 +2,10 @@
 
 import csv
 import json
+import subprocess
 import sys
+import time
+from pathlib import Path
 
 import pytest
 from making import SILICONE, recording, write_mcap, write_table
@@ -57,6 +60,38 @@ def test_resumes_after_a_crash(folder, tmp_path):
     run_batch(paths, tmp_path, jobs=1, progress=lambda *_: pytest.fail("fitted again"))
 
 
+def children_of(number):
+    """Process numbers, as Linux lists them."""
+    return [int(n) for task in Path(f"/proc/{number}/task").iterdir() for n in (task / "children").read_text().split()]
+
+
+def gone(number):
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+def test_a_killed_batch_leaves_no_process_behind_and_goes_on(folder, tmp_path):
+    command = [sys.executable, "-m", "skin_ident.cli.fit", folder, "--each", "--jobs", "2", "--out", tmp_path / "out"]
+    for i in range(40):
+        write_table(folder / f"t{i:03}.csv", recording(i, n=400))
+    batch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    for _ in range(4):
+        batch.stderr.readline()  # a row is finished
+    workers = children_of(batch.pid)
+    batch.kill()
+    batch.wait(10)
+    until = time.monotonic() + 20.0
+    while not all(map(gone, workers)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert workers and all(map(gone, workers))
+    done = (tmp_path / "out" / JOURNAL).read_text().count("\n")
+    assert 1 <= done < 47 and not (tmp_path / "out" / "fits.csv").exists()
+    again = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert again.returncode == 0 and again.stderr.count("\n") == 47 - done and "46 sessions fitted, 1 failed" in again.stdout
+
+
 def test_on_a_command_line(folder, tmp_path, capsys):
     assert main([str(folder), "--each", "--jobs", "2", "--out", str(tmp_path / "out")]) == 0
     said = capsys.readouterr()
@@ -102,6 +137,11 @@ def test_nothing_fitted_is_an_error(folder, tmp_path, capsys):
 def test_no_scheduler_answers(folder, tmp_path):
     with pytest.raises(FitError, match=r"not installed|no Dask scheduler"):
         run_batch([folder / "s0.csv"], tmp_path, scheduler="tcp://127.0.0.1:9")
+
+
+def test_no_scheduler_leaves_no_folder(folder, tmp_path, capsys):
+    assert main([str(folder), "--each", "--out", str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:9"]) == 2
+    assert "Dask" in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
 def test_on_a_dask_cluster(folder, tmp_path):

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from skin_ident.batch import parquet_library, run_batch, write_table
+from skin_ident.batch import dask_client, parquet_library, run_batch, write_table
 from skin_ident.cli import common
 from skin_ident.cli.fit_scan import fit_scans
 from skin_ident.estimators.bootstrap import bootstrap
@@ -101,6 +101,8 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
         raise FitError(f"{chosen.jobs} processes can do nothing: give --jobs a number from 1 on, or leave it out")
     if chosen.format == "parquet":
         parquet_library()
+    if chosen.scheduler:
+        dask_client(chosen.scheduler).close()
     paths = [file for path in chosen.recordings for file in find(path)]
     folder = common.output_folder(chosen.out)
     how = {"jobs": chosen.jobs, "scheduler": chosen.scheduler, "log_time": chosen.log_time, "keep": chosen.keep_stamps}
