@@ -86,7 +86,10 @@ class Testbed:
             self._resuming = self._begun
 
     def _begin_with(self, r: Reading, t: float) -> bool:
-        """Whether the first reading is there: it says where the stage is."""
+        """Whether the first reading is there: it says where the stage is. Raises `RigError` for a rig that contradicts its layout."""
+        taxels, places = max(r.taxel_voltage.size, r.taxel_force.size), len(self.rig.layout)
+        if taxels != places:
+            raise RigError(f"the rig reads {taxels} taxels, its layout has {places}: what is not known is NaN, not left out")
         self._begun = not math.isnan(r.position) and not (math.isnan(r.force) and math.isnan(r.load_cell_voltage))
         if self._begun:
             self._sensing.zero = r.position - self._start_depth if self.rig.moves else 0.0

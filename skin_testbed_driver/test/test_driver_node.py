@@ -234,7 +234,7 @@ def test_parameters_are_described_ranged_and_checked_on_set(graph):
     force, samples, rig = graph.call(DescribeParameters, DRIVER + "describe_parameters", request).descriptors
     assert force.description.startswith("N,") and force.floating_point_range[0].to_value == 10000.0 and force.read_only
     assert samples.integer_range[0].from_value == 1 and not samples.read_only
-    assert "simulated" in rig.additional_constraints
+    assert "simulated" in rig.description
     for name, value, accepted in (("zero_samples", 50, True), ("zero_samples", 0, False), ("zero_slow", 0.01, False)):
         request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
         result = graph.call(SetParameters, DRIVER + "set_parameters", request).results[0]

@@ -55,6 +55,14 @@ def test_a_table_that_cannot_be_used_is_refused_in_a_sentence(tmp_path, text, wo
         table(tmp_path, text)
 
 
+def test_a_material_test_has_taxels_that_say_nothing(tmp_path):
+    rows = [line.split("\t")[:3] for line in TABLE.splitlines()]
+    rig = ReplayRig(table(tmp_path, "\n".join(map("\t".join, rows))), row_from_origin(2))
+    rig.open(100.0)
+    reading = rig.read()
+    assert (reading.position, reading.force) == (0.0, 0.0) and np.isnan(reading.taxel_force).all() and reading.taxel_force.size == 2
+
+
 def test_another_number_of_taxels_than_the_recording_has_is_refused(tmp_path):
     with pytest.raises(RigError, match="has 1 taxels, but the layout has 3"):
         ReplayRig(table(tmp_path, TABLE), row_from_origin(3)).open(100.0)

@@ -7,6 +7,7 @@
 
 import gc
 import sys
+import threading
 import time
 import traceback
 
@@ -163,17 +164,22 @@ class DriverNode(LifecycleNode):
             if status is not self._published:
                 self._publish_state(status)
         except Exception as error:  # whatever it is, an axis that nobody watches must not go on
-            self.get_logger().fatal(traceback.format_exc())
+            if not isinstance(error, SkinError):
+                self.get_logger().fatal(traceback.format_exc())
             self._thread.end()
             self._testbed.rig.halt()
-            end(SkinError(f"sampling failed ({error}): the axis was halted; the log has the details"))
+            end(SkinError(f"sampling failed ({error}): the axis was halted"))
 
     def _publish_state(self, status: Status | None) -> None:
         if status is not None and status.reason and (self._published is None or status.reason != self._published.reason):
-            self.get_logger().error(f"stopped: {status.reason}")
+            # rclpy looks through all sources for who calls, some 50 ms the first time: the retraction cannot wait for that.
+            threading.Thread(target=self._say_stopped, args=(status.reason,), name="log").start()
         self._published = status
         message = state_message(status, self._testbed.limits, self._settings.now.sample_rate, _stamp(self._stamp_ns))
         self._driver_state.publish(message)
+
+    def _say_stopped(self, reason: str) -> None:
+        self.get_logger().error(f"stopped: {reason}")
 
     def _clock_ns(self) -> int:
         return self.get_clock().now().nanoseconds

@@ -1,6 +1,7 @@
 """The parameters that choose and describe the rig, and the rig they make."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,12 +18,14 @@ from skin_models.ros.parameters import setting
 from skin_models.spread.noted import kernel_of
 from skin_testbed_driver.calibration import Calibration, load_calibration, thesis_calibration
 from skin_testbed_driver.rig import Rig
+from skin_testbed_driver.rigs.own import is_own_rig, own_rig
 from skin_testbed_driver.rigs.replay import ReplayRig
 from skin_testbed_driver.rigs.simulated import TRAVEL, Imperfections, SimulatedRig
 from skin_testbed_driver.rigs.table import read_table
 from skin_testbed_driver.ros.replayed_bag import read_bag
 from skin_testbed_driver.ros.topics_rig import TopicsRig, TopicsSettings
 
+_RIGS = ("simulated", "replay", "topics")
 _SURFACE = 0.075  # m, stage position of the simulated skin: the middle of the travel
 
 
@@ -30,7 +33,10 @@ _SURFACE = 0.075  # m, stage position of the simulated skin: the middle of the t
 class RigSettings:
     """Every parameter of every rig; a rig looks at its own."""
 
-    rig: str = setting("simulated", "which rig to drive", choices=("simulated", "replay", "topics"), fixed=True)
+    rig: str = setting(
+        "simulated", f"which rig to drive: {', '.join(_RIGS)}, or your own, as a Python file or an installed module", fixed=True
+    )
+    rig_options: str = setting("", "own rig: YAML of what its class takes besides layout, such as {port: /dev/ttyUSB0}", fixed=True)
     sample_rate: float = setting(100.0, "Hz, synchronous samples per second", lower=1.0, upper=1000.0, fixed=True)
     calibration_file: str = setting("", "YAML with the slope of every taxel; empty: the thesis's slopes", fixed=True)
     start_depth: float = setting(
@@ -85,9 +91,21 @@ class RigSettings:
 
     def make_rig(self, node: Node) -> tuple[Rig, Calibration]:
         """The rig, closed, and the calibration that the driver believes in. Raises `SkinError` for files that cannot be used."""
-        rig = {"simulated": self._simulated, "replay": self._replay, "topics": self._topics}[self.rig](node)
+        rig = self._own() if is_own_rig(self.rig) else self._shipped()(node)
         path, names = self.calibration_file, rig.layout.names
         return rig, load_calibration(path, names) if path else thesis_calibration(len(names))
+
+    def _shipped(self) -> Callable[[Node], Rig]:
+        makers = dict(zip(_RIGS, (self._simulated, self._replay, self._topics), strict=True))
+        if self.rig not in makers:
+            raise SkinError(f"parameter rig must be one of {', '.join(_RIGS)}, or a Python file or module with a rig, not {self.rig!r}")
+        return makers[self.rig]
+
+    def _own(self) -> Rig:
+        rig = own_rig(self.rig, self._layout(1), self.rig_options)
+        if self.time_scale != 1.0 and not rig.owns_time:
+            raise SkinError("hardware runs in real time: leave time_scale at 1.0")
+        return rig
 
     def _simulated(self, node: Node) -> Rig:
         model = self._model()
@@ -119,7 +137,7 @@ class RigSettings:
             recorded, layout = read_table(self.recording), None
         else:
             recorded, layout = read_bag(self.recording)
-        return ReplayRig(recorded, layout or self._layout(recorded.taxels.values.shape[1]), loop=self.loop)
+        return ReplayRig(recorded, layout or self._layout(max(recorded.taxels.values.shape[1], 1)), loop=self.loop)
 
     def _topics(self, node: Node) -> Rig:
         if self.time_scale != 1.0:
