@@ -9,6 +9,7 @@ import csv
 import hashlib
 import json
 import os
+import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
@@ -111,7 +112,8 @@ def _rows(todo: list[str], how: tuple[Options, dict[str, Any]], jobs: int | None
     """Rows as they are finished. A worker that dies takes down its pool: what was lost is tried once more, one by one."""
     lost: list[str] = []
     with _workers(jobs, scheduler) as executor:
-        running = {executor.submit(fit_session, path, *how): path for path in todo}
+        with _no_interrupts():  # submitting starts workers, and Ctrl-C is none of their business
+            running = {executor.submit(fit_session, path, *how): path for path in todo}
         for future in as_completed(running):
             try:
                 yield future.result()
@@ -131,6 +133,16 @@ def _lost(path: str, why: str) -> dict[str, Any]:
     return {"path": path, "status": "failed", "why": why, "lost": True}
 
 
+@contextmanager
+def _no_interrupts() -> Iterator[None]:
+    """Hold Ctrl-C back meanwhile, and for ever from the processes that are started meanwhile."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _end_with_parent() -> None:
     """Let this process end when the one that started it is killed: it would wait for work for ever."""
 
@@ -146,8 +158,11 @@ def _workers(jobs: int | None, scheduler: str | None) -> Iterator[Executor]:
     if scheduler is None:
         for name in THREADS:  # one thread each: the sessions are the parallelism
             os.environ.setdefault(name, "1")
-        with ProcessPoolExecutor(jobs or os.cpu_count(), mp_context=get_context("spawn"), initializer=_end_with_parent) as pool:
+        pool = ProcessPoolExecutor(jobs or os.cpu_count(), mp_context=get_context("spawn"), initializer=_end_with_parent)
+        try:
             yield pool
+        finally:  # interrupted: what has not begun is dropped
+            pool.shutdown(cancel_futures=True)
         return
     with dask_client(scheduler) as client:
         yield client.get_executor()

@@ -2,6 +2,8 @@
 
 import csv
 import json
+import os
+import signal
 import subprocess
 import sys
 import time
@@ -90,6 +92,20 @@ def test_a_killed_batch_leaves_no_process_behind_and_goes_on(folder, tmp_path):
     assert 1 <= done < 47 and not (tmp_path / "out" / "fits.csv").exists()
     again = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert again.returncode == 0 and again.stderr.count("\n") == 47 - done and "46 sessions fitted, 1 failed" in again.stdout
+
+
+def test_an_interrupted_batch_says_what_is_kept(folder, tmp_path):
+    for i in range(40):
+        write_table(folder / f"t{i:03}.csv", recording(i, n=400))
+    # tests that run in the background have Ctrl-C switched off, and so have their children
+    program = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from skin_ident.cli.fit import main; exit(main())"
+    command = [sys.executable, "-c", program, folder, "--each", "--jobs", "2", "--out", tmp_path / "out"]
+    batch = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    batch.stderr.readline()
+    os.killpg(batch.pid, signal.SIGINT)  # as a terminal does: to all of them
+    said = batch.communicate(timeout=60)[1]
+    assert batch.returncode == 130 and "the same call goes on from there" in said and "Traceback" not in said
+    assert 1 <= (tmp_path / "out" / JOURNAL).read_text().count("\n") < 40
 
 
 def test_on_a_command_line(folder, tmp_path, capsys):

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from skin_ident.batch import dask_client, parquet_library, run_batch, write_table
+from skin_ident.batch import JOURNAL, dask_client, parquet_library, run_batch, write_table
 from skin_ident.cli import common
 from skin_ident.cli.fit_scan import fit_scans
 from skin_ident.estimators.bootstrap import bootstrap
@@ -106,7 +106,11 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
     paths = [file for path in chosen.recordings for file in find(path)]
     folder = common.output_folder(chosen.out)
     how = {"jobs": chosen.jobs, "scheduler": chosen.scheduler, "log_time": chosen.log_time, "keep": chosen.keep_stamps}
-    rows = run_batch(paths, folder, options, topics, **how, progress=_row_done)
+    try:
+        rows = run_batch(paths, folder, options, topics, **how, progress=_row_done)
+    except KeyboardInterrupt:
+        common.say(f"interrupted; the sessions that were finished are kept in {folder / JOURNAL}: the same call goes on from there")
+        return common.INTERRUPTED
     table = folder / f"fits.{chosen.format}"
     write_table(rows, table)
     failed = [row for row in rows if row["status"] != "ok"]
