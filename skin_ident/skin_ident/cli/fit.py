@@ -8,6 +8,7 @@ from typing import Any
 
 from skin_ident.batch import JOURNAL, dask_client, parquet_library, run_batch, write_table
 from skin_ident.cli import common
+from skin_ident.cli.fit_other import DISPERSION, PRONY, WHAT, fit_other
 from skin_ident.cli.fit_scan import fit_scans
 from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
@@ -37,6 +38,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     options = Options(chosen.mass, chosen.thickness_mm, chosen.motion, chosen.offsets, chosen.order, chosen.loss)
     if chosen.loss != LINEAR and (chosen.profile or chosen.bootstrap):
         raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")
+    _check_what(chosen)
     if chosen.each:
         return _batch(chosen, options, topics)
     common.say(f"reading {counted(len(chosen.recordings), 'path')} …")
@@ -48,6 +50,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     for name in scans:
         common.say(f"{name} is a static spread scan: left out of the fit; fit scans by themselves")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
+    if chosen.what != DISPERSION:
+        return fit_other(chosen.what, recordings, chosen.out, chosen.arms)
     estimate = fit_recordings(recordings, options)
     estimate = _with_latencies(estimate, recordings, options)
     if chosen.bootstrap:
@@ -59,6 +63,14 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.out:
         write(estimate, common.output_folder(chosen.out))
     return 0
+
+
+def _check_what(chosen: argparse.Namespace) -> None:
+    """Raises `FitError` for options that do not go together."""
+    if chosen.what != DISPERSION and (chosen.each or chosen.profile or chosen.bootstrap or chosen.loss != LINEAR):
+        raise FitError(f"--each, --profile, --bootstrap and --loss are for the dispersion model: leave them or --what {chosen.what} out")
+    if chosen.arms is not None and chosen.what != PRONY:
+        raise FitError(f"--arms are those of a relaxation spectrum: add --what {PRONY}")
 
 
 def _with_latencies(estimate: Estimate, recordings: list[Recording], options: Options) -> Estimate:
@@ -139,6 +151,9 @@ def write(estimate: Estimate, folder: Path) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="fit", description=__doc__)
     common.add_recordings(parser)
+    what = "the model; or a relaxation spectrum; or straight lines: taxels in volts against the load cell, forces against the depth"
+    parser.add_argument("--what", default=DISPERSION, choices=WHAT, help=what)
+    parser.add_argument("--arms", type=int, help="how many of --what prony; left out: as few as explain the data")
     parser.add_argument("--log-time", action="store_true", help="take the times of recording, not the stamps in the messages")
     parser.add_argument("--keep-stamps", action="store_true", help="leave uneven samples where they are instead of resampling them")
     parser.add_argument("--mass", default="fixed", help="free, fixed (from rig.yaml or the thickness; the default), or a value in kg")

@@ -1,0 +1,90 @@
+"""`fit --what prony`, `calibration` or `stiffness`: what else holds, stairs and slow presses tell, as a table and as files."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+from skin_ident.cli import common
+from skin_ident.estimators.calibration import Line, as_rig_yaml, calibrate, stiffness
+from skin_ident.estimators.figures import figures, plus_minus
+from skin_ident.estimators.prony import Arm, PronyFit, fit_prony
+from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.timing import counted
+from skin_models.model_file import save_model
+
+DISPERSION, PRONY, CALIBRATION, STIFFNESS = "dispersion", "prony", "calibration", "stiffness"
+WHAT = (DISPERSION, PRONY, CALIBRATION, STIFFNESS)
+SURE = 1.96  # standard errors in half of a 95 % interval
+WIDE = 20  # columns of the table
+
+
+def fit_other(what: str, recordings: Sequence[Recording], out: str | None, arms: int | None = None) -> int:
+    """Print what was asked for and, where `out` is a folder, write it there. Raises `FitError`."""
+    if what == PRONY:
+        return _prony(recordings, out, arms)
+    lines = calibrate(recordings) if what == CALIBRATION else stiffness(recordings)
+    print("\n".join(_lines(what, recordings, lines)))
+    if out:
+        folder, method = common.output_folder(out), f"{what}, straight lines by least squares"
+        common.write_json(folder / "fit.json", {"schema": 1, "method": method, **_sources(recordings), what: _each(lines)})
+        common.say(f"wrote {folder / 'fit.json'}")
+    return 0
+
+
+def _sources(recordings: Sequence[Recording]) -> dict[str, Any]:
+    return {"recordings": [r.name for r in recordings], "warnings": [f"{r.name}: {w}" for r in recordings for w in r.warnings]}
+
+
+def _each(things: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: asdict(thing) for name, thing in things.items()}
+
+
+def _of(recordings: Sequence[Recording]) -> str:
+    return f"{counted(len(recordings), 'session')} ({', '.join(r.name for r in recordings)}), ± 95 %"
+
+
+def _lines(what: str, recordings: Sequence[Recording], lines: Mapping[str, Line]) -> list[str]:
+    against, unit, zero = ("load cell", "N/V", (1.0, "V")) if what == CALIBRATION else ("depth", "N/m", (1e3, "mm"))
+    out = [f"{what} against the {against}: {_of(recordings)}"]
+    out += [
+        f"  {name:<10} {plus_minus(line.slope, SURE * line.slope_std):>{WIDE}} {unit}, zero at {zero[0] * line.zero:.4g} {zero[1]}, "
+        f"rms {figures(line.rms)} N, R² {line.r2:.5f}, {counted(line.samples, 'sample')}"
+        for name, line in lines.items()
+    ]
+    out += ["for rig.yaml:", as_rig_yaml(dict(lines)).rstrip()] if what == CALIBRATION else []
+    return out + [f"note: {w}" for w in _sources(recordings)["warnings"]]
+
+
+def _prony(recordings: Sequence[Recording], out: str | None, arms: int | None) -> int:
+    fit = fit_prony(recordings, arms)
+    print("\n".join(_spectrum(recordings, fit)))
+    if out:
+        folder = common.output_folder(out)
+        found = {"arms": [asdict(arm) for arm in fit.arms], "stiffness": fit.stiffness, "damping": fit.damping, "rmse": fit.rmse}
+        pairs = "stiffness and damping hold value and standard error, N/m and N*s/m; times are in s"
+        content = {"schema": 1, "method": "Prony series by variable projection", **_sources(recordings), "values": pairs, **found}
+        common.write_json(folder / "fit.json", content | {"warnings": fit.warnings})
+        if fit.model is not None:
+            save_model(replace(fit.model, source=", ".join(r.name for r in recordings)), folder / "model.yaml")
+        common.say(f"wrote {folder / 'fit.json'}{' and model.yaml' * (fit.model is not None)}")
+    return 0
+
+
+def _spectrum(recordings: Sequence[Recording], fit: PronyFit) -> list[str]:
+    """One row per channel, one column per arm."""
+    out = [f"relaxation spectrum, {counted(len(fit.arms), 'arm')}: {_of(recordings)}"]
+    heads = ["b N*s/m", "k at rest N/m", *(f"k of arm {i + 1} N/m" for i in range(len(fit.arms)))]
+    out.append(f"  {'':<10}" + "".join(f"{head:>{WIDE}}" for head in heads))
+    if fit.arms:
+        out.append(f"  {'time s':<10}" + " " * 2 * WIDE + "".join(f"{_pair(arm.tau, arm.tau_std):>{WIDE}}" for arm in fit.arms))
+    out += [f"  {name:<10}" + "".join(f"{cell:>{WIDE}}" for cell in _cells(fit, name, fit.arms)) for name in fit.stiffness]
+    left = ", ".join(f"{name} {figures(rms, 3)} N" for name, rms in fit.rmse.items())
+    return [*out, f"what the fit leaves, rms: {left}", *(f"note: {w}" for w in fit.warnings)]
+
+
+def _cells(fit: PronyFit, name: str, arms: Sequence[Arm]) -> list[str]:
+    return [_pair(*fit.damping[name]), _pair(*fit.stiffness[name]), *(_pair(*arm.stiffness[name]) for arm in arms)]
+
+
+def _pair(value: float, std: float) -> str:
+    return plus_minus(value, SURE * std)
