@@ -1,5 +1,8 @@
 """What is written is what is read, whichever file it comes in; what is wrong is said in one sentence."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from making import KINDS, START_NS, recording, serialised, typestore, write_bag, write_mcap, write_table
@@ -180,6 +183,27 @@ def test_damaged_chunk_is_left_out_and_counted(tmp_path):
     (tmp_path / "a.mcap").write_bytes(data)
     said = " ".join(load(tmp_path / "a.mcap")[0].warnings)
     assert "1 damaged chunk" in said and "lost" in said
+
+
+@pytest.mark.parametrize("library", ["zlib_ng.zlib_ng", "binascii"])
+def test_checksums_are_the_same_with_and_without_zlib_ng(tmp_path, library):
+    """A bag that is whole has no word said about it, one with a flipped bit has, whichever library takes the checksums."""
+    if library != "binascii":
+        pytest.importorskip(library)
+    program = (
+        "import sys\n"
+        "if sys.argv[1] == 'binascii': sys.modules['zlib_ng'] = None\n"
+        "from skin_ident.recordings import load, mcap_chunk\n"
+        "assert mcap_chunk.crc32.__module__ == sys.argv[1], mcap_chunk.crc32.__module__\n"
+        "print([len(load.load(path)[0].warnings) for path in sys.argv[2:]])"
+    )
+    whole = write_mcap(tmp_path / "a.mcap", R, chunk_size=5000)
+    data = bytearray(whole.read_bytes())
+    at, size = [(at, size) for op, at, size in records(data) if op == 6][-2]
+    data[at + size // 2] ^= 0x10
+    (tmp_path / "b.mcap").write_bytes(data)
+    done = subprocess.run([sys.executable, "-c", program, library, whole, tmp_path / "b.mcap"], capture_output=True, text=True, timeout=60)
+    assert done.stdout.startswith("[0, ") and not done.stdout.startswith("[0, 0]"), done.stderr
 
 
 @pytest.mark.parametrize(("content", "says"), [(b"", "empty"), (b"\x89MCAP0\r\n", "no force"), (b"hello, I am no bag", "not an MCAP file")])
