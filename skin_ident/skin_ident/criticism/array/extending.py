@@ -80,6 +80,8 @@ def _effect(j: Judged, layout: Layout) -> Effect | None:
         return None if "leak" not in j.hypothesis.free else Crosstalk("taxel", share=float(p["leak"]))
     if cause == "spread_width":
         return SpreadWidth("skin", wider=float(np.expm1(p["width"])))
+    if "tail" in j.hypothesis.free:
+        return None
     if cause == "spread_shape":
         return SpreadShape("skin", flatness=float(0.5 * p["power"]))
     turn = p.get("turn", 0.0)

@@ -1,9 +1,10 @@
 """Every set of static shares that this analysis can imagine: the thesis's Gaussian under a declared contact as its plainest member.
 
     share[s, i] = e^(level + scale[s]) (y[i] + leak sum over the taxels k beside i of y[k] + common mean(y) + repeat[i, j] y[j]),
-    y[i] = (1 + gain[i]) exp(-(r^2 / width^2)^(power / 2))
+    y[i] = (1 + gain[i]) [(1 - tail) exp(-u^(power / 2)) + tail (1 + u)^(-fall)],        u = r^2 / width^2
 
-with r from the contact of session s, moved by `shift` along the layout's axes, and for an elliptic spread
+(fall = 1.5: pressure in an elastic half space; K. L. Johnson, Contact Mechanics, 1985, ch. 3), with r from the contact of session s, moved
+by `shift` along the layout's axes, and for an elliptic spread
 
     r^2 -> exp(-ratio) x^2 + exp(ratio) y^2 - 2 turn x y.
 
@@ -19,6 +20,8 @@ import numpy as np
 from skin_ident.criticism.array.layout import Layout
 from skin_models.spread.footprint import Places
 
+HALF_SPACE = 1.5
+
 
 @dataclass(frozen=True, eq=False)
 class Family:
@@ -32,11 +35,11 @@ class Family:
         scales = tuple(f"scale_{s}" for s in range(len(layout.contacts)))
         shifts = tuple(f"shift_{a}" for a in range(len(layout.axes)))
         gains = tuple(f"gain_{i}" for i in range(len(layout.taxels)))
-        return ("level", *scales, *shifts, *gains, "leak", "common", "width", "power", "ratio", "turn")
+        return ("level", *scales, *shifts, *gains, "leak", "common", "width", "power", "tail", "fall", "ratio", "turn")
 
     def shares(self, p: dict[str, float]) -> np.ndarray:
         """Shares (S, T) of a member, given by the entries that are not zero. `width` is the logarithm of the true over the declared
-        width, `power` what is added to 2."""
+        width, `power` what is added to 2, `fall` the logarithm of what 1.5 is multiplied by."""
         layout = self.layout
         shift = sum((p.get(f"shift_{a}", 0.0) * axis for a, axis in enumerate(layout.axes)), np.zeros(2))
         x, y = np.moveaxis(layout.places - shift, -1, 0)
@@ -44,7 +47,8 @@ class Family:
         square = np.exp(-ratio) * x**2 + np.exp(ratio) * y**2 - 2.0 * p.get("turn", 0.0) * x * y
         u = np.maximum(square, 0.0) / (layout.width * np.exp(p.get("width", 0.0))) ** 2
         gain = np.array([p.get(f"gain_{i}", 0.0) for i in range(len(layout.taxels))])
-        own = (1.0 + gain) * np.exp(-(u ** (1.0 + 0.5 * p.get("power", 0.0))))
+        tail, fall = p.get("tail", 0.0), HALF_SPACE * np.exp(p.get("fall", 0.0))
+        own = (1.0 + gain) * ((1.0 - tail) * np.exp(-(u ** (1.0 + 0.5 * p.get("power", 0.0)))) + tail * (1.0 + u) ** -fall)
         heard = p.get("leak", 0.0) * own @ self._beside + p.get("common", 0.0) * own.mean(axis=1, keepdims=True)
         for name in filter(is_repeat, p):
             i, j = map(int, name.split("_")[1:])

@@ -18,8 +18,12 @@ POSSIBLE = 0.5  # probability that something is wrong, below which causes are ex
 
 
 def entry(a: ArrayCriticism) -> dict[str, Any]:
-    """The entry of `findings` for the cause that was named."""
+    """The entry of `findings` for the cause that was named. A gain that leaves nothing of a reading is a dead taxel."""
     best, gain, rivals = a.judgement.causes[0], a.gain, a.judgement.rivals
+    dead = [("dead_taxel", f"taxel_{i}") for i in silent(a)]
+    cause, where = ("dead_taxel", best.key[1]) if best.key[0] == "gain_error" and ("dead_taxel", best.key[1]) in dead else best.key
+    others = [(*r.key, float(2.0 * (best.log_odds - r.log_odds))) for r in rivals]
+    others = [o for o in ((*best.key, 0.0), *others, *((*d, 0.0) for d in dead)) if o[:2] != (cause, where)]
     evidence = {
         "why": why(best, a.layout),
         "log_odds": best.log_odds,
@@ -29,20 +33,16 @@ def entry(a: ArrayCriticism) -> dict[str, Any]:
         "forms": [form_of(best)],
     }
     return {
-        "cause": best.hypothesis.cause,
-        "where": best.hypothesis.where,
+        "cause": cause,
+        "where": where,
         "channels": list(gain.carried),
         "parameters": parameters(best, a.layout),
         "evidence": evidence,
         "gain": gain.entry,
-        "alternatives": [
-            {"cause": r.hypothesis.cause, "where": r.hypothesis.where, "explains_less_by": float(2.0 * (best.log_odds - r.log_odds))}
-            for r in rivals
-        ]
-        + [{"cause": "dead_taxel", "where": f"taxel_{i}", "explains_less_by": 0.0} for i in silent(a)],
-        "separating_experiment": separating([best.hypothesis.cause, *(r.hypothesis.cause for r in rivals)]),
-        "means": BY_NAME[best.hypothesis.cause].means,
-        "advice": BY_NAME[best.hypothesis.cause].act,
+        "alternatives": [dict(zip(("cause", "where", "explains_less_by"), o, strict=True)) for o in others],
+        "separating_experiment": separating([cause, *(c for c, _, _ in others)]),
+        "means": BY_NAME[cause].means,
+        "advice": BY_NAME[cause].act,
     }
 
 
@@ -55,7 +55,11 @@ def silent(a: ArrayCriticism) -> list[int]:
 def form_of(j: Judged) -> str:
     """Which form of its cause it is."""
     name = next(iter(j.hypothesis.free))
-    return "one" if is_repeat(name) else {"leak": "neighbours", "common": "common", "power": "generalised_gaussian"}.get(name, "static")
+    return (
+        "one"
+        if is_repeat(name)
+        else {"leak": "neighbours", "common": "common", "power": "generalised_gaussian", "tail": "tails"}.get(name, "static")
+    )
 
 
 def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
@@ -68,6 +72,8 @@ def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
     if j.hypothesis.cause == "spread_width":
         width = layout.width * np.exp(p["width"])
         return {"width": _quantity(width, "m", width * std["width"])}
+    if "tail" in j.hypothesis.free:
+        return {"tail": _quantity(p["tail"], "1", std["tail"])}
     if j.hypothesis.cause == "spread_shape":
         return {"shape_power": _quantity(2.0 + p["power"], "1", std["power"])}
     if j.hypothesis.cause == "anisotropy":

@@ -19,6 +19,7 @@ EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is know
 # What a cause is like: prior standard deviations, the shift in m, the others relative.
 SHIFT, GAIN, LEAK, COMMON = 1e-3, 0.15, 0.03, 0.03
 REPEAT, WIDTH, POWER, RATIO = 0.06, 0.2, 0.5, 0.2
+TAIL, FALL = 0.2, 0.3
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple
     listed += [Hypothesis("gain_error", f"taxel_{i}", 0.15 / n, {f"gain_{i}": GAIN}) for i in suspects]
     listed += [Hypothesis("crosstalk", "taxel", 0.05, {"leak": LEAK}), Hypothesis("crosstalk", "taxel", 0.05, {"common": COMMON})]
     listed += [Hypothesis("crosstalk", f"taxel_{r.split('_')[1]}", 0.1 / (n * (n - 1)), {r: REPEAT}) for r in repeats]
-    listed += [Hypothesis("spread_shape", "skin", 0.03, {"power": POWER})]
+    listed += [Hypothesis("spread_shape", "skin", 0.015, free) for free in ({"power": POWER}, {"tail": TAIL, "fall": FALL})]
     if layout.width_declared:
         listed.append(Hypothesis("spread_width", "skin", 0.05, {"width": WIDTH}))
     if len(layout.axes) > 1:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from skin_ident.criticism.array.bending import Leaning, Walking, Widening
-from skin_ident.criticism.array.family import Family, is_repeat
+from skin_ident.criticism.array.family import HALF_SPACE, Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.smeared import Smeared
@@ -44,6 +44,9 @@ def _what(j: Judged, layout: Layout) -> str:
         return _repeated(next(iter(j.hypothesis.free)), p)
     if j.hypothesis.cause == "spread_width":
         return f"the spread is {1e3 * layout.width * np.exp(p['width']):.3g} mm wide, not {1e3 * layout.width:.3g} mm"
+    if "tail" in j.hypothesis.free:
+        fall = 2.0 * HALF_SPACE * np.exp(p["fall"])
+        return f"{p['tail']:.1%} of the spread does not fall as a Gaussian but, far away, with the distance to the power -{fall:.2g}"
     if j.hypothesis.cause == "spread_shape":
         return f"the spread falls as exp(-(r/c)^{2.0 + p['power']:.2g}), not as a Gaussian"
     return f"the spread is {np.exp(p['ratio']):.2g} times as wide along x as along y"

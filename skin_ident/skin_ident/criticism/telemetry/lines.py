@@ -10,13 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.signal import zoom_fft
+from scipy.stats import gamma
 
 from skin_ident.criticism.telemetry.motion_lines import carried, goes_on_at_rest, over_background
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 CHANCE = 1e-4  # of one false line per channel
 DRIFT = 5  # bins by which a line may differ from session to session
-LOWEST_HZ = 1.0  # below, the motion itself leaves lines in a residual
+BESIDE = 2, 12  # bins: what a line is compared with to tell it from a hump
+HUMP = 1e-5  # chance that a hump looks like one: it is its highest bin that is looked at
+BURST_HZ, COMING = 1.0, 4.0  # half width of the band, and its power squared over its mean's square, which is 2 for noise
+LOWEST_HZ = 0.3  # below, the motion itself leaves lines in a residual
 AROUND, LONELY = 30, 0.15  # a line that comes in bursts has sidebands; within so many bins the median must stay below this share of it
 MOST = 6  # lines per channel that are looked into, the tallest first
 FINE = 101  # frequencies between DRIFT bins below and above
@@ -64,13 +68,37 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
         i += int(np.argmax(width[i : i + DRIFT]))
         line = _line(rows, frequency[i], tall, dt)
         alone = np.median(width[max(i - AROUND, 0) : i + AROUND + 1]) < LONELY * tall
-        at_rest = goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
-        if at_rest or (alone and not doubtful and not carried(predicted, line.frequency, line.amplitude, dt)):
-            lines.append(line)
-        else:
-            doubtful = True
+        if _narrow(each, i) or _in_bursts(rows, line.frequency, dt):
+            at_rest = goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
+            if at_rest or (alone and not doubtful and not carried(predicted, line.frequency, line.amplitude, tall, dt)):
+                lines.append(line)
+            else:
+                doubtful = True
         ratio[max(i - AROUND, 0) : i + AROUND + 1] = 0.0
     return lines
+
+
+def _narrow(each: list[np.ndarray], i: int) -> bool:
+    """Whether bin `i` of the normalised periodograms is the place of a line, and not the highest of a hump, as a frame that rings has one.
+
+    Its bins are compared with those next to them by the chance of their maximum, combined over sessions (Fisher's method).
+    """
+    logs = 0.0
+    for row in each:
+        j = max(i - DRIFT, 0) + int(np.argmax(row[max(i - DRIFT, 0) : i + DRIFT + 1]))
+        beside = np.concatenate([row[max(j - BESIDE[1], 1) : max(j - BESIDE[0], 1)], row[j + BESIDE[0] + 1 : j + BESIDE[1] + 1]])
+        logs += max(float(row[j] / (np.median(beside) / np.log(2.0)) - np.log(2 * DRIFT + 1)), 0.0)
+    return bool(gamma.sf(logs, len(each)) < HUMP)
+
+
+def _in_bursts(rows: list[np.ndarray], frequency: float, dt: float) -> bool:
+    """Whether what is near a frequency comes and goes as no noise does: the square of its power is far beyond twice that of its mean."""
+    far = []
+    for e in rows:
+        at = np.fft.fftfreq(e.size, dt)
+        envelope = np.abs(np.fft.ifft(np.fft.fft(e - e.mean()) * (np.abs(at - frequency) < BURST_HZ))) ** 2
+        far.append(float(np.mean(envelope**2) / max(np.mean(envelope) ** 2, 1e-300)))
+    return float(np.median(far)) > COMING
 
 
 def _line(rows: list[np.ndarray], near: float, tall: float, dt: float) -> Line:
