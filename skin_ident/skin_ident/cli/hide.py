@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from skin_ident.cli import common
-from skin_ident.criticism.diagnose import belong_together
+from skin_ident.criticism.usable import belong_together
 from skin_ident.hiding.drawing import ANYTHING
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.hide import hide

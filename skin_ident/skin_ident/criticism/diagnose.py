@@ -42,6 +42,7 @@ from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling import believed, tell
 from skin_ident.criticism.twin import with_twins
+from skin_ident.criticism.usable import belong_together, something_moves
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
 from skin_models.errors import ModelError
@@ -73,6 +74,7 @@ def diagnose(
         return diagnose_scans(recordings, hold_out, model, progress)
     every = _named_apart([*recordings, *hold_out])
     belong_together(every, model)
+    something_moves(every[: len(recordings)])
     every, odd = put_right(every)
     layout = layout_of(every, model)
     every = with_spread(every, layout)
@@ -201,25 +203,6 @@ def _named_apart(recordings: list) -> list:
     """Sessions whose names are all different, so that findings can speak of them."""
     names = [r.name for r in recordings]
     return [r if names.count(r.name) == 1 else replace(r, name=f"{r.name} ({i + 1})") for i, r in enumerate(recordings)]
-
-
-def belong_together(recordings: list, model: Model | None = None) -> None:
-    """Raise `DiagnosisError` where sessions do not carry the same channels, or lack what a diagnosis needs."""
-    kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
-    if len(kinds) > 1:
-        said = "; ".join(f"{r.name}: {r.kind} with {len(r.taxels)} taxels" for r in recordings)
-        raise DiagnosisError(f"the recordings do not carry the same channels ({said}): diagnose them apart")
-    thick = sorted({r.declared.skin_thickness_mm for r in recordings if r.declared.skin_thickness_mm})
-    if len(thick) > 1:
-        said = " and ".join(f"{t:g}" for t in thick)
-        raise DiagnosisError(f"the recordings are of skins that are {said} mm thick, and a model is of one skin: diagnose them apart")
-    if model is not None and len(model.shares) != len(recordings[0].taxels):
-        raise DiagnosisError(f"the model has {len(model.shares)} taxels, the recordings have {len(recordings[0].taxels)}")
-    for r in recordings:
-        if r.force is None and r.depth is None:
-            raise DiagnosisError(f"{r.name} has taxels alone: what pressed on them, depth or force, is needed too")
-        if r.depth is not None and float(np.mean(r.depth > 0.0)) < 0.05:
-            raise DiagnosisError(f"{r.name} is hardly ever in contact (depth above zero): check the sign and the zero of its depth")
 
 
 def _split(sessions: list[Session], training: int) -> tuple[list[Session], list[Session]]:

@@ -1,13 +1,14 @@
 """Dead taxels: stuck at one value, open from the start, dying part-way or on and off, where the load says that they should have moved.
 
-A taxel that lies far from the plunger feels nothing and is not dead: unless it is the only one, its place must promise it a reading (see
-`promise`).
+Where nothing moves, nothing is asked of a taxel. One that lies far from the plunger feels nothing and is not dead: unless it is the only
+one, its place must promise it a reading (see `promise`).
 """
 
 import numpy as np
 
 from skin_ident.criticism.telemetry.loose import contact_of
 from skin_ident.criticism.telemetry.promise import promised
+from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 FOLLOWS = 0.1  # correlation with the load, below which a taxel says nothing
@@ -27,9 +28,11 @@ def find_dead_taxels(recordings: list) -> list[Symptom]:
 def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
     name = f"taxel_{i}"
     rows = [r.taxels[i] for r in recordings]
+    loads = [_load(r) for r in recordings]
+    if all(load is None for load in loads):
+        return []
     if all(np.ptp(row) == 0.0 for row in rows):
         return [_symptom(name, n, 0.0, f"{name} holds {rows[0][0]:.4g} in all {sum(map(len, rows))} samples", "stuck", float(rows[0][0]))]
-    loads = [_load(r) for r in recordings]
     if any(load is None for load in loads):
         return []
     r = max(abs(_correlation(load, row)) for load, row in zip(loads, rows, strict=True))
@@ -110,11 +113,10 @@ def _symptom(name: str, n: int, since: float, why: str, kind: str, level: float,
 
 
 def _load(recording) -> np.ndarray | None:
-    """What presses: the force, or the depth below the surface."""
-    load = (
-        recording.force if recording.force is not None else recording.depth if recording.depth is None else np.maximum(recording.depth, 0.0)
-    )
-    return load if load is not None and np.ptp(load) > 0.0 else None
+    """What presses: the force, or the depth below the surface; None where nothing moves, so that nothing is asked of a taxel."""
+    force, depth = recording.force, recording.depth
+    loads = [force, None if depth is None else np.maximum(depth, 0.0)]
+    return next((load for load in loads if load is not None and not is_still(load)), None)
 
 
 def _correlation(a: np.ndarray, b: np.ndarray) -> float:

@@ -1,0 +1,103 @@
+"""What a diagnosis needs of its recordings: the same channels, a load that moves, a depth whose zero is the surface, and enough samples.
+
+What fails here would end in a name for nothing: a still plunger makes taxels look dead, a depth in the stage's own coordinates makes any
+skin look as if it flowed. Everything is refused in one sentence that says what to do.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.band import Band
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.telemetry.still import is_still
+from skin_models.model import Model
+
+IN_CONTACT = 0.05  # of the samples, at least
+SHALLOW = 0.85  # of the greatest depth, to which the least one falls at most where the zero of the depth is the surface,
+VANISHED = 0.1  # if less than so much of the load is left there: a skin would need a force that grows with the 14th power of the depth
+SHALLOWEST, DEEPEST = 5.0, 95.0  # percentiles
+FEWEST = 40  # samples in the common band, of which the noise needs eight to be predicted from
+LONE_S = 10.0  # s, of a lone session, which is to be fitted and tested by turns
+
+
+def belong_together(recordings: list, model: Model | None = None) -> None:
+    """Raise `DiagnosisError` where sessions do not carry the same channels, or lack what a diagnosis needs."""
+    kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
+    if len(kinds) > 1:
+        said = "; ".join(f"{r.name}: {r.kind} with {len(r.taxels)} taxels" for r in recordings)
+        raise DiagnosisError(f"the recordings do not carry the same channels ({said}): diagnose them apart")
+    thick = sorted({r.declared.skin_thickness_mm for r in recordings if r.declared.skin_thickness_mm})
+    if len(thick) > 1:
+        said = " and ".join(f"{t:g}" for t in thick)
+        raise DiagnosisError(f"the recordings are of skins that are {said} mm thick, and a model is of one skin: diagnose them apart")
+    if model is not None and len(model.shares) != len(recordings[0].taxels):
+        raise DiagnosisError(f"the model has {len(model.shares)} taxels, the recordings have {len(recordings[0].taxels)}")
+    if len(recordings) == 1 and recordings[0].t[-1] - recordings[0].t[0] < LONE_S:
+        lasts = recordings[0].t[-1] - recordings[0].t[0]
+        raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")
+    for r in recordings:
+        _has_both_sides(r)
+        _is_long_enough(r)
+        _touches(r)
+        _has_its_zero_at_the_surface(r)
+
+
+def something_moves(recordings: list) -> None:
+    """Raise `DiagnosisError` where what presses never moves in any of the recordings, or a load cell never answers it."""
+    where = f"in {recordings[0].name}" if len(recordings) == 1 else f"in any of the {len(recordings)} sessions"
+    what = "force" if recordings[0].depth is None else "depth"
+    if all(is_still(r.force if r.depth is None else r.depth) for r in recordings):
+        raise DiagnosisError(
+            f"the {what} never moves {where}, which asks nothing of the skin or its sensors: record presses that begin in the air and "
+            "come back to it"
+        )
+    if what == "depth" and recordings[0].force is not None and all(is_still(r.force) for r in recordings):
+        raise DiagnosisError(f"the force does not answer the depth {where}: mend the load cell, or leave its column out")
+
+
+def _has_both_sides(r) -> None:
+    """Something that presses, and something that answers."""
+    if r.force is None and r.depth is None:
+        raise DiagnosisError(f"{r.name} has taxels alone: what pressed on them, depth or force, is needed too")
+    if not len(r.taxels) and (r.force is None or r.depth is None):
+        alone = "force" if r.depth is None else "depth"
+        raise DiagnosisError(
+            f"{r.name} has the {alone} alone: a second channel, {'depth' if r.depth is None else 'force'} or taxels, is needed"
+        )
+
+
+def _is_long_enough(r) -> None:
+    band = Band(r.dt)
+    kept = (len(r) - band.kernel.size) // band.every + 1
+    if kept < FEWEST:
+        least = r.dt * (band.kernel.size + FEWEST * band.every)
+        raise DiagnosisError(
+            f"{r.name} lasts {r.t[-1] - r.t[0]:.3g} s, too short to tell anything from noise: {least:.2g} s are needed at least"
+        )
+
+
+def _touches(r) -> None:
+    if r.depth is not None and float(np.mean(r.depth > 0.0)) < IN_CONTACT:
+        raise DiagnosisError(f"{r.name} is hardly ever in contact (depth above zero): check the sign and the zero of its depth")
+
+
+def _has_its_zero_at_the_surface(r) -> None:
+    """A depth that never leaves the skin, deeper than that is thick, or where the load is gone though the depth has hardly fallen."""
+    if r.depth is None or is_still(r.depth):
+        return
+    least, most = np.percentile(r.depth, [SHALLOWEST, DEEPEST])
+    advice = "it seems to count from the stage's own zero; subtract the depth at which the plunger touches the skin"
+    thick = r.declared.skin_thickness_mm
+    if thick and least > 1e-3 * thick:
+        raise DiagnosisError(
+            f"the depth of {r.name} is above {1e3 * least:.4g} mm nearly all the time, in a skin of {thick:g} mm: {advice}"
+        )
+    if least > SHALLOW * most and _left(r, least, most) < VANISHED:
+        said = f"the depth of {r.name} stays between {1e3 * least:.4g} and {1e3 * most:.4g} mm while the load comes and goes"
+        raise DiagnosisError(f"{said}: {advice}")
+
+
+def _left(r, least: float, most: float) -> float:
+    """What is left of the load where the depth is least, as a share of that where it is greatest."""
+    y = r.force if r.force is not None else np.sum(r.taxels, axis=0)
+    light, heavy = (abs(float(np.median(y[at]))) for at in (r.depth <= least, r.depth >= most))
+    return light / heavy if heavy > 0.0 else 1.0

@@ -1,0 +1,78 @@
+"""What a diagnosis refuses, in one sentence, and what it takes for still."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.telemetry.dead import find_dead_taxels
+from skin_ident.criticism.telemetry.still import is_still
+from skin_ident.criticism.usable import belong_together, something_moves
+from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.recording import Recording
+
+T = np.arange(4000) / 200.0
+
+
+def presses(seed: int = 0, **changed) -> Recording:
+    """Two sinusoids into a linear skin, a load cell and a taxel with noise."""
+    rng = np.random.default_rng(seed)
+    x = 1e-3 * (0.8 * np.sin(3.0 * T) + 0.5 * np.sin(7.3 * T) + 0.3)
+    force = 1500.0 * np.maximum(x, 0.0)
+    rows = {"depth": x, "force": force + rng.normal(0.0, 0.03, T.size), "taxels": 0.7 * force[None] + rng.normal(0.0, 0.03, T.size)}
+    return Recording(f"session_{seed}", T, **(rows | changed))
+
+
+def refused(recordings: list) -> str:
+    with pytest.raises(DiagnosisError) as error:
+        belong_together(recordings)
+        something_moves(recordings)
+    return str(error.value)
+
+
+def test_sound_presses_are_used():
+    belong_together([presses(0), presses(1)])
+    something_moves([presses(0), presses(1)])
+    away = presses(2).depth + 2e-3  # preloaded, and so is the force
+    belong_together([presses(2, depth=away, force=1500.0 * away)] * 2)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"depth": None, "taxels": np.empty((0, 0))}, "force alone"),
+        ({"force": None, "taxels": np.empty((0, 0))}, "depth alone"),
+        ({"depth": np.full(T.size, 5e-4)}, "never moves"),
+        ({"depth": 5e-4 + np.random.default_rng(3).normal(0.0, 1e-6, T.size)}, "never moves"),
+        ({"force": np.ones(T.size)}, "does not answer"),
+        ({"force": np.random.default_rng(3).normal(1.0, 0.03, T.size)}, "does not answer"),
+        ({"depth": 0.0372 + presses().depth}, "stage's own zero"),
+        ({"depth": 0.006 + presses().depth, "declared": Declared(skin_thickness_mm=4.0)}, "in a skin of 4 mm"),
+    ],
+)
+def test_what_says_nothing_is_refused(changed, said):
+    assert said in refused([presses(0, **changed), presses(1, **changed)])
+
+
+def test_short_recordings_are_refused():
+    assert "too short" in refused([presses(0).part(0, 200), presses(1)])
+    assert "alone" in refused([presses(0).part(0, 800)])
+
+
+def test_motion_is_told_from_noise():
+    rng = np.random.default_rng(1)
+    assert is_still(np.ones(50)) and is_still(rng.normal(1.0, 0.1, 5000))
+    assert not is_still(np.sin(2.0 * np.pi * 0.16 * np.arange(5000)))
+    spiky = np.sin(0.05 * np.arange(5000))
+    spiky[::1000] = 1e3
+    assert not is_still(spiky)
+
+
+def test_no_taxel_is_dead_while_nothing_moves():
+    noise = np.random.default_rng(2).normal(1.0, 0.03, (2, T.size))
+    still = presses(0, depth=np.full(T.size, 5e-4), force=noise[0], taxels=noise[1:])
+    assert find_dead_taxels([still]) == []
+    assert find_dead_taxels([replace(still, taxels=np.ones((1, T.size)))]) == []
+    (stuck,) = find_dead_taxels([presses(0, taxels=np.ones((1, T.size)))])
+    assert stuck.cause == "dead_taxel"
