@@ -1,7 +1,10 @@
 """rosbag2 sqlite3 files: what is in them, and the messages of the topics that are wanted, a few thousand at a time."""
 
 import sqlite3
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -15,24 +18,48 @@ BATCH = 4096
 
 
 def open_sqlite(path: Path) -> sqlite3.Connection:
-    """A connection that changes nothing. Raises `RecordingError`."""
+    """A connection that changes nothing, and to which a file that is cut off is as long as it is. Raises `RecordingError`."""
     if path.stat().st_size == 0:
         raise RecordingError(f"{path} is empty")
-    return sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
+    # what a killed recorder had not yet moved into the file lies in the log beside it
+    how = "mode=ro" if path.with_name(f"{path.name}-wal").exists() else "mode=ro&immutable=1"
+    db = sqlite3.connect(f"{path.resolve().as_uri()}?{how}", uri=True)
+    if missing_bytes(path):
+        db.execute("PRAGMA writable_schema=ON")  # else any page that is missing makes all of them unreadable
+    return db
+
+
+def missing_bytes(path: Path) -> int:
+    """By how much the file is shorter than its header says."""
+    with path.open("rb") as file:
+        head = file.read(100)
+    page, count = int.from_bytes(head[16:18], "big"), int.from_bytes(head[28:32], "big")
+    whole = head.startswith(b"SQLite format 3") and not path.with_name(f"{path.name}-wal").exists()
+    return max(0, (65536 if page == 1 else page) * count - path.stat().st_size) if whole else 0
 
 
 def survey_sqlite(path: Path) -> tuple[dict[int, Channel], dict[int, int]]:
-    """Topics and message counts by id. Raises `RecordingError` for a file that is none."""
+    """Topics and message counts by id; of a file that is cut off, what can be reached. Raises `RecordingError` for a file that is none."""
     db = open_sqlite(path)
     try:
         definitions = _definitions(db)
         topics = db.execute("SELECT id, name, type, serialization_format FROM topics").fetchall()
-        counts = dict(db.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id"))
+        numbers = (row[0] for row in _reachable(db, "SELECT topic_id FROM messages NOT INDEXED"))
+        whole = "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id"
+        counts = dict(Counter(numbers)) if missing_bytes(path) else dict(db.execute(whole))
     except sqlite3.DatabaseError as error:
         raise RecordingError(f"{path} cannot be read as a sqlite3 bag: {error}") from error
     finally:
         db.close()
     return {number: Channel(name, kind, *definitions.get(kind, ("", "")), coding) for number, name, kind, coding in topics}, counts
+
+
+def _reachable(db: sqlite3.Connection, query: str, values: tuple = ()) -> Iterator[tuple]:
+    """Rows up to the first that cannot be read."""
+    try:
+        yield from db.execute(query, values)
+    except sqlite3.DatabaseError:
+        return
 
 
 def _definitions(db: sqlite3.Connection) -> dict[str, tuple[str, str]]:
@@ -46,6 +73,10 @@ def _definitions(db: sqlite3.Connection) -> dict[str, tuple[str, str]]:
 
 def read_sqlite(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], bytes] | None = None) -> tuple[str, ...]:
     """Hand the messages of the topics in `takers` over; `unpack` undoes a compression of single messages. Returns warnings."""
+    missing = missing_bytes(path)
+    if missing:
+        _read_what_is_left(path, takers, unpack)
+        return (f"{path.name} is cut off: {missing} bytes are missing at its end; what comes before was used",)
     db, broken = open_sqlite(path), ""
     try:
         for number, add in takers.items():
@@ -57,6 +88,16 @@ def read_sqlite(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], by
     finally:
         db.close()
     return (broken,) if broken else ()
+
+
+def _read_what_is_left(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], bytes] | None) -> None:
+    """The messages of a file that is cut off, in the order in which they were written: its index lies at its end."""
+    query = "SELECT timestamp, data FROM messages NOT INDEXED WHERE topic_id = ?"
+    with closing(open_sqlite(path)) as db:
+        for number, add in takers.items():
+            rows = _reachable(db, query, (number,))
+            while batch := list(islice(rows, BATCH)):
+                hand_over(sorted(batch, key=lambda row: row[0]), add, unpack)
 
 
 def hand_over(batch: list[tuple[int, bytes]], add: Add, unpack: Callable[[bytes], bytes] | None) -> None:

@@ -14,7 +14,7 @@ from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.mcap_file import Channel, Survey, survey
 from skin_ident.recordings.mcap_read import Add, read_messages
 from skin_ident.recordings.places import Places
-from skin_ident.recordings.sqlite_file import hand_over, read_sqlite, survey_sqlite
+from skin_ident.recordings.sqlite_file import hand_over, missing_bytes, read_sqlite, survey_sqlite
 
 METADATA = "metadata.yaml"
 SUFFIXES = (".mcap", ".db3")
@@ -112,7 +112,7 @@ class Storage:
     @property
     def cut_off(self) -> bool:
         """Whether one of the files ends before its end."""
-        return any(file.survey is not None and file.survey.cut_at is not None for file in self.files)
+        return any(missing_bytes(file.path) > 0 if file.survey is None else file.survey.cut_at is not None for file in self.files)
 
     def read(self, takers: dict[str, Add]) -> tuple[str, ...]:
         """Hand the messages of the named topics over, file by file; returns warnings."""

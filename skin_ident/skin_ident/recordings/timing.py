@@ -148,7 +148,8 @@ def _bridged(track: Track, name: str) -> Track:
         filled += int(bad.sum())
         mended = [np.where(b, np.interp(track.t, track.t[~b], row[~b]), row) if b.any() else row for row, b in zip(rows, bad, strict=True)]
         blocks.append(np.array(mended))
-    return Track(track.t, tuple(blocks), (*track.warnings, f"{counted(filled, 'missing number')} interpolated"))
+    note = (f"{counted(filled, 'missing number')} interpolated",) if filled else ()
+    return Track(track.t, tuple(blocks), (*track.warnings, *note))
 
 
 def _rate_warning(dt: float, rate_hz: float | None) -> tuple[str, ...]:
