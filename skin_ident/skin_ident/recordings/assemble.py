@@ -107,7 +107,11 @@ def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[s
     rest = part.only([n not in known for n in part.names])
     if rest.names and rest.kind == "force":
         raise RecordingError(f"{rest.names[0]} is in volts: declare its slope_n_per_v under calibration in rig.yaml")
-    notes += [f"{n} is in volts and has no calibration: used as it is, in V" for n in rest.names]
+    notes += [
+        f"{n} is in volts and has no calibration: it is taken for a taxel and used as it is, so that N means V there. If it is the load "
+        f"cell, declare in rig.yaml calibration: {{{n}: {{channel: force, slope_n_per_v: …}}}}; if a taxel, its slope_n_per_v"
+        for n in rest.names
+    ]
     return [*out, rest]
 
 
@@ -147,9 +151,34 @@ def _sized(r: Recording, names: Sequence[str], low: np.ndarray, high: np.ndarray
 
 
 def _turned(r: Recording) -> Recording:
+    r = _with_depth_turned(r)
     against = r.depth if r.depth is not None else r.taxels.sum(axis=0) if len(r.taxels) and "V" not in r.taxel_units else None
-    if r.force is None or against is None or np.ptp(against) == 0.0 or np.ptp(r.force) == 0.0:
-        return r
-    if np.corrcoef(r.force, against)[0, 1] > -0.5:
+    if r.force is None or against is None or not _falls(r.force, against):
         return r
     return replace(r, force=-r.force).warned("force falls when the skin is pressed: its sign was turned round (compression is positive)")
+
+
+def _with_depth_turned(r: Recording) -> Recording:
+    """A depth that counts away from the skin: loads fall while it grows, and change where it is below zero, not above."""
+    if r.depth is None or not _falls(r.taxels.sum(axis=0) if r.force is None else r.force, r.depth):
+        return r
+    loads = [row for row in (r.force, *r.taxels) if row is not None]
+    answering = [row for row in loads if _falls(row, r.depth) or _falls(-row, r.depth)]
+    below = r.depth < 0.0
+    if not all(_falls(row, r.depth) and _changes_more(row, below) for row in answering):
+        return r
+    said = "force falls" if not len(r.taxels) else "taxels fall" if r.force is None else "force and taxels fall"
+    return replace(r, depth=-r.depth).warned(
+        f"{said} while the depth grows, and only where it is below zero: the depth counts away from the skin, not the sensors the wrong "
+        "way; its sign was turned round (depth is positive into the skin)"
+    )
+
+
+def _changes_more(y: np.ndarray, there: np.ndarray) -> bool:
+    """Whether `y` (N,) changes more in the samples of a mask (N,) than in the others."""
+    return bool(there.all()) or (bool(there.any()) and float(np.std(y[there])) > float(np.std(y[~there])))
+
+
+def _falls(y: np.ndarray, load: np.ndarray) -> bool:
+    """Whether `y` (N,) clearly falls while the load (N,) grows."""
+    return np.ptp(y) > 0.0 and np.ptp(load) > 0.0 and float(np.corrcoef(y, load)[0, 1]) <= -0.5
