@@ -42,6 +42,14 @@ def test_a_factor_in_one_session(channel, factor, count):
     assert np.allclose(right[1].channels[channel], session(1).channels[channel])
 
 
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+@pytest.mark.parametrize("count", [2, 4])
+def test_a_depth_in_another_unit_of_length(count, factor):
+    right, (symptom,) = put_right(sessions(count, 1, lambda r: replace(r, depth=factor * r.depth)))
+    assert (symptom.cause, symptom.where, symptom.channels, symptom.evidence["session"]) == ("data_error", "rig", ("depth",), "session_1")
+    assert symptom.parameters["factor"]["value"] == factor and np.allclose(right[1].depth, session(1).depth)
+
+
 @pytest.mark.parametrize(("order", "moved"), [((2, 1, 0), ("taxel_0", "taxel_2")), ((1, 2, 0), ("taxel_0", "taxel_1", "taxel_2"))])
 def test_columns_in_another_order(order, moved):
     right, (symptom,) = put_right(sessions(4, 3, reordered(order)))

@@ -6,7 +6,8 @@ by their median, a session is odd where
 
     its shares S_i / |S_i| are those of the others in another order                          (columns)
     log |S_ic| less that of the others, less the same of its other channels, is log f        (f a factor of units)
-    S_ic is below zero, where all others are above                                           (sign).
+    S_ic is below zero, where all others are above                                           (sign)
+    all its channels' slopes are f times those of the others, and its range of depth 1 / f   (the depth in another unit of length).
 
 Such a session is put right, so that the rest of it may be judged, and the finding says what was done to it.
 """
@@ -23,8 +24,11 @@ from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR
 ODD = 0.15  # distance of two unit vectors of shares from which a session is asked for another order
 MENDS = 0.25  # of that distance, what the other order may leave
 ALIKE = 0.05  # or so much, which is what shares differ by from day to day
+DEEPER = 5.0  # times that sessions of one skin may differ in stiffness and in depth
 HUGE, WIDE = 100.0, 2.0  # a factor beyond HUGE is known from within a factor of WIDE
 ORDERLY = 0.3  # of the logarithm of a factor, by which the other sessions may differ among themselves
+LENGTHS = (1e3, 1e-3, 1e6, 1e-6)  # m, mm and µm for one another: no skin is so much stiffer than itself
+USUAL = 1e-3  # m, a depth beside which of two sessions the odd one is told
 MOST = 6  # faults of this kind in a set of sessions
 
 
@@ -61,7 +65,7 @@ def _places(recordings: list) -> Iterator[list[int]]:
 def _fault(group: list) -> _Fault | None:
     names = [c for c in group[0].channels if all(load_of(r, c) is not None for r in group)]
     slopes = np.array([[_slope(r, c) for c in names] for r in group])
-    for look in (_turned, _reordered, _scaled):
+    for look in (_deep, _turned, _reordered, _scaled):
         fault = look(group, names, slopes)
         if fault is not None:
             return fault
@@ -104,6 +108,31 @@ def _scaled(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
     _, i, c, factor = max(found, key=lambda q: (q[0], q[3]))
     say = f"{channels[c]} of {group[i].name} is {np.exp(_beside(logs, i, c)):.4g} times what the other sessions say"
     return _of_channel(group, i, channels[c], factor, f"{say}: a factor of units{_either(group)}", "unit factor")
+
+
+def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
+    """The depth of one session in another unit of length."""
+    if group[0].depth is None or not names or not all(_follows(r, c) > FOLLOWS for r in group for c in names):
+        return None
+    stiff = np.log(np.abs(slopes)).mean(axis=1)
+    spans = np.log([np.ptp(r.depth) for r in group])
+    found = []
+    for i in range(len(group)):
+        apart, wide = (float(q[i] - np.median(np.delete(q, i))) for q in (stiff, spans))
+        found += [
+            (abs(spans[i] - np.log(USUAL)), i, f) for f in LENGTHS if max(abs(apart + np.log(f)), abs(wide - np.log(f))) < np.log(DEEPER)
+        ]
+    if not found:
+        return None
+    _, i, factor = max(found)
+    r = group[i]
+    why = (
+        f"the depth of {r.name} spans {1e3 * np.ptp(r.depth):.3g} mm, and all its loads grow {1.0 / factor:.4g} times as fast with it as "
+        f"those of the other sessions: its unit is wrong. {r.name} is judged with its depth divided by {factor:.5g}"
+    )
+    evidence = {"why": why, "kind": "unit factor", "session": r.name}
+    symptom = Symptom("data_error", "rig", ("depth",), {"factor": quantity(factor, "1")}, evidence)
+    return _Fault(symptom, i, replace(r, depth=r.depth / factor))
 
 
 def _factor(logs: np.ndarray, i: int, c: int) -> float | None:
