@@ -7,7 +7,9 @@ import pytest
 
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
+from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.still import is_still
+from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.criticism.usable import belong_together, something_moves
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
@@ -55,6 +57,14 @@ def test_what_says_nothing_is_refused(changed, said):
     assert said in refused([presses(0, **changed), presses(1, **changed)])
 
 
+def test_volts_that_may_be_the_load_cell_are_asked_for():
+    rows = np.vstack([presses().force, presses().taxels[0]])
+    volts = [presses(i, force=None, taxels=rows, taxel_names=("ai0", "ai1"), taxel_units=("V", "V")) for i in (0, 1)]
+    assert "ai0, ai1" in refused(volts) and "slope_n_per_v" in refused(volts)
+    belong_together([replace(r, taxel_names=("taxel_0", "taxel_1")) for r in volts])
+    belong_together([replace(r, force=presses().force) for r in volts])
+
+
 def test_short_recordings_are_refused():
     assert "too short" in refused([presses(0).part(0, 200), presses(1)])
     assert "alone" in refused([presses(0).part(0, 800)])
@@ -76,3 +86,22 @@ def test_no_taxel_is_dead_while_nothing_moves():
     assert find_dead_taxels([replace(still, taxels=np.ones((1, T.size)))]) == []
     (stuck,) = find_dead_taxels([presses(0, taxels=np.ones((1, T.size)))])
     assert stuck.cause == "dead_taxel"
+
+
+def test_a_skin_that_is_left_behind_and_met_again_is_no_loose_contact():
+    x = 1e-3 * (1.2 + np.sin(2.0 * np.pi * 0.5 * T))
+    left = np.sin(2.0 * np.pi * 0.5 * T + 0.6) < 0.0  # parted on the way out, met at a jump on the way in
+    reading = np.where(left, 0.0, 1500.0 * x)[None] + np.random.default_rng(4).normal(0.0, 0.01, T.size)
+    assert find_dead_taxels([presses(0, depth=x, force=None, taxels=reading)]) == []
+    gone = np.sin(2.0 * np.pi * 1.7 * T) < -0.4
+    loose = np.where(gone, 0.0, 1500.0 * x)[None] + np.random.default_rng(4).normal(0.0, 0.01, T.size)
+    (found,) = find_dead_taxels([presses(0, depth=x, force=None, taxels=loose)])
+    assert found.evidence["kind"] == "intermittent"
+
+
+def test_steps_declared_in_newtons_say_nothing_of_volts():
+    volts = np.round(presses().taxels / 0.01) * 0.001
+    sessions = [presses(i, taxels=volts, taxel_units=("V",), declared=Declared(taxel_step_n=(0.01,))) for i in (0, 1)]
+    assert find_unit_faults(sessions) == [] and find_quantization(sessions) == []
+    newtons = [replace(r, taxel_units=("N",)) for r in sessions]
+    assert [s.evidence["kind"] for s in find_unit_faults(newtons)] == ["unit factor"]

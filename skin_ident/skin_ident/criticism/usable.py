@@ -35,6 +35,7 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         lasts = recordings[0].t[-1] - recordings[0].t[0]
         raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")
     for r in recordings:
+        _says_what_is_what(r)
         _has_both_sides(r)
         _is_long_enough(r)
         _touches(r)
@@ -52,6 +53,16 @@ def something_moves(recordings: list) -> None:
         )
     if what == "depth" and recordings[0].force is not None and all(is_still(r.force) for r in recordings):
         raise DiagnosisError(f"the force does not answer the depth {where}: mend the load cell, or leave its column out")
+
+
+def _says_what_is_what(r) -> None:
+    """Without a load cell, columns in volts with the names of a converter: one of them may be it."""
+    volts = [n for n, unit in zip(r.taxel_names, r.taxel_units, strict=True) if unit == "V" and not n.startswith("taxel")]
+    if r.force is None and len(volts) > 1:
+        raise DiagnosisError(
+            f"{r.name}: {', '.join(volts)} are in volts, and nothing says which is the load cell: declare in rig.yaml calibration: "
+            f"{{{volts[0]}: {{channel: force, slope_n_per_v: …}}}}, and call taxels taxel_0_V, taxel_1_V, … or calibrate them, too"
+        )
 
 
 def _has_both_sides(r) -> None:

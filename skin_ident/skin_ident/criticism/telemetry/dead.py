@@ -51,7 +51,8 @@ def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
     name, loads = f"taxel_{i}", [_load(r) for r in recordings]
     if any(load is None for load in loads):
         return []
-    found = contact_of([r.taxels[i] for r in recordings], loads, recordings[0].dt)
+    by_depth = any(r.force is None for r in recordings)
+    found = contact_of([r.taxels[i] for r in recordings], loads, recordings[0].dt, by_depth)
     if found is None:
         return []
     bad = {(r.name, name): m for r, m in zip(recordings, found.lost, strict=True) if m.any()}

@@ -1,7 +1,8 @@
 """A loose contact: a channel jumps from following the load to a reading of its own, and back, while the load does nothing of the kind.
 
 Such a jump is as large as the reading itself within a sample, and the reading on its silent side is one and the same each time. A drop-out
-of a few samples is an outlier (see `excursions`); a frozen reading begins without a jump.
+of a few samples is an outlier (see `excursions`); a frozen reading begins without a jump. A skin that a plunger left behind and meets again
+jumps, too, always up and always while the depth grows: where the depth is all that is known of the load, such jumps do not count.
 """
 
 from dataclasses import dataclass
@@ -32,30 +33,33 @@ class Contact:
     jumps: int
 
 
-def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float) -> Contact | None:
-    """The loose contact of a channel with these readings (N,) under these loads (N,), each session one; None where it has none."""
+def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float, by_depth: bool = False) -> Contact | None:
+    """The loose contact of a channel with these readings (N,) under these loads (N,), each session one; None where it has none.
+
+    `by_depth`: the loads are depths, which say nothing of a skin that the plunger has left behind.
+    """
     slope, least = _slope(rows, loads), LOADED * max(float(load.max()) for load in loads)
     if slope * least < reach(np.concatenate([np.diff(y) for y in rows]), smallest_step(np.concatenate(rows))):
         return None
     size = max(LASTS, round(LASTS_S / dt))
-    jumps = [_jumps(y, load, slope, least) for y, load in zip(rows, loads, strict=True)]
+    jumps = [_jumps(y, load, slope, least, by_depth) for y, load in zip(rows, loads, strict=True)]
     silent = [_silent_side(y, at, size) for y, at in zip(rows, jumps, strict=True)]
-    readings = [float(np.median(y[a:b])) for y, sides in zip(rows, silent, strict=True) for a, b in sides]
+    readings = [float(np.median(y[a:b])) for y, sides in zip(rows, silent, strict=True) for a, b, _ in sides]
     if len(readings) < FEWEST:
         return None
     level = float(np.median(readings))
     wide = SAME * slope * least
-    kept = [[(a, b) for a, b in sides if np.all(np.abs(y[a:b] - level) < wide)] for y, sides in zip(rows, silent, strict=True)]
-    kept_at = [(y, a) for y, sides in zip(rows, kept, strict=True) for a, _ in sides]
-    down = sum(a > 0 and y[a - 1] - level > wide for y, a in kept_at)
-    if len(kept_at) < FEWEST or min(down, len(kept_at) - down) < WAYS:
+    near_it = [[s for s in sides if np.all(np.abs(y[s[0] : s[1]] - level) < wide)] for y, sides in zip(rows, silent, strict=True)]
+    kept = [[(a, b) for a, b, _ in sides] for sides in near_it]
+    ways = [down for sides in near_it for _, _, down in sides]
+    if len(ways) < FEWEST or min(sum(ways), len(ways) - sum(ways)) < WAYS:
         return None
     seen = np.concatenate([y[a:b] for y, sides in zip(rows, kept, strict=True) for a, b in sides])
     near = min(WIDE * float(np.std(seen)) + 1e-9, wide)
     lost = [
         _lost(y, slope * load, level, near, size) | _grown(y, sides, level, wide) for y, load, sides in zip(rows, loads, kept, strict=True)
     ]
-    return Contact(lost, level, len(kept_at))
+    return Contact(lost, level, len(ways))
 
 
 def _slope(rows: list[np.ndarray], loads: list[np.ndarray]) -> float:
@@ -65,17 +69,18 @@ def _slope(rows: list[np.ndarray], loads: list[np.ndarray]) -> float:
     return float(np.percentile(y[pressed] / load[pressed], 75.0)) if pressed.any() else 0.0
 
 
-def _jumps(y: np.ndarray, load: np.ndarray, slope: float, least: float) -> np.ndarray:
+def _jumps(y: np.ndarray, load: np.ndarray, slope: float, least: float, by_depth: bool) -> np.ndarray:
     """Samples (after the jump) where the reading jumps by what ought to be there while the load stays."""
     calm = maximum_filter1d(load, 2 * NEAR + 1) - minimum_filter1d(load, 2 * NEAR + 1) < CALM * load
-    d = np.abs(np.diff(y, prepend=y[0]))
-    return np.flatnonzero((load > least) & calm & (d > FALLS * slope * load))
+    d = np.diff(y, prepend=y[0])
+    met = (d > 0.0) & (np.roll(load, -NEAR) > np.roll(load, NEAR)) if by_depth else np.zeros(y.size, bool)
+    return np.flatnonzero((load > least) & calm & (np.abs(d) > FALLS * slope * load) & ~met)
 
 
-def _silent_side(y: np.ndarray, jumps: np.ndarray, size: int) -> list[tuple[int, int]]:
-    """The `size` samples after each jump down and before each jump up."""
-    sides = [(int(k), int(k) + size) if y[k] < y[k - 1] else (int(k) - size, int(k)) for k in jumps]
-    return [(a, b) for a, b in sides if a >= 0 and b <= y.size]
+def _silent_side(y: np.ndarray, jumps: np.ndarray, size: int) -> list[tuple[int, int, bool]]:
+    """The `size` samples after each jump down and before each jump up, and whether it is down."""
+    sides = [(int(k), int(k) + size, True) if y[k] < y[k - 1] else (int(k) - size, int(k), False) for k in jumps]
+    return [side for side in sides if side[0] >= 0 and side[1] <= y.size]
 
 
 def _grown(y: np.ndarray, sides: list[tuple[int, int]], level: float, wide: float) -> np.ndarray:

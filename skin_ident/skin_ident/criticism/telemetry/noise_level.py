@@ -32,7 +32,7 @@ def find_noise(
     declared, n_taxels = recordings[0].declared, len(recordings[0].taxels)
     found = []
     for c, channel in enumerate(channels):
-        level = declared.force_noise_n if channel == "force" else declared.of_taxel("taxel_noise_n", int(channel.rpartition("_")[2]))
+        level = declared.force_noise_n if channel == "force" else _of_taxel(recordings[0], int(channel.rpartition("_")[2]))
         if not level:
             continue
         rows = [_quick(e[c], r.dt) for e, r in zip(residuals, recordings, strict=True)]
@@ -82,6 +82,11 @@ def _unlike(
         numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
         return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {declared}{steps}", numbers
     return None
+
+
+def _of_taxel(recording, i: int) -> float | None:
+    """What is declared of a taxel, N; of one that is left in volts nothing is."""
+    return recording.declared.of_taxel("taxel_noise_n", i) if recording.taxel_units[i] == "N" else None
 
 
 def _encoder_step(recording) -> float:

@@ -7,6 +7,7 @@ are multiples. Coarse steps imitate dead zones and relaxation, so this comes bef
 import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.units import declared_step
 
 COARSER = 1.5  # times the declared step
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
@@ -59,9 +60,8 @@ def _coarse(recordings: list, channel: str, step: float, against: str, usual: fl
 
 
 def _declared(recording) -> dict[str, float | None]:
-    d = recording.declared
-    taxels = {f"taxel_{i}": d.of_taxel("taxel_step_n", i) for i in range(len(recording.taxels))}
-    return {"force": d.force_step_n, **taxels, "depth": d.encoder_step_um and d.encoder_step_um * 1e-6}
+    step = recording.declared.encoder_step_um
+    return {"force": None, **{c: declared_step(recording, c) for c in recording.channels}, "depth": step and step * 1e-6}
 
 
 def _rows(recordings: list, channel: str) -> list[np.ndarray]:

@@ -25,9 +25,12 @@ def find_unit_faults(recordings: list) -> list[Symptom]:
 
 
 def declared_step(recording, channel: str) -> float | None:
-    """The converter step that rig.yaml declares for a channel, N."""
+    """The converter step that rig.yaml declares for a channel, N; a taxel that is left in volts has none."""
     d = recording.declared
-    return d.force_step_n if channel == "force" else d.of_taxel("taxel_step_n", int(channel.split("_")[1]))
+    if channel == "force":
+        return d.force_step_n
+    i = int(channel.split("_")[1])
+    return d.of_taxel("taxel_step_n", i) if recording.taxel_units[i] == "N" else None
 
 
 def _swapped(recordings: list) -> list[Symptom]:
