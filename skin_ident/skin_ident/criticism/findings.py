@@ -182,7 +182,10 @@ def as_findings(
 
 def _warnings(recordings: list, held: list[Session]) -> list[str]:
     """What the reader must know before believing any of it."""
-    warnings = [f"{r.name}: {w}" for r in recordings for w in (*r.warnings, *r.declared.warnings)]
+    said = {r.name: dict.fromkeys((*r.warnings, *r.declared.warnings)) for r in recordings}
+    shared = [w for w in said[recordings[0].name] if len(recordings) > 1 and all(w in own for own in said.values())]
+    warnings = [f"every session: {w}" for w in shared]
+    warnings += [f"{name}: {w}" for name, own in said.items() for w in own if w not in shared]
     if len(recordings) == 1:
         warnings.append(
             "only one session: blocks of it were held out instead of a session, which passes more than it should; record a second one"
