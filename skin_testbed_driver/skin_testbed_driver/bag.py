@@ -170,7 +170,8 @@ class BagWriter:
             return action(*args, **kwargs)
         except OSError as error:
             words = "the disk is full" if error.errno == errno.ENOSPC else (error.strerror or str(error))
-            raise BagError(f"recording to {self.directory} ended: {words}; what was written before stays readable") from error
+            kept = "" if error.errno == errno.ENOENT else "; what was written before stays readable"
+            raise BagError(f"recording to {self.directory} ended: {words}{kept}") from error
 
     def _write_metadata(self) -> None:
         content = _yaml({"rosbag2_bagfile_information": self._information()})

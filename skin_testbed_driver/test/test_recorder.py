@@ -156,7 +156,7 @@ def test_a_vanished_directory_ends_with_one_sentence(graph, tmp_path):
     recorder = record(graph, tmp_path / "s")
     shutil.rmtree(tmp_path / "s")
     assert recorder.wait(60.0) == 2
-    assert "recorder: " in recorder.output() and "Traceback" not in recorder.output()
+    assert "recorder: " in recorder.output() and not ("Traceback" in recorder.output() or 'File "' in recorder.output())
 
 
 def test_a_full_disk_ends_with_one_sentence_and_leaves_what_was_written_readable(graph, tmp_path):
@@ -170,7 +170,7 @@ def test_a_full_disk_ends_with_one_sentence_and_leaves_what_was_written_readable
     process = Process(["bash", str(wrapper)], graph.domain.environment(), "recorder")
     graph.processes.running.append(process)
     assert process.wait(90.0) == 2
-    assert "stays readable" in process.output() and "Traceback" not in process.output()
+    assert "stays readable" in process.output() and not ("Traceback" in process.output() or 'File "' in process.output())
     count = 0
     with mcap_of(tmp_path / "s").open("rb") as file, pytest.raises(McapError):
         for record_ in StreamReader(file).records:

@@ -12,8 +12,10 @@ import datetime
 import functools
 import importlib
 import importlib.metadata
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import yaml
 from rclpy.clock import Clock, ClockType
@@ -59,10 +61,11 @@ class Recorder(Node):
         self._known: set[str] = set()
         self._complete = False  # every topic asked for was seen
         self._describe(rig)
+        self._failed = False
         self._look()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(_LOOK, self._look, clock=steady)
-        self.create_timer(_IDLE, self._bag.flush_if_due, clock=steady)
+        self.create_timer(_LOOK, functools.partial(self._try, self._look), clock=steady)
+        self.create_timer(_IDLE, functools.partial(self._try, self._bag.flush_if_due), clock=steady)
         self._patience = self.create_timer(_PATIENCE, lambda: self._complain_of_missing("has no publisher yet"), clock=steady)
         self.create_service(Trigger, "~/stop", self._on_stop)
         self.get_logger().info(f"recording to {self._bag.directory}")
@@ -89,7 +92,7 @@ class Recorder(Node):
         # What the driver says of itself, unless the user knows better.
         files = {"calibration": "calibration.yaml", **({} if rig else {"rig_description": "rig.yaml"})}
         for topic, file_name in files.items():
-            self.create_subscription(String, topic, functools.partial(self._on_text, file_name), LATCHED)
+            self.create_subscription(String, topic, functools.partial(self._try, self._on_text, file_name), LATCHED)
 
     def _look(self) -> None:
         """Subscribe to what is new on the graph."""
@@ -119,8 +122,18 @@ class Recorder(Node):
             return
         type_hash = str(infos[0].topic_type_hash) if infos and hasattr(infos[0], "topic_type_hash") else ""
         index = self._bag.add_topic(TopicInfo(name, type_name, text, offered(infos), type_hash))
-        callback = functools.partial(self._on_message, index)
+        callback = functools.partial(self._try, self._on_message, index)
         self.create_subscription(message_class, name, callback, matching(infos, self._settings.depth), raw=True)
+
+    def _try(self, action: Callable, *args: Any) -> None:
+        """Do it, unless the file cannot be written any more: that ends the node. An executor would show where in the code it was."""
+        if self._failed:
+            return
+        try:
+            action(*args)
+        except SkinError as error:
+            self._failed = True
+            end(error)
 
     def _on_message(self, index: int, data: bytes) -> None:
         # The time of publication would come with the message, but the events executor of Jazzy cannot pass it on.
