@@ -63,6 +63,16 @@ def topics_of(pairs: Sequence[str]) -> dict[str, str]:
     return dict(pair.split("=", 1) for pair in pairs)
 
 
+def check_output(path: str) -> None:
+    """Refuse an output folder that cannot be, before any work; nothing is made yet. Raises `RecordingError`."""
+    folder = Path(path).absolute()
+    near = next(p for p in (folder, *folder.parents) if p.exists())
+    if not near.is_dir():
+        raise RecordingError(f"cannot write into {path}: {near} is a file")
+    if not os.access(near, os.W_OK):
+        raise RecordingError(f"cannot write into {path}: {os.strerror(13)}")
+
+
 def output_folder(path: str) -> Path:
     """The folder to write into, made if it is missing. Raises `RecordingError` where that is not possible."""
     folder = Path(path)

@@ -39,6 +39,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.loss != LINEAR and (chosen.profile or chosen.bootstrap):
         raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")
     _check_what(chosen)
+    if chosen.out:
+        common.check_output(chosen.out)
     if chosen.each:
         return _batch(chosen, options, topics)
     common.say(f"reading {counted(len(chosen.recordings), 'path')} …")
