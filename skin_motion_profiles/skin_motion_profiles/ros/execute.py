@@ -129,7 +129,7 @@ def _options(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--list", action=Show, nargs=0, show=lambda _: overview(), help="list profiles and batteries")
     parser.add_argument("--describe", action=Show, show=description, metavar="TYPE", help="tell the parameters of a profile")
     parser.add_argument("profile", help="the name of a battery or a profile, a YAML file, or YAML text such as '{type: step, depth_mm: 1}'")
-    parser.add_argument("settings", nargs="*", metavar="key=value", help="arguments of a battery, parameters of a profile")
+    parser.add_argument("settings", nargs="*", default=[], metavar="key=value", help="arguments of a battery, parameters of a profile")
     parser.add_argument("--max-force", type=_force, default=0.0, metavar="N", help="end the goal above this; default: the server's limit")
     parser.add_argument("--hold", action="store_true", help="on cancel, over-force or a fault stay where you are; default: retract")
     return parser.parse_args(arguments)
