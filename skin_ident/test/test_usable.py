@@ -7,7 +7,7 @@ import pytest
 
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
-from skin_ident.criticism.telemetry.quantization import find_quantization
+from skin_ident.criticism.telemetry.quantization import find_buried, find_quantization, undeclared_steps
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.criticism.usable import belong_together, something_moves
@@ -105,3 +105,17 @@ def test_steps_declared_in_newtons_say_nothing_of_volts():
     assert find_unit_faults(sessions) == [] and find_quantization(sessions) == []
     newtons = [replace(r, taxel_units=("N",)) for r in sessions]
     assert [s.evidence["kind"] for s in find_unit_faults(newtons)] == ["unit factor"]
+
+
+@pytest.mark.parametrize(("noise", "buried"), [(0.02, True), (0.05, False)])
+def test_steps_that_nobody_declared_are_found_where_they_bury_the_noise(noise, buried):
+    smooth = presses().force
+    clean = 1500.0 * np.maximum(presses().depth, 0.0)
+    stepped = 0.1 * np.rint((clean + np.random.default_rng(5).normal(0.0, noise, T.size)) / 0.1)
+    sessions = [presses(i, force=stepped) for i in (0, 1)]
+    assert undeclared_steps(sessions) == {"force": pytest.approx(0.1)} and undeclared_steps([presses(0, force=smooth)]) == {}
+    rests = [np.array([stepped - clean])] * 2
+    found = find_buried(sessions, ("force",), rests, [np.ones(T.size, bool)] * 2)
+    assert [(s.cause, s.where) for s in found] == [("quantization", "load_cell")] * buried
+    said = [replace(r, declared=Declared(force_step_n=0.1)) for r in sessions]
+    assert find_buried(said, ("force",), rests, [np.ones(T.size, bool)] * 2) == []

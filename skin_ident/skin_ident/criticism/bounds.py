@@ -2,9 +2,11 @@
 
 A direction of the last survey has an amount z with standard error sd (in the directions' own, whitened inner products). The data speak
 about a cause where a typical amount of it would have stood out by `CLEAR` standard errors; it is then excluded above |z| + 1.96 sd.
-A cause may be both: a gain that changes part-way is excluded while one that was wrong throughout passes for another stiffness.
+A cause may be both: a gain that changes part-way is excluded while one that was wrong throughout passes for another stiffness. What is
+seen in the record itself, as the steps of a converter are, is not excluded below its own size.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -17,16 +19,25 @@ from skin_models.parameter import SHAPE, parameters_of
 CLEAR = 3.0
 
 
-def excluded_and_untestable(p: Projected, named: set[str], known: dict[str, str]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+Seen = Mapping[str, Mapping[str, tuple[float, str]]]  # by cause and place: a size in the directions' unit, and why it is no finding
+
+
+def excluded_and_untestable(
+    p: Projected, named: set[str], known: dict[str, str], seen: Seen
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Entries of findings.json for all causes not in `named`. `known` gives the reason for causes that telemetry alone decides: an
-    empty text means looked for and not found."""
+    empty text means looked for and not found. What is `seen` in the record bounds what may be excluded."""
     excluded, untestable = [], []
     for cause in CAUSES:
         if cause.name in named:
             continue
-        entries = _excluded(p, cause.name)
+        there = seen.get(cause.name, {})
+        entries = [e for e in _excluded(p, cause.name) if e["below"] >= there.get(e["where"], (0.0, ""))[0]]
         excluded += entries
         untestable += _imitated(p, cause, entries)
+        if there:
+            untestable += [{"cause": cause.name, "where": where, "because": why, "needs": cause.needs} for where, (_, why) in there.items()]
+            continue
         if cause.name in known and not known[cause.name] and not entries:
             excluded.append({"cause": cause.name, "below": None, "unit": "", "because": "looked for and not seen"})
         elif not entries:

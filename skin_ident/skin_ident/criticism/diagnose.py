@@ -38,7 +38,7 @@ from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.pull import find_pull
-from skin_ident.criticism.telemetry.quantization import step_of
+from skin_ident.criticism.telemetry.quantization import find_buried, step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling import believed, tell
 from skin_ident.criticism.twin import with_twins
@@ -113,7 +113,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]), step)
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
-    seen = (*looked.symptoms, *_noise(c, every, after), *find_pull(c.extended.model, after))
+    seen = (*looked.symptoms, *_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
     symptoms = (*odd, *seen)
     rest = systematic_rest(c.last, list(c.train), list(c.held), step)
     explained = max((n.gain.squares for n in c.named), default=0.0)
@@ -183,13 +183,16 @@ def _encoder_step(recordings: list) -> float:
     return max((step_of(r.depth) or declared for r in recordings if r.depth is not None), default=0.0)
 
 
-def _noise(c: Criticism, recordings: list, sessions: list[Session]) -> list[Symptom]:
-    """Noise that is not as declared, in what the extended model leaves."""
-    model = c.extended.model
+def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known: tuple[Symptom, ...]) -> list[Symptom]:
+    """In what the extended model leaves: noise that is not as declared, and steps that bury it, unless they are `known`."""
+    model, channels = c.extended.model, sessions[0].channels
     rest = [s.raw - simulated(model, s) for s in sessions]
     calm = [~meeting(motion_under(s, model.dispersion), model.dispersion) for s in sessions]
-    channels = sessions[0].channels
-    found = find_noise(recordings, channels, rest, calm, [stiffness(model, c) for c in channels])
+    coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
+    found = [
+        *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
+        *find_noise(recordings, channels, rest, calm, [stiffness(model, c) for c in channels]),
+    ]
     return [s for s in found if s.channels[0] not in sessions[0].stuck]
 
 

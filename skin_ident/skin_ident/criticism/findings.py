@@ -10,7 +10,8 @@ from skin_ident.criticism.growing import instances
 from skin_ident.criticism.leftover import Rest
 from skin_ident.criticism.residual import residual, rmse
 from skin_ident.criticism.session import Session
-from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.telemetry.quantization import undeclared_steps
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of
 from skin_ident.criticism.unknowns import Unknown, values
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.separating.choose import Experiment
@@ -125,12 +126,21 @@ def telemetry_words(recordings: list, symptoms: tuple[Symptom, ...], given: bool
     declared = recordings[0].declared
     undeclared = "rig.yaml does not declare"
     words = {"outliers": "", "dead_taxel": "", "data_error": "", "interference": "", "saturation": ""}
-    words["quantization"] = "" if declared.force_step_n or declared.taxel_step_n or declared.encoder_step_um else f"{undeclared} any step"
+    words["quantization"] = ""  # but for `_steps_seen`
     words["noise"] = "" if declared.force_noise_n or declared.taxel_noise_n else f"{undeclared} a noise level"
     words["parameters"] = "" if given else "no model was given to compare with"
     if not len(recordings[0].taxels):
         words["dead_taxel"] = "there is no taxel in these recordings"
     return words
+
+
+def _steps_seen(recordings: list) -> dict[str, tuple[float, str]]:
+    """By place: steps that nobody declared, N, so that nobody can say whether they are as they should be."""
+    n = len(recordings[0].taxels)
+    return {
+        place_of(channel, n): (step, f"the levels of {channel} are {step:.3g} N apart, and rig.yaml declares no step to compare with")
+        for channel, step in undeclared_steps(recordings).items()
+    }
 
 
 def as_findings(
@@ -149,7 +159,8 @@ def as_findings(
     baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, *before)
     entries = [seen(s, baseline) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
-    excluded, untestable = excluded_and_untestable(c.last.projected, named, telemetry_words(recordings, symptoms, given))
+    known = telemetry_words(recordings, symptoms, given)
+    excluded, untestable = excluded_and_untestable(c.last.projected, named, known, {"quantization": _steps_seen(recordings)})
     return {
         "schema": SCHEMA,
         "recordings": [

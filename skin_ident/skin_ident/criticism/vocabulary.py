@@ -140,7 +140,7 @@ CAUSES: tuple[Cause, ...] = (
     Cause(
         "quantization",
         ("taxel", "load_cell", "rig"),
-        "steps are coarser than declared",
+        "steps are coarser than declared, or than the noise",
         "check range and resolution of the converter",
         "declared steps in rig.yaml (force_step_n, taxel_step_n, encoder_step_um)",
     ),

@@ -2,6 +2,9 @@
 
 The levels of a converter are equally spaced; the spacing is the largest step of which (nearly) all differences of neighbouring levels
 are multiples. Coarse steps imitate dead zones and relaxation, so this comes before any fit.
+
+Where nothing is declared, nobody can say that steps are coarser than they should be; but where rounding to them, q / sqrt(12), is more
+than the noise s beneath, they bury it, and that can be seen in what a model leaves, r^2 = s^2 + q^2 / 12.
 """
 
 import numpy as np
@@ -13,6 +16,7 @@ COARSER = 1.5  # times the declared step
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
 FEWEST_LEVELS = 4
 FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
+BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
 MANY = 0.5  # share of samples that are levels of their own: then nothing is quantized
 
 
@@ -38,6 +42,27 @@ def find_quantization(recordings: list) -> list[Symptom]:
         if step and len(steps) == len(recordings) and min(steps) > COARSER * step:
             unit = "m" if channel == "depth" else "N"
             found.append(_coarse(recordings, channel, float(np.median(steps)), "as rig.yaml declares", step, unit))
+    return found
+
+
+def undeclared_steps(recordings: list) -> dict[str, float]:
+    """Spacing of the levels of every channel that sits on levels in all sessions and of which rig.yaml declares no step, N."""
+    each = {c: [step_of(y) for y in _rows(recordings, c)] for c, step in _declared(recordings[0]).items() if not step and c != "depth"}
+    return {c: float(np.median(steps)) for c, steps in each.items() if steps and None not in steps}
+
+
+def find_buried(recordings: list, channels: tuple[str, ...], rests: list[np.ndarray], calm: list[np.ndarray]) -> list[Symptom]:
+    """Channels without a declared step whose steps are wider than their noise, from residuals (C, N) at full rate and masks (N,) of the
+    samples to look at."""
+    found = []
+    for channel, step in undeclared_steps(recordings).items():
+        if channel not in channels:
+            continue
+        left = np.concatenate([e[channels.index(channel)][at] for e, at in zip(rests, calm, strict=True)])
+        if left.size and float(np.mean(left**2)) < BURIED * step**2 / 12.0:
+            why = f"the levels of {channel} are {step:.3g} N apart, which is more than its noise bridges; rig.yaml declares no step"
+            where = place_of(channel, len(recordings[0].taxels))
+            found.append(Symptom("quantization", where, (channel,), {"step": quantity(step, "N")}, {"why": why}))
     return found
 
 
