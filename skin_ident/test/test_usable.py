@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from skin_ident.cli.diagnose import apart
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.quantization import find_buried, find_quantization, undeclared_steps
@@ -12,6 +13,7 @@ from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.criticism.usable import belong_together, something_moves
 from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
 
 T = np.arange(4000) / 200.0
@@ -119,3 +121,13 @@ def test_steps_that_nobody_declared_are_found_where_they_bury_the_noise(noise, b
     assert [(s.cause, s.where) for s in found] == [("quantization", "load_cell")] * buried
     said = [replace(r, declared=Declared(force_step_n=0.1)) for r in sessions]
     assert find_buried(said, ("force",), rests, [np.ones(T.size, bool)] * 2) == []
+
+
+def test_a_file_counts_once_and_a_held_out_one_is_not_fitted(tmp_path):
+    a, b = (tmp_path / name for name in ("a.tsv", "b.tsv"))
+    a.write_text("x"), b.write_text("x")
+    assert apart([str(tmp_path)], [str(b)]) == ([(a, "")], [(b, "it was given to fit, too: it is held out, and not fitted")])
+    ((file, said),), held = apart([str(a), str(a)], [])
+    assert file == a and "counts once" in said and held == []
+    with pytest.raises(RecordingError, match="none is left to fit"):
+        apart([str(a)], [str(a)])

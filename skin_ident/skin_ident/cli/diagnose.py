@@ -4,6 +4,7 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ from skin_ident.cli import common
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.outcome import Outcome
 from skin_ident.recordings.chosen import only_taxels
-from skin_ident.recordings.load import load
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.load import find, load
 from skin_models.model_file import load_model, save_model
 
 VERDICTS = {
@@ -33,7 +35,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     model = load_model(chosen.model) if chosen.model else None
     say = progress_line()
     say("reading recordings")
-    recordings, held, twins = (_loaded(paths, topics, chosen.taxels) for paths in (chosen.recordings, chosen.hold_out, chosen.twin))
+    files, kept = apart(chosen.recordings, chosen.hold_out)
+    recordings, held, twins = (_loaded(paths, topics, chosen.taxels) for paths in (files, kept, [(p, "") for p in chosen.twin]))
     folder = common.output_folder(chosen.out)
     outcome = diagnose(recordings, held, model, say, twins)
     if chosen.taxels:
@@ -45,9 +48,36 @@ def _main(arguments: Sequence[str] | None) -> int:
     return 0
 
 
-def _loaded(paths: list[str], topics: dict[str, str], taxels: list[str]) -> list:
-    recordings = load(paths, topics) if paths else []
+Files = list[tuple[Path, str]]  # and what is to be said of each, or nothing
+
+
+def apart(recordings: list[str], hold_out: list[str]) -> tuple[Files, Files]:
+    """The files to fit and those to hold out, each of them once. Raises `RecordingError` where none is left to fit."""
+    fitted, held = ([file for path in paths for file in find(path)] for paths in (recordings, hold_out))
+    kept = {file.resolve() for file in held}
+    files = [file for file in fitted if file.resolve() not in kept]
+    if not files:
+        raise RecordingError("every recording is held out (--hold-out), and none is left to fit: give others to fit")
+    both = {file.resolve() for file in fitted} & kept
+    said = "it was given to fit, too: it is held out, and not fitted"
+    return _once(files), [(file, said if file.resolve() in both else more) for file, more in _once(held)]
+
+
+def _once(files: list[Path]) -> Files:
+    """Every file under its first name."""
+    first = {file.resolve(): file for file in reversed(files)}
+    names = [file.resolve() for file in files]
+    return [(first[name], "it was given more than once: it counts once" if names.count(name) > 1 else "") for name in dict.fromkeys(names)]
+
+
+def _loaded(files: Sequence[tuple[Path | str, str]], topics: dict[str, str], taxels: list[str]) -> list:
+    recordings = [_warned(r, said) for file, said in files for r in load(file, topics)]
     return only_taxels(recordings, taxels) if taxels else recordings
+
+
+def _warned(recording, said: str):
+    """A session with one more warning; a static scan bears none."""
+    return replace(recording, warnings=(*recording.warnings, said)) if said and hasattr(recording, "warnings") else recording
 
 
 def write(outcome: Outcome, folder: Path) -> None:
