@@ -13,6 +13,7 @@ import numpy as np
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK, Estimate, Residual, Verdict
 from skin_ident.estimators.force_band import fit_in_band
+from skin_ident.estimators.prefilter import prefilters_for
 from skin_ident.estimators.robust import LINEAR, noted
 from skin_ident.estimators.sessions import because, stretches
 from skin_ident.estimators.split import jacobian
@@ -28,6 +29,8 @@ FIRST = (
     ("lead", "s", "b1 / k1"),
     ("lag", "s", "(b1 + b2) / (k1 + k2)"),
 )
+CHANCE = 6.63  # 1 % of chi-square with one degree of freedom
+OVERDONE = "a function of order 1 explains these data as well, so they do not tell what the mass does: take order 1"
 SHORTEST = 40  # samples of a stretch that may be believed
 RELATED = 0.7  # correlation from which a slope between two channels means something
 SECOND = (("b1_over_m", "1/s", ""), ("k1_over_m", "1/s^2", ""), ("b2_over_m", "1/s", ""), ("k2_over_m", "1/s^2", ""))
@@ -56,9 +59,24 @@ def fit_force_to_force(
     pairs = [p for r, (_, good, _) in zip(recordings, looked, strict=True) for p in _pairs(r, index, good)]
     unit = recordings[0].taxel_units[index]
     _plausible(pairs, unit)
-    fit, held = fit_in_band(pairs, order, unit == "V" if offset is None else offset, loss)
+    how = (unit == "V" if offset is None else offset, loss)
+    fit, held = fit_in_band(pairs, order, *how)
     more = noted(loss, {f"taxel_{index}": held} if held else {})
-    return _estimate(fit, pairs, order, index, unit, more, tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings))
+    doubt = OVERDONE if order == 2 and not _better(fit, pairs, how) else ""
+    return _estimate(fit, pairs, order, index, unit, more, tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings), doubt)
+
+
+def _better(fit: TransferFit, pairs: Sequence[Pair], how: tuple[bool, str]) -> bool:
+    """Whether the second pole leaves less than chance would; without that, it is anywhere, and takes the others with it."""
+    try:
+        simple, _ = fit_in_band(pairs, 1, *how)
+    except FitError:
+        return True
+    filters = prefilters_for([(p.u, p.dt) for p in pairs])
+    rows = sum(e.size * min(1.0, 2.0 * q.edge * q.dt * q.every) for e, q in zip(fit.residuals, filters, strict=True))
+    rows = max(2.0, min(rows, fit.dof))  # that are independent of each other
+    left = [max(sum(float(e @ e) for e in f.residuals), 1e-300) for f in (simple, fit)]
+    return rows * float(np.log(left[0] / left[1])) > max(CHANCE, np.log(rows))
 
 
 def _pairs(r: Recording, index: int, good: np.ndarray) -> list[Pair]:
@@ -101,7 +119,9 @@ def _second(theta: np.ndarray) -> np.ndarray:
     return np.array([b1, b0, a1 - b1, a0 - b0])
 
 
-def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, unit: str, more, warnings: tuple[str, ...]) -> Estimate:
+def _estimate(
+    fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, unit: str, more, warnings: tuple[str, ...], doubt: str
+) -> Estimate:
     to: Callable[[np.ndarray], np.ndarray] = _first if order == 1 else _second
     theta = fit.function.theta
     values, j = to(theta), jacobian(to, theta)
@@ -110,7 +130,7 @@ def _estimate(fit: TransferFit, pairs: Sequence[Pair], order: int, index: int, u
     channel, scale = f"taxel_{index}", np.sqrt(np.diag(fit.covariance))
     scaled = fit.covariance / np.outer(scale, scale) if np.all(scale > 0) else np.eye(scale.size)
     residual = _residual(fit, unit)
-    left = "" if fit.converged else "the search did not settle: these numbers are not a minimum"
+    left = doubt or ("" if fit.converged else "the search did not settle: these numbers are not a minimum")
     return Estimate(
         method=f"transfer function of order {order}, output error" + (f", {more['loss']['name']} loss" if more else ""),
         model=None,

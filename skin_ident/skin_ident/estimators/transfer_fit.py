@@ -128,7 +128,8 @@ def _step(normal: np.ndarray, slope: np.ndarray, free: np.ndarray, damping: floa
 
 def _system(pairs, f: TransferFunction, offset: bool, ar: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """J'J (P, P), e'e and J'e (P,) over all sessions, with whitened signals and the nuisance columns projected out."""
-    parts = [_session(p, f, offset, ar) for p in pairs]
+    with np.errstate(all="ignore"):  # a step may lead to a pole at nothing: what comes out is no number, and the step is not taken
+        parts = [_session(p, f, offset, ar) for p in pairs]
     return sum(a for a, _, _ in parts), sum(b for _, b, _ in parts), sum(c for _, _, c in parts)
 
 
