@@ -126,6 +126,8 @@ def run(name, contender, n: int, runs: int, rho: float):
         errors.append(np.max(np.abs(values / truth - 1)))
         if std is not None:
             hits += list(np.abs(values - truth)[:2] <= 1.96 * std[:2])
+    if not took:
+        return f"{name:<32} not run"
     covers = f"{100 * np.mean(hits):5.1f} %" if hits else "      –"
     return f"{name:<32} {100 * np.median(errors):9.3f} % {covers:>9} {1e3 * min(took):10.2f} ms {len(took):>6}"
 
