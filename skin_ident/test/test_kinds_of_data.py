@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from world import make_sessions, without, write_case
+from world import make_sessions, protocols, without, write_case
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
@@ -37,6 +37,30 @@ def test_a_material_test_and_one_without_load_cell(tmp_path, sessions, missing, 
     assert worth["held_out_rmse_after"] < worth["held_out_rmse_before"] and worth["ci95"][0] > 0.0
     if missing == "taxels":
         assert "there is no taxel" in next(u["because"] for u in findings["untestable"] if u["cause"] == "dead_taxel")
+
+
+def left_in_a_hurry(path):
+    """Sawtooth presses, each of which the plunger leaves faster than any skin follows."""
+    for speed in (0.3, 0.6, 1.0, 1.5, 2.0):
+        path.ramp(1.0, speed).hold(1.0).ramp(-0.1, 8.0).hold(1.0).ramp(0.7, speed).ramp(-0.1, 4.0).hold(0.5)
+    for depth in (0.3, 0.6, 0.9, 0.5):
+        path.ramp(depth, 3.0).hold(4.0)
+    path.ramp(-0.1, 8.0)
+
+
+@pytest.mark.parametrize("seed", (5, 6))
+@pytest.mark.parametrize("follows", [True, False])
+def test_what_a_taxel_reads_of_skin_that_nothing_presses_is_not_judged(tmp_path, seed, follows, monkeypatch):
+    """Skin that recovers under no force may still press on its taxels, or not at all: in either case nothing is wrong."""
+    monkeypatch.setitem(protocols.BODIES, "hurry", left_in_a_hurry)
+    made = make_sessions(None, seed=seed, n_sessions=3, noise="white", protocol="hurry")[0]
+    recordings = [replace(r, depth=None) for r in read(tmp_path, made)]
+    if not follows:
+        at_rest = [r.taxels[0][np.arange(len(r)) % 50] for r in recordings]  # in the air
+        gone = [np.convolve(r.force, np.ones(5) / 5, "same") < 0.01 * r.force.max() for r in recordings]
+        taxels = [np.where(g, quiet, r.taxels[0]) for g, quiet, r in zip(gone, at_rest, recordings, strict=True)]
+        recordings = [replace(r, taxels=np.array([y])) for r, y in zip(recordings, taxels, strict=True)]
+    assert named(recordings[:2], recordings[2:])[0] == []
 
 
 def test_one_session_says_what_the_second_would_be_for(tmp_path, sessions):

@@ -12,7 +12,8 @@ from skin_models.dispersion import Dispersion
 from skin_models.signals import Motion, motion
 
 NOMINAL = 1e4  # N/m, scale of a skin that is known by ratios alone
-JUMP = 0.03
+JUMP = 0.03  # of the greatest force
+RECOVERED = 0.003  # of the greatest depth
 SHALLOW = 0.1  # of the greatest depth
 PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
 
@@ -83,11 +84,14 @@ def without_parting(session: Session, skin: Dispersion) -> Session:
     """The session less the moments when the plunger may have left the skin behind it, or met it so fast that the force jumps.
 
     Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin, and a jump between two samples cannot be
-    known to better than a sample: neither says anything about the rest of the model. A test driven by force has no such moments.
+    known to better than a sample: neither says anything about the rest of the model. Nor does what a taxel reads of skin that recovers
+    under no force, in a test that force drives.
     """
-    if session.drive is not None:
-        return session
-    left_out = parted(session.motion, skin) | impacts(session.motion, skin)
+    if session.drive is None:
+        left_out = parted(session.motion, skin) | impacts(session.motion, skin)
+    else:
+        depth = motion_under(session, skin).x
+        left_out = (session.drive < JUMP * session.drive.max()) & (depth > RECOVERED * depth.max())
     kept = session.band.thin(left_out.astype(float)) < 0.02
     return replace(session, weight=session.weight * kept)
 
