@@ -114,7 +114,7 @@ def motion(session: Session, entry: Entry, name: str, told: float | None) -> tup
     error, steps = np.abs(measured - plan), steps_error(plan)
     print(
         f"{name:22s} {t[-1]:5.1f} s {t.size:8d} {np.sqrt(np.mean(error**2)) * 1e6:5.1f} um {error.max() * 1e6:5.1f} um "
-        f"{steps * 1e6:6.0f} um {steps / error.max() if steps else float('nan'):7.1f}"
+        f"{steps * 1e6:6.0f} um {f'{steps / error.max():.1f}' if steps else '-':>7s}"
     )
     off = 1e6 * (measured - plan)
     title = f"{name}, off by {np.abs(off).max():.1f} um at most"
