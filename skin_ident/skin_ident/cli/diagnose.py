@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from skin_ident.cli import common
+from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.outcome import Outcome
 from skin_ident.recordings.chosen import only_taxels
@@ -21,6 +22,11 @@ VERDICTS = {
     "explained": "explained: with these causes, what is left looks like noise",
     "partly_explained": "partly explained: something systematic is left",
     "unexplained": "unexplained: the simulation is wrong, and no cause of the catalogue says why",
+}
+
+SHORT_OF_NOISE = {
+    "nothing_wrong": "nothing wrong that could be named: what is left",
+    "explained": "explained as far as causes could be named: what is left",
 }
 
 
@@ -96,20 +102,38 @@ def write(outcome: Outcome, folder: Path) -> None:
 
 def summary(findings: dict[str, Any]) -> str:
     """The findings as a person wants them in a terminal."""
-    lines = [VERDICTS[findings["verdict"]]]
+    lines = [_verdict(findings)]
     lines += [f"  ({', '.join(f'{i} is {name}' for i, name in findings['taxels'].items())})"] if "taxels" in findings else []
     for f in findings["findings"]:
-        lines.append(f"\n  {f['cause']} in the {f['where']}: {f['means']}")
-        lines += [f"    {name} = {p['value']:.4g} {p['unit']}" for name, p in f["parameters"].items()]
-        gain = f["gain"]
-        if gain["held_out_rmse_before"] is not None and gain["held_out_rmse_before"] != gain["held_out_rmse_after"]:
-            interval = f"falls by {gain['ci95'][0]:.3g} to {gain['ci95'][1]:.3g} {gain['unit']}, 95 %"
-            change = f"{gain['held_out_rmse_before']:.3g} -> {gain['held_out_rmse_after']:.3g} {gain['unit']}"
-            lines.append(f"    held-out error of {gain['channel']}: {change} ({interval})")
+        lines += [f"\n  {f['cause']} in the {f['where']}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
         lines += [f"    cannot be told from: {a['cause']} in the {a['where']}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
     lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]
     return "\n".join(lines)
+
+
+def _verdict(findings: dict[str, Any]) -> str:
+    above = above_noise(findings)
+    if above and findings["verdict"] in SHORT_OF_NOISE:
+        return f"{SHORT_OF_NOISE[findings['verdict']]} of {above[0]} is {above[1]:.2f} times what noise alone leaves"
+    return VERDICTS[findings["verdict"]]
+
+
+def _sizes(f: dict[str, Any]) -> list[str]:
+    """Parameters, one a line; what each session has of its own; and what telemetry saw."""
+    sizes = [f"    {name} = {p['value']:.4g} {p['unit']}" for name, p in f["parameters"].items()]
+    own = f["evidence"].get("of_each_session") or {}
+    sizes += [f"    {session}: {course}" for session, course in own.items()]
+    return sizes + ([f"    {f['evidence']['why']}"] if f["evidence"].get("why") and not own else [])
+
+
+def _worth(gain: dict[str, Any]) -> list[str]:
+    """The fall of the held-out error, where it was measured."""
+    if gain["held_out_rmse_before"] is None or gain["held_out_rmse_before"] == gain["held_out_rmse_after"]:
+        return []
+    interval = f"falls by {gain['ci95'][0]:.3g} to {gain['ci95'][1]:.3g} {gain['unit']}, 95 %"
+    change = f"{gain['held_out_rmse_before']:.3g} -> {gain['held_out_rmse_after']:.3g} {gain['unit']}"
+    return [f"    held-out error of {gain['channel']}: {change} ({interval})"]
 
 
 def progress_line() -> Callable[[str], None]:

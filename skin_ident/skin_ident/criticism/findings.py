@@ -19,6 +19,7 @@ from skin_models.model import Model
 from skin_models.parameter import parameters_of
 
 SCHEMA = 1
+NOT_MEASURED = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": None, "unit": "N"}
 Experiments = Mapping[tuple[str, str], tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
 
 
@@ -70,8 +71,18 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
         "alternatives": _alternatives(named),
         **_separating(named, experiments),
         "means": BY_NAME[named.cause].means,
-        "advice": BY_NAME[named.cause].act,
+        "advice": _advice(named),
     }
+
+
+def _advice(named: Named) -> str:
+    """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
+    usual, said = BY_NAME[named.cause].act, " ".join(named.courses.values())
+    if " at " in said:
+        return f"look for what happened at the moments that are named (a knock, a plug, a re-mount, a tare in between); then {usual}"
+    if " to " in said:
+        return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose plug or a tare in between"
+    return f"{usual}, before every session" if said else usual
 
 
 def _of_each_session(named: Named) -> dict[str, Any]:
@@ -92,17 +103,15 @@ def _dispersion(model: Model, std: dict[str, float]) -> dict[str, Any]:
     return {p.name: {"value": p.value, "unit": p.unit, "std": std.get(p.name)} for p in parameters_of(model.dispersion)}
 
 
-def seen(symptom: Symptom, baseline: dict[str, Any]) -> dict[str, Any]:
-    """One entry of `findings` that telemetry stands for: no term of the model, so no gain to claim."""
-    channel = symptom.channels[0]
-    error = baseline["rmse"].get(channel, {}).get("held_out")
+def seen(symptom: Symptom) -> dict[str, Any]:
+    """One entry of `findings` that telemetry stands for: no term of the model, so no gain is claimed unless it is judged."""
     return {
         "cause": symptom.cause,
         "where": symptom.where,
         "channels": list(symptom.channels),
         "parameters": symptom.parameters,
         "evidence": symptom.evidence,
-        "gain": {"held_out_rmse_before": error, "held_out_rmse_after": error, "ci95": [0.0, 0.0], "channel": channel, "unit": "N"},
+        "gain": {**NOT_MEASURED, "channel": symptom.channels[0]},
         "alternatives": [],
         "separating_experiment": "",
         "means": BY_NAME[symptom.cause].means,
@@ -157,7 +166,7 @@ def as_findings(
     """The whole of findings.json."""
     before = [[replace(own, beyond=s.beyond) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
     baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, *before)
-    entries = [seen(s, baseline) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
+    entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     known = telemetry_words(recordings, symptoms, given)
     excluded, untestable = excluded_and_untestable(c.last.projected, named, known, {"quantization": _steps_seen(recordings)})

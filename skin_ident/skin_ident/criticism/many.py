@@ -212,8 +212,7 @@ def _spread_out(beyond: np.ndarray | None, s: Session, chosen: list[int]) -> np.
 
 def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, chosen: list[int], count: int) -> dict[str, Any]:
     """findings.json of the joint search with what was found in the other taxels."""
-    baseline = findings["baseline"]
-    entries = [*(seen(s, baseline) for s in (*odd, *rest.symptoms)), *findings["findings"], *rest.entries]
+    entries = [*(seen(s) for s in (*odd, *rest.symptoms)), *findings["findings"], *rest.entries]
     named = {(e["cause"], e["where"]) for e in entries}
     verdict = {"nothing_wrong": "explained", "unexplained": "partly_explained"}.get(findings["verdict"], findings["verdict"])
     said = (

@@ -30,10 +30,33 @@ def excluded(v: View) -> Safe | None:
     """Causes that would have been seen."""
     if not v.excluded:
         return None
-    rows = [[_name(e), bound(e), sentence(meaning(text(e.get("cause"))))] for e in v.excluded]
+    rows = [[_name(e), size_ruled_out(e, v), sentence(meaning(text(e.get("cause"))))] for e in v.excluded]
     note = "These were tested and not found. If one were there above the size given, these data would have shown it."
     body = table(["cause", "smaller than", "what it would mean"], rows, class_="plain")
     return section("excluded", "Ruled out", el("p", note, class_="note"), _folded(body, v.excluded))
+
+
+def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
+    """The entries of another table that are about the same cause at the same place."""
+
+    def named(x: dict) -> tuple[str, str]:
+        return text(x.get("cause")), text(x.get("where"))
+
+    return [o for o in others if named(o) == named(e) or (named(o)[0] == named(e)[0] and not (named(o)[1] and named(e)[1]))]
+
+
+def size_ruled_out(e: dict, v: View) -> str:
+    """How small an excluded cause must be, and whether that is all of it."""
+    return bound(e) + ("; only this of it, see what could not be tested" if _also(e, v.untestable) else "")
+
+
+def why_untestable(e: dict, v: View) -> str:
+    """Why a cause could not be tested; where some of it was ruled out, that this is the rest."""
+    because, ruled_out = text(e.get("because")), _also(e, v.excluded)
+    if not ruled_out:
+        return sentence(because)
+    forms = " and ".join(dict.fromkeys(spoken(text(o.get("form"))) for o in ruled_out if o.get("form")))
+    return f"Ruled out in part only{f' (its form {forms})' if forms else ''}: {because.rstrip('.')}."
 
 
 def bound(e: dict) -> str:
@@ -66,8 +89,10 @@ def untestable(v: View) -> Safe | None:
     """Causes that these data could not show."""
     if not v.untestable:
         return None
-    rows = [[_name(e), sentence(text(e.get("because"))), sentence(text(e.get("needs")))] for e in v.untestable]
-    note = "Nothing can be said about these, for or against: the data never excite them."
+    rows = [[_name(e), why_untestable(e, v), sentence(text(e.get("needs")))] for e in v.untestable]
+    note = "Nothing can be said about these, for or against, for the reason given."
+    if any(_also(e, v.excluded) for e in v.untestable):
+        note += " Where a cause was ruled out above as well, the rest of it is meant here."
     return section(
         "untestable", "Could not be tested", el("p", note, class_="note"), table(["cause", "because", "would need"], rows, (), "plain")
     )

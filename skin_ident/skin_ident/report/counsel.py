@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from skin_ident.report.numbers import percent
 from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
-from skin_ident.report.words import advice, capital, cause_at, place, rebuild, sentence
+from skin_ident.report.words import capital, cause_at, place, rebuild, sentence
 
 NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
 TESTED = {
@@ -113,9 +113,9 @@ def _carried(v: View) -> str:
 def _advice(v: View) -> Iterator[str]:
     """Advice on each finding, what touches hardware first; more than a few are left to the cards below."""
     order = ["yes", "perhaps", "cannot say", "no"]
-    clear = [f for f in v.findings if advice(f.cause) and not f.alternatives]
+    clear = [f for f in v.findings if f.act and not f.alternatives]
     ranked = sorted(clear, key=lambda f: (order.index(rebuild(f.cause, f.where).answer), f.where == "skin"))
-    yield from dict.fromkeys(sentence(f"{place(f.where)}: {advice(f.cause)}") for f in ranked[:MOST_ADVICE])
+    yield from dict.fromkeys(sentence(f"{place(f.where)}: {f.act}") for f in ranked[:MOST_ADVICE])
     if len(ranked) > MOST_ADVICE:
         yield f"For the other {len(ranked) - MOST_ADVICE}, see the cards under Evidence."
 

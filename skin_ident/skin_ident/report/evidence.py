@@ -9,7 +9,7 @@ from skin_ident.report.numbers import amount, percent, span
 from skin_ident.report.story import amounts_line
 from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
-from skin_ident.report.words import EVIDENCE, SHARES, advice, capital, cause_at, channel, meaning, sentence, signal, spoken
+from skin_ident.report.words import EVIDENCE, SHARES, capital, cause_at, channel, meaning, sentence, signal, spoken
 
 UNTOLD = ("why", "stuck", "count", "excursions")  # said elsewhere, or for programs
 
@@ -39,7 +39,7 @@ def _card(f: Finding, number: int) -> Safe:
         *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k not in UNTOLD),
         *(("Could also be", join([cause_at(c, w), f" ({why})" if why else ""])) for c, w, why in f.alternatives),
         ("Would tell them apart", sentence(f.separating)),
-        ("What to do", sentence(advice(f.cause))),
+        ("What to do", sentence(f.act)),
     ]
     entries = [[el("dt", k), el("dd", value)] for k, value in rows if value]
     return el("article", el("h3", f"{number}. {capital(cause_at(f.cause, f.where))}"), el("dl", entries), class_="card")

@@ -9,6 +9,7 @@ from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.view import View
 
 WINDOW_S = 10.0
+BESIDE = 0.1  # of the squared change, that may fall among the samples compared
 LEAST_FALL = 0.02  # of the error, below which the extension is taken to change nothing
 
 
@@ -25,6 +26,11 @@ class Focus:
     def channel(self) -> str:
         """Name of the channel."""
         return self.trace.channels[self.row]
+
+    @property
+    def beside(self) -> bool:
+        """Whether what the extension changes falls into moments that were not compared."""
+        return changes_beside(self.trace, self.row)
 
     @property
     def is_whole(self) -> bool:
@@ -44,11 +50,17 @@ class Focus:
 
 
 def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
-    """The held-out session that gained most (any session where none was held out); None without traces."""
+    """The held-out session that gained most (any session where none was held out); where nothing was named, the session and channel whose
+    error stands furthest above the noise. None without traces."""
     usable = [t for t in traces if t.t.size > 1 and t.channels]
     if not usable:
         return None
-    trace = max([t for t in usable if t.held_out] or usable, key=_removed)
+    tested = [t for t in usable if t.held_out] or usable
+    if not view.findings:
+        looked_at = usable if view.verdict == "unexplained" else tested
+        trace, row = max(((t, row) for t in looked_at for row in range(len(t.channels))), key=lambda q: _astray(*q, view))
+        return Focus(trace, row, *window(trace, row, view.band_hz))
+    trace = max(tested, key=_removed)
     row = _row(trace, view)
     return Focus(trace, row, *window(trace, row, view.band_hz))
 
@@ -80,12 +92,19 @@ def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float 
     if width >= 0.9 * n:
         return 0, n
     before, after = (smooth(trace.t, r, band_hz) ** 2 for r in residuals(trace, row))
-    worth = (before - after if _fall(trace, row) > LEAST_FALL else after) * trace.compared
+    beside = changes_beside(trace, row)
+    worth = (before - after if beside or _fall(trace, row) > LEAST_FALL else after) * (trace.compared | beside)
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(worth))])
     held = total[width:] - total[:-width]
     best = np.flatnonzero(held >= held.max() - 5e-3 * abs(held.max()))  # about as good: the middle one shows what comes before and after
     start = int(best[best.size // 2])
     return start, start + width
+
+
+def changes_beside(trace: Trace, row: int) -> bool:
+    """Whether the extension changes a channel almost only where nothing was compared."""
+    change = np.nan_to_num(trace.extended[row] - trace.baseline[row]) ** 2
+    return bool(np.sum(change) > 0.0 and np.sum(change[trace.compared]) < BESIDE * np.sum(change))
 
 
 def _fall(trace: Trace, row: int) -> float:
@@ -95,6 +114,13 @@ def _fall(trace: Trace, row: int) -> float:
 
 def _removed(trace: Trace) -> float:
     return max((_fall(trace, row) for row in range(len(trace.channels))), default=0.0)
+
+
+def _astray(trace: Trace, row: int, view: View) -> float:
+    """The error of a channel over what noise alone leaves of it, or over what is measured, where no floor is known."""
+    floor = next((e.floor for e in view.errors if e.channel == trace.channels[row] and trace.channels[row] not in view.silent), None)
+    left = rms(smooth(trace.t, residuals(trace, row)[1], view.band_hz)[trace.compared])
+    return round(left / floor, 2) if floor else left / max(rms(trace.measured[row]), 1e-12)
 
 
 def _row(trace: Trace, view: View) -> int:

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
+from skin_ident.criticism.above import NEAR
 from skin_ident.report.counsel import PARTLY, TESTED, UNEXPLAINED
 from skin_ident.report.numbers import amount, percent, span
 from skin_ident.report.view import IN_TURN, ChannelError, View
 from skin_ident.report.words import signal
 
+ALIKE = 1.02  # times the floor: the same number to a reader
 LEAST = 0.05  # relative fall of a channel's error that is worth saying
 
 
@@ -42,14 +44,29 @@ def fall(e: ChannelError) -> float:
 
 def _no_gain(v: View, told: list[ChannelError]) -> Figure:
     """Nothing was added: where the model stands against the noise."""
-    at_noise = all(e.floor is not None and e.pair[1] < 1.15 * e.floor for e in told)
-    said = [f"Typical error of the {signal(e.channel)}: {amount(e.pair[1], e.unit)}." + _floor(e) for e in told[:2]]
+    at_noise = all(e.floor is not None and e.pair[1] < NEAR * e.floor for e in told)
+    said = [f"Typical error of the {signal(e.channel)}: {amount(e.pair[1], e.unit)}{_when_fitted(e)}." + _floor(e) for e in told[:2]]
+    unmeasured = dict.fromkeys(f.unmeasured for f in v.findings if f.simulated and f.unmeasured)
+    if v.findings and all(f.simulated and f.unmeasured for f in v.findings):
+        return Figure("Not measured", f"by this comparison, for {' and '.join(unmeasured)}", tuple(said))
     if v.findings:
         return Figure("No change", "the named faults are in the record, not in the model", tuple(said))
+    if v.verdict == UNEXPLAINED:
+        return Figure("No gain", "no cause could be added to the model", tuple(said))
     return Figure("Nothing to gain" if at_noise else "No gain", "" if at_noise else "no cause could be added to the model", tuple(said))
 
 
+def _when_fitted(e: ChannelError) -> str:
+    """The error on the sessions that were fitted, where it is clearly more than on those that were not."""
+    fitted = e.train[1]
+    if fitted is None or e.held_out[1] is None or fitted < NEAR * e.held_out[1]:
+        return ""
+    return f", and {amount(fitted, e.unit)} on the data it was fitted to"
+
+
 def _floor(e: ChannelError) -> str:
+    if e.floor is not None and e.pair[1] is not None and e.pair[1] <= ALIKE * e.floor:
+        return " That is no more than noise."
     return "" if e.floor is None else f" Noise alone leaves {amount(e.floor, e.unit, like=[*e.pair, e.floor])}."
 
 
@@ -85,6 +102,8 @@ def _bound(e: ChannelError, after: float, v: View) -> str:
     if e.floor is None:
         return ""
     floor = amount(e.floor, e.unit, like=[*e.pair, e.floor])
+    if after <= ALIKE * e.floor:
+        return "What is left is no more than noise."
     if v.verdict in (PARTLY, UNEXPLAINED):
         return f"Noise alone leaves about {floor}; what is between is still unexplained."
-    return f"Noise alone leaves {floor}: " + ("there is nothing more to gain." if after < 1.15 * e.floor else "no model can do better.")
+    return f"Noise alone leaves {floor}: " + ("there is nothing more to gain." if after < NEAR * e.floor else "no model can do better.")

@@ -1,6 +1,6 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
-from skin_ident.report.appendix import bound
+from skin_ident.report.appendix import size_ruled_out, why_untestable
 from skin_ident.report.gains import fall
 from skin_ident.report.numbers import UNKNOWN, amount, percent
 from skin_ident.report.reading import recording_name
@@ -75,12 +75,12 @@ def _parameters(v: View) -> list[str]:
 
 
 def _excluded(v: View) -> list[str]:
-    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), bound(e)] for e in v.excluded]
+    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), size_ruled_out(e, v)] for e in v.excluded]
     return _rows("Ruled out", ["cause", "smaller than"], rows)
 
 
 def _untestable(v: View) -> list[str]:
-    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), text(e.get("because")), text(e.get("needs"))] for e in v.untestable]
+    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), why_untestable(e, v), text(e.get("needs"))] for e in v.untestable]
     return _rows("Could not be tested", ["cause", "because", "would need"], rows)
 
 

@@ -2,10 +2,11 @@
 
 from typing import Any
 
+from skin_ident.criticism.above import above_noise
 from skin_ident.report.numbers import finite, plain
 from skin_ident.report.tolerant import mapping, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
-from skin_ident.report.words import cause_at, effect_words, parameter_words, spoken
+from skin_ident.report.words import advice, cause_at, effect_words, parameter_words, spoken
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")
@@ -48,6 +49,7 @@ def view(findings: dict[str, Any]) -> View:
         ),
         in_turn=any(g.get("tested_on") == IN_TURN for g in gains.values()),
         other={k: v for k, v in findings.items() if k not in _KNOWN},
+        above=above_noise(findings),
     )
 
 
@@ -116,6 +118,7 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         tuple(_alternative(a) for a in sequence(f.get("alternatives"))),
         text(f.get("separating_experiment")),
         tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
+        text(f.get("advice")) or advice(cause),
     )
 
 
@@ -162,4 +165,7 @@ def _error(channel: str, before: dict, after: dict, floor: Any, gain: dict) -> C
         pairs[1] = (finite(gain.get("held_out_rmse_before")), finite(gain.get("held_out_rmse_after")))
     low, high = (*map(finite, sequence(gain.get("ci95"))), None, None)[:2]
     interval = None if low is None or high is None or low == high == 0.0 else (low, high)
-    return ChannelError(channel, text(before.get("unit") or after.get("unit")) or "N", *pairs, finite(floor), interval)
+    floor = finite(floor)
+    left = pairs[1][1] if pairs[1][1] is not None else pairs[0][1]
+    floor = floor if floor is None or left is None else min(floor, left)  # another session's noise may be more than this one's
+    return ChannelError(channel, text(before.get("unit") or after.get("unit")) or "N", *pairs, floor, interval)

@@ -9,11 +9,11 @@ from skin_ident.criticism.outcome import Outcome, Round
 from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, next_steps, rebuild_answer, sure
 from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
-from skin_ident.report.numbers import amount, plain
+from skin_ident.report.numbers import amount, percent, plain
 from skin_ident.report.reading import LONE, view
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.tolerant import text
-from skin_ident.report.view import Amount, Finding, View, unit_of
+from skin_ident.report.view import DIRECT, Amount, Finding, View, unit_of
 from skin_ident.report.words import capital, cause_at, meaning, sentence, signal, spoken
 
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
@@ -84,19 +84,35 @@ def _lone(ranked: tuple[tuple[str, str, float], ...]) -> tuple[tuple[str, str, f
 def _headline(v: View) -> Headline:
     names = _names(v)
     if v.verdict == NOTHING:
-        return Headline("good", "Nothing wrong found", "The simulation matches these measurements down to their noise.")
+        down = "The simulation matches these measurements down to their noise."
+        return Headline("good", "Nothing wrong found", _above(v, "No cause could be named") or down)
     if v.verdict == EXPLAINED and not v.judged:
-        compared = any(None not in e.train for e in v.errors)
-        rest = "the simulation matches the rest of it" if compared else "what is left of it is too little to judge a simulation"
-        return Headline("found", f"Explained: {names}", f"The fault is in the record itself; {rest}.")
+        return Headline("found", f"Explained: {names}", _in_the_record(v))
     if v.verdict == EXPLAINED:
-        return Headline("found", f"Explained: {names}", "With this in the model, what is left of the mismatch looks like noise.")
+        down = "With this in the model, what is left of the mismatch looks like noise."
+        return Headline("found", f"Explained: {names}", _above(v, "With this in the model, nothing more could be named") or down)
     if v.verdict == PARTLY:
         return Headline("part", f"Partly explained: {names}", "The extended model is better, but what is left is not yet noise.")
     if v.verdict == UNEXPLAINED:
         title = f"Not explained, despite {names}" if v.findings else "Not explained"
         return Headline("bad", title, "The simulation is measurably wrong, and no cause that we know describes how.")
     return Headline("part", capital(spoken(v.verdict)), "This report does not know the verdict; see the findings below.")
+
+
+def _in_the_record(v: View) -> str:
+    compared = any(None not in e.train for e in v.errors)
+    rest = "the simulation matches the rest of it" if compared else "what is left of it is too little to judge a simulation"
+    if all(f.cause in DIRECT for f in v.findings):
+        return f"The fault is in the record itself; {rest}."
+    return f"It is seen in moments that the comparison leaves out; {rest}."
+
+
+def _above(v: View, begins: str) -> str:
+    """A sentence where the error stands clearly above the noise, though not so clearly that it must have a cause."""
+    if v.above is None:
+        return ""
+    channel, times = v.above
+    return f"{begins}; what is left of the {signal(channel)} is {percent(times - 1.0)} above what noise alone leaves."
 
 
 def _names(v: View) -> str:
@@ -123,8 +139,15 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         yield Wrong("", _stray(seen, v))
     elif not v.findings and v.verdict == NOTHING:
         yield Wrong("", "Nothing that these data can show. What was ruled out, and what could not be tested, is listed below.")
+        yield from (Wrong("Not settled", sentence(said)) for said in _unsettled(v))
     elif not v.findings:
         yield Wrong("", "No departure from the model could be named with confidence.")
+
+
+def _unsettled(v: View) -> Iterator[str]:
+    """What was seen, and leaves several causes open: a reason that they share and that tells of a difference."""
+    shared = [text(e.get("because")) for e in v.untestable]
+    yield from dict.fromkeys(said for said in shared if shared.count(said) > 1 and " differ " in said)
 
 
 def amounts_line(amounts: tuple[Amount, ...], most: int = MOST_AMOUNTS) -> str:
@@ -150,7 +173,7 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
     yield from (s for s in (_against_rivals(f, rounds) for f in v.findings[:2]) if s)
     if len(v.findings) > 2:
         yield f"The other {len(v.findings) - 2} were accepted in the same way, one after the other."
-    if v.judged and (seen is None or seen.changes):
+    if (v.judged and (seen is None or seen.changes)) or (seen is not None and seen.beside):
         yield _in_the_picture(seen, v) if seen is not None else "The picture shows what the model misses without it, and with it."
     if v.findings:
         return
@@ -172,7 +195,8 @@ def _stray(seen: Focus, v: View) -> str:
 
 
 def _in_the_picture(seen: Focus, v: View) -> str:
-    cut = np.flatnonzero(seen.trace.compared[seen.start : seen.stop]) + seen.start
+    looked_at = seen.trace.compared | seen.beside
+    cut = np.flatnonzero(looked_at[seen.start : seen.stop]) + seen.start
     cut = cut if cut.size else np.arange(seen.start, seen.stop)
     worst = [float(np.nanpercentile(np.abs(smooth(seen.trace.t, r, v.band_hz)[cut]), 99.0)) for r in residuals(seen.trace, seen.row)]
     unit = unit_of(v, seen.channel)

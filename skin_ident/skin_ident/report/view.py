@@ -52,6 +52,7 @@ class Finding:
     alternatives: tuple[tuple[str, str, str], ...]  # cause, where, remark
     separating: str
     hid_in: tuple[tuple[Amount, Amount], ...] = ()  # parameters of the baseline that it had bent, before and after
+    act: str = ""  # what to do about it, where the finding says more than its cause does
 
     @property
     def why(self) -> str:
@@ -66,7 +67,13 @@ class Finding:
     @property
     def direct(self) -> bool:
         """Whether it is seen in the record itself, before any model, so that the simulation gains nothing. A silent taxel is no signal."""
-        return self.cause == "dead_taxel" or (self.cause in DIRECT and not self.gain.fall)
+        return self.cause == "dead_taxel" or (not self.gain.fall and (self.cause in DIRECT or "simulated" in dict(self.evidence)))
+
+    @property
+    def unmeasured(self) -> str:
+        """Why the comparison cannot say what simulating it is worth, as a clause; empty where it can, or nothing is simulated."""
+        said = text(dict(self.evidence).get("simulated")).partition("nothing is predicted with it, for ")[2]
+        return said if self.direct else ""
 
 
 @dataclass(frozen=True)
@@ -104,6 +111,7 @@ class View:
     band_hz: float | None  # errors are taken below this frequency
     in_turn: bool  # the errors are of sessions that were held out in turn
     other: dict[str, Any]
+    above: tuple[str, float] | None = None  # the channel whose error is clearly above its noise, and how many times
 
     @property
     def tested(self) -> str:

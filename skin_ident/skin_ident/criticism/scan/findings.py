@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.findings import NOT_MEASURED
 from skin_ident.criticism.scan.candidates import Candidate, excited
 from skin_ident.criticism.scan.extended import surface_width
 from skin_ident.criticism.scan.family import QUANTITIES
@@ -29,7 +30,7 @@ def as_findings(
 ) -> dict[str, Any]:
     """The whole of findings.json. `given` is the name of a given model, or empty."""
     baseline, extended = described(found.baseline, found, s, _name(given)), described(found.extended, found, s, _name(given, found))
-    entries = [seen(f, baseline) for f in together(looked.faults)] + [entry(n, found, s) for n in found.named]
+    entries = [seen(f) for f in together(looked.faults)] + [entry(n, found, s) for n in found.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     x = excited(s.cells, bool(given), bool(given))
     excluded, untestable = limits(found.extended.member, s.cells, found.noise.noise.whitener(), x, named, looked.known)
@@ -189,16 +190,15 @@ def _merged(group: list[Fault]) -> Fault:
     return Fault(first.cause, first.where, "; ".join(f.why for f in group), np.any([f.bad for f in group], axis=0), count, alternatives)
 
 
-def seen(f: Fault, baseline: dict[str, Any]) -> dict[str, Any]:
+def seen(f: Fault) -> dict[str, Any]:
     """One entry of `findings` that the table itself stands for: no term of the model, so no gain to claim."""
-    error = baseline["rmse"].get(CHANNEL, {}).get("held_out")
     return {
         "cause": f.cause,
         "where": f.where,
         "channels": [CHANNEL],
         "parameters": f.parameters,
         "evidence": {"why": f.why},
-        "gain": {"held_out_rmse_before": error, "held_out_rmse_after": error, "ci95": [0.0, 0.0], "channel": CHANNEL, "unit": "N"},
+        "gain": {**NOT_MEASURED, "channel": CHANNEL},
         "alternatives": [{"cause": c, "where": w, "explains_less_by": 0.0} for c, w in f.alternatives],
         "separating_experiment": separating([f.cause, *(c for c, _ in f.alternatives)]),
         "means": BY_NAME[f.cause].means,

@@ -13,7 +13,7 @@ NOTHING = {"model": "none: too little can be believed to fit one", "parameters":
 
 def unreadable(scans: list[SpreadScan], held: list[SpreadScan], looked: Looked) -> Outcome:
     """The faults of the tables, everything else untestable, no model and no curves."""
-    entries = [seen(f, NOTHING) for f in together(looked.faults)]
+    entries = [seen(f) for f in together(looked.faults)]
     named = {entry["cause"] for entry in entries} | {a["cause"] for entry in entries for a in entry["alternatives"]}
     inspected = [c.name for c in CAUSES if looked.known.get(c.name) == "" and c.name not in named and c.name != "noise"]
     open_causes = [c for c in CAUSES if c.name not in named and c.name not in inspected]

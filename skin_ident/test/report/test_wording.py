@@ -1,0 +1,87 @@
+"""Words that numbers ask for: what is above the noise, what a comparison leaves out, what is ruled out in part."""
+
+import numpy as np
+import report_examples as examples
+
+from skin_ident.cli.diagnose import summary
+from skin_ident.criticism.above import above_noise
+from skin_ident.criticism.outcome import Trace
+from skin_ident.report.appendix import size_ruled_out, why_untestable
+from skin_ident.report.focus import focus
+from skin_ident.report.gains import better
+from skin_ident.report.reading import view
+from skin_ident.report.story import tell
+
+LEFT_OUT = "the moments at which it acts are not compared"
+
+
+def findings(verdict="nothing_wrong", left=0.05, floor=0.05, entries=(), train=None) -> dict:
+    errors = {"force": {"train": train or left, "held_out": left, "unit": "N"}, "taxel_0": {"train": 0.02, "held_out": 0.02, "unit": "N"}}
+    floors = {"force": {"rms": floor, "band_hz": 8.0}, "taxel_0": {"rms": 0.02, "band_hz": 8.0}}
+    model = {"model": "dispersion", "parameters": {}, "rmse": errors}
+    return {"verdict": verdict, "baseline": model, "extended": model, "noise_floor": floors, "findings": list(entries)}
+
+
+def adhesion() -> dict:
+    return {
+        "cause": "adhesion", "where": "skin", "channels": ["force"], "means": "m", "alternatives": [], "separating_experiment": "",
+        "parameters": {"reach": {"value": 1e-5, "unit": "m"}},
+        "evidence": {"why": "it pulls", "simulated": f"yes, but nothing is predicted with it, for {LEFT_OUT}"},
+        "gain": {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": "force", "unit": "N"},
+    }  # fmt: skip
+
+
+def test_what_is_above_the_noise_is_not_called_noise():
+    assert above_noise(findings()) is None and above_noise(findings(left=0.06)) == ("force", 0.06 / 0.05)
+    (near, far) = (tell(examples.Outcome(findings(left=left))).story.headline.line for left in (0.052, 0.06))
+    assert "down to their noise" in near and "20\u00a0% above" in far
+    assert "looks like noise" in summary(findings()) and "1.20 times" in summary(findings(left=0.06))
+
+
+def test_an_error_below_the_floor_is_no_more_than_noise():
+    told = better(view(findings(left=0.045)))
+    assert "no more than noise" in told.sentences[0] and "Noise alone" not in told.sentences[0]
+
+
+def test_a_gain_that_was_not_measured_is_not_claimed():
+    v = view(findings("explained", entries=[adhesion()]))
+    story = tell(examples.Outcome(findings("explained", entries=[adhesion()]))).story
+    assert not v.judged and story.better.number == "Not measured" and "not compared" in story.better.caption
+    assert "comparison leaves out" in story.headline.line and not any("improves" in s for s in story.sure_because)
+    said = summary(findings("explained", entries=[adhesion()]))
+    assert "it pulls" in said and "held-out error" not in said
+
+
+def test_sizes_of_each_session_are_printed():
+    entry = adhesion() | {"parameters": {}, "evidence": {"why": "each has its own", "of_each_session": {"a": "+0.06 N", "b": "-0.03 N"}}}
+    assert "a: +0.06 N" in summary(findings("explained", entries=[entry])) and "b: -0.03 N" in summary(
+        findings("explained", entries=[entry])
+    )
+
+
+def trace(name: str, held: bool, astray: int | None) -> Trace:
+    t = np.arange(3000) / 100.0
+    noise = np.random.default_rng(len(name)).normal(0.0, 0.02, (2, t.size))
+    noise[0] *= 2.5
+    if astray is not None:
+        noise[astray] += 0.2 * np.sin(t)
+    flat = np.zeros((2, t.size))
+    return Trace(name, held, t, t, t, ("force", "taxel_0"), noise, flat, flat)
+
+
+def test_where_nothing_is_named_the_channel_that_strays_is_shown():
+    v = view(findings("unexplained", train=0.08))
+    seen = focus((trace("one", False, 1), trace("other", True, None)), v)
+    assert (seen.trace.session, seen.channel) == ("one", "taxel_0")
+    assert better(v).number == "No gain" and "data it was fitted to" in better(v).sentences[0]
+
+
+def test_what_is_ruled_out_in_part_says_so_in_both_tables():
+    lean = {"cause": "off_centre", "where": "rig", "parameter": "shift", "below": 4e-6, "unit": "m", "form": "lean"}
+    whole = {"cause": "off_centre", "because": "the ratios differ", "needs": "a scan"}
+    v = view({"excluded": [lean, lean | {"cause": "friction"}], "untestable": [whole, whole | {"cause": "anisotropy"}]})
+    assert ["only this of it" in size_ruled_out(e, v) for e in v.excluded] == [True, False]
+    assert [why_untestable(e, v) for e in v.untestable] == [
+        "Ruled out in part only (its form lean): the ratios differ.",
+        "The ratios differ.",
+    ]
