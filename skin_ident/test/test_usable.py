@@ -7,9 +7,11 @@ import pytest
 
 from skin_ident.cli.diagnose import apart
 from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.quantization import find_buried, find_quantization, undeclared_steps
 from skin_ident.criticism.telemetry.still import is_still
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.criticism.usable import belong_together, something_moves
 from skin_ident.recordings.declared import Declared
@@ -131,3 +133,12 @@ def test_a_file_counts_once_and_a_held_out_one_is_not_fitted(tmp_path):
     assert file == a and "counts once" in said and held == []
     with pytest.raises(RecordingError, match="none is left to fit"):
         apart([str(a)], [str(a)])
+
+
+def test_a_line_that_comes_and_goes_is_told_with_its_size_in_bursts():
+    line = Symptom("interference", "load_cell", ("force",), {"frequency": quantity(11.0, "Hz")}, {"why": "a line"})
+    steady = 0.2 * np.sin(2.0 * np.pi * 11.0 * T) + np.random.default_rng(6).normal(0.0, 0.05, T.size)
+    bursts = np.where(np.sin(0.7 * T) > 0.9, steady, steady - 0.2 * np.sin(2.0 * np.pi * 11.0 * T))
+    assert told_of_bursts(line, ("force",), [steady[None]] * 2, [0.005] * 2) == line
+    told = told_of_bursts(line, ("force",), [bursts[None]] * 2, [0.005] * 2)
+    assert "in bursts" in told.evidence["why"] and told.parameters["in_bursts"]["value"] == pytest.approx(0.2, rel=0.25)

@@ -36,6 +36,7 @@ from skin_ident.criticism.record import Inspected, inspect
 from skin_ident.criticism.residual import simulated, stiffness
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, meeting, motion_under
+from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import find_buried, step_of
@@ -113,7 +114,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]), step)
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
-    seen = (*looked.symptoms, *_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
+    seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
     symptoms = (*odd, *seen)
     rest = systematic_rest(c.last, list(c.train), list(c.held), step)
     explained = max((n.gain.squares for n in c.named), default=0.0)
@@ -184,7 +185,7 @@ def _encoder_step(recordings: list) -> float:
 
 
 def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known: tuple[Symptom, ...]) -> list[Symptom]:
-    """In what the extended model leaves: noise that is not as declared, and steps that bury it, unless they are `known`."""
+    """The `known` symptoms, and what else is in what the extended model leaves: noise that is not as declared, steps that bury it."""
     model, channels = c.extended.model, sessions[0].channels
     rest = [s.raw - simulated(model, s) for s in sessions]
     calm = [~meeting(motion_under(s, model.dispersion), model.dispersion) for s in sessions]
@@ -193,7 +194,8 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
         *find_noise(recordings, channels, rest, calm, [stiffness(model, c) for c in channels]),
     ]
-    return [s for s in found if s.channels[0] not in sessions[0].stuck]
+    told = [told_of_bursts(s, channels, rest, [r.dt for r in recordings]) for s in known]
+    return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]
 
 
 def _verdict(anything: bool, systematic: bool) -> str:

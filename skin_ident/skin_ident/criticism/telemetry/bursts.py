@@ -1,0 +1,42 @@
+"""Interference that comes and goes: how large it is while it is there, and how much of the time.
+
+The residual within `WIDTH_HZ` of the line has the envelope a(t). A steady line has mean(a^4) = mean(a^2)^2, noise twice that, and what is
+there for a share s of the time 1 / s: beyond `COMING` it comes in bursts, whose amplitude is what the envelope reaches.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+
+WIDTH_HZ = 1.5
+COMING = 4.0
+THERE = 0.5  # of the bursts' amplitude, from which it is there
+REACHED = 99.0  # percentile of the envelope that is taken for the amplitude
+
+
+def told_of_bursts(symptom: Symptom, channels: tuple[str, ...], rests: list[np.ndarray], dts: list[float]) -> Symptom:
+    """The symptom, which says so where its line comes in bursts.
+
+    `rests` (C, N) N are measured less simulated, at full rate, sampled every `dts` s.
+    """
+    if symptom.cause != "interference" or symptom.channels[0] not in channels or "frequency" not in symptom.parameters:
+        return symptom
+    row = channels.index(symptom.channels[0])
+    seen = [_bursts(e[row], symptom.parameters["frequency"]["value"], dt) for e, dt in zip(rests, dts, strict=True)]
+    if any(s is None for s in seen):
+        return symptom
+    size, share = (float(np.median(q)) for q in zip(*seen, strict=True))
+    why = f"{symptom.evidence['why']}; it comes in bursts of about {size:.2g} N, {100.0 * share:.0f} % of the time"
+    return replace(symptom, parameters={**symptom.parameters, "in_bursts": quantity(size, "N")}, evidence={**symptom.evidence, "why": why})
+
+
+def _bursts(e: np.ndarray, frequency: float, dt: float) -> tuple[float, float] | None:
+    """Amplitude in bursts, N, and their share of the time; None for what is always there."""
+    at = np.fft.fftfreq(e.size, dt)
+    envelope = 2.0 * np.abs(np.fft.ifft(np.fft.fft(e - e.mean()) * (np.abs(at - frequency) < WIDTH_HZ)))
+    if np.mean(envelope**4) < COMING * np.mean(envelope**2) ** 2:
+        return None
+    size = float(np.percentile(envelope, REACHED))
+    return size, float(np.mean(envelope > THERE * size))
