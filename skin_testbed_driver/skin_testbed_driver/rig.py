@@ -64,6 +64,9 @@ class Rig(ABC):
     def command(self, position: float, velocity: float) -> None:
         """Be at `position` (m) with `velocity` (m/s) one period from now. Raises `RigError` when the rig is lost."""
 
+    def prepare(self) -> None:  # noqa: B027  (hardware goes on by itself)
+        """Called when a sample is out and the next command is known: a simulation computes the next reading now, not when it is due."""
+
     def place(self, x: float, y: float) -> None:
         """Begin to bring the point (x, y) m of the skin's frame under the plunger. Raises `RigError` where no motor does that."""
         raise RigError("this rig has no motorised x-y stage: move it by hand, then call the profile server's service proceed")

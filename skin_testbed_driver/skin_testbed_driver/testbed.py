@@ -80,6 +80,11 @@ class Testbed:
                 self._command()
         return sample
 
+    def prepare(self) -> None:
+        """Call this when the sample of the last tick is out."""
+        with self._lock:
+            self.rig.prepare()
+
     def resume(self) -> None:
         """Call this before the first tick after a pause: others may have moved the axis, which is to rest where it is now."""
         with self._lock:

@@ -63,6 +63,13 @@ def test_a_seed_fixes_every_reading_and_another_changes_them():
     assert volts[0] == volts[1] != volts[2]
 
 
+def test_a_reading_prepared_when_the_command_is_known_is_the_same_reading():
+    prepared = rig_of(SILICONE, seed=3)
+    prepared.command = lambda x, v, command=prepared.command: (command(x, v), prepared.prepare(), prepared.prepare())
+    for a, b in zip(press(rig_of(SILICONE, seed=3), 200)[3], press(prepared, 200)[3], strict=True):
+        assert a[:2] == b[:2] and (a.taxel_voltage == b.taxel_voltage).all() and (a.taxels_truth == b.taxels_truth).all()
+
+
 def test_noise_has_the_size_it_was_given():
     rig = rig_of(SILICONE, imperfections=replace(IDEAL, load_cell_noise=0.01))
     rig.open(100.0)

@@ -99,6 +99,7 @@ class SimulatedRig(Rig):
         self._bare = BareSkin(self._model, self._dt) if is_bare(self._model) and not self._real.mount_compliance else None
         self._batch = np.empty((max(_BATCH // self._noise.size, 1), self._noise.size))
         self._drawn = len(self._batch)
+        self._ahead: Reading | None = None
         self._look_around()
 
     def command(self, position: float, velocity: float) -> None:
@@ -128,6 +129,14 @@ class SimulatedRig(Rig):
 
     def read(self) -> Reading:
         """One period later: where the encoder says the stage is (m), what load cell and taxels say (V), and both truths (N)."""
+        reading, self._ahead = self._ahead or self._step(), None
+        return reading
+
+    def prepare(self) -> None:
+        """Go to the next reading now."""
+        self._ahead = self._ahead or self._step()
+
+    def _step(self) -> Reading:
         self._move()
         x, v = self._tip()
         if self._xy != self._xy_target:

@@ -159,6 +159,7 @@ class DriverNode(LifecycleNode):
             self._sample = self._testbed.tick((stamp_ns - self._epoch) * 1e-9)
             if self._sample is not None:
                 self._publishing.sample(self._sample, stamp)
+            self._testbed.prepare()
             self._publishing.seldom(stamp)
             status = self._testbed.status()
             if status is not self._published:
