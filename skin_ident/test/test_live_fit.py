@@ -44,6 +44,29 @@ def test_pause_starts_the_filter_anew():
     assert fit.live.values == pytest.approx(TRUTH, rel=0.02)
 
 
+def scores(rho, runs):
+    """By how many of its standard errors each parameter misses, (runs, 5)."""
+    out = []
+    for seed in range(runs):
+        r = recording(seed, n=4000, shares=(1.0, 0.3), rho=rho)
+        live = fed(r, 200).live
+        out.append(((live.values - TRUTH) / np.where(live.std > 0.0, live.std, 1.0))[[0, 1, 2, 3, 5]])
+    return np.array(out)
+
+
+def test_standard_errors_match_the_scatter():
+    assert np.all(np.abs(np.std(scores(0.8, 24), axis=0) - 1.0) < 0.4)  # 2.7 standard errors of 24 runs
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.9, 0.97])
+def test_intervals_cover(rho, capsys):
+    shares = np.mean(np.abs(scores(rho, 400)) < 1.96, axis=0)
+    with capsys.disabled():
+        print(f"\nlive, rho {rho}: {shares}")
+    assert np.all((shares >= 0.91) & (shares <= 0.98))
+
+
 def offered(fit, rows, shift_ns=0, scale=1.0):
     for k, i in enumerate(rows):
         stamp = round(R.t[i] * 1e9) + 10**12 + shift_ns

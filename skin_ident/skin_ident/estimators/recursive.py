@@ -2,22 +2,25 @@
 
     Z <- lambda Z + z z',   z = (v, x, force, taxels)  after one causal low-pass common to all of them
 
-Everything follows from Z: coefficients by the normal equations of eq 24, residual variance, correlation between channels. The same sum
-one sample apart gives the residual's correlation in time, by which the standard errors are widened (they would be too small otherwise).
-State is explicit: `state = absorb(state, block)`.
+Everything follows from Z: coefficients by the normal equations of eq 24, residual variance, correlation between channels. With lambda^2 in
+the place of lambda it gives the scatter of coefficients that forget, P Z2 P with P = Z^-1; and the same sum one sample apart the residual's
+correlation in time, by which the standard errors are widened (they would be too small otherwise). How much is told by noise of first order
+behind the same low-pass. State is explicit: `state = absorb(state, block)`.
 Source: L. Ljung, System Identification, 2nd ed., Prentice Hall 1999, section 11.2.
 """
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
-from scipy.signal import butter, sosfilt
+from scipy.signal import butter, sosfilt, sosfreqz
 
 from skin_ident.estimators.split import jacobian, metric_of, split, weights_of
 from skin_models.signals import GRAVITY
 
 PER_CUTOFF = 4.0  # rows kept per period of the cut-off frequency
 FEWEST = 30.0  # effective rows before anything is said
+BINS = 20_000  # of frequency
 
 
 @dataclass(frozen=True)
@@ -44,13 +47,14 @@ class Memory:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What is remembered: the last samples, the filter, how many samples went through it, the two sums, the last row, how many rows."""
+    """What is remembered: the last samples, the filter, how many samples went through it, the three sums, the last row, how many rows."""
 
     tail: np.ndarray
     filter: np.ndarray
     count: int
     now: np.ndarray
     next: np.ndarray
+    squared: np.ndarray
     last: np.ndarray | None
     rows: float
 
@@ -59,7 +63,7 @@ def initial(m: Memory) -> State:
     """Nothing known yet."""
     width = 2 + m.force + m.taxels
     empty = np.zeros((width, width))
-    return State(np.empty((width - 1, 0)), np.zeros((1, width, 2)), 0, empty, empty, None, 0.0)
+    return State(np.empty((width - 1, 0)), np.zeros((1, width, 2)), 0, empty, empty, empty, None, 0.0)
 
 
 def restarted(m: Memory, state: State) -> State:
@@ -115,6 +119,7 @@ def _summed(m: Memory, state: State, kept: np.ndarray) -> State:
         state,
         now=old * state.now + (weight * kept) @ kept.T,
         next=old * state.next + (weight * kept) @ shifted.T,
+        squared=old**2 * state.squared + (weight**2 * kept) @ kept.T,
         last=kept[:, -1],
         rows=old * state.rows + weight.sum(),
     )
@@ -143,20 +148,36 @@ def estimate(m: Memory, state: State) -> Live | None:
     ends = np.concatenate([-beta, np.eye(beta.shape[1])])
     spread = ends.T @ state.now @ ends / max(state.rows - 2.0, 1.0)
     np.fill_diagonal(spread, np.maximum(np.diag(spread), 0.0))
-    widened = spread * _widening(ends, state)
-    covariance = np.kron(widened, inverse)
+    widened = spread * _widening(m, ends, state)
+    covariance = np.kron(widened, inverse @ state.squared[:2, :2] @ inverse)
     speed, depth = size / np.sqrt(state.rows)
     return _split(
         m, beta, covariance, metric_of(inverse), Live(np.empty(0), np.empty(0), state.rows, speed, depth, np.sqrt(np.diag(spread)))
     )
 
 
-def _widening(ends: np.ndarray, state: State) -> np.ndarray:
-    """By how much (C, C) correlation in time widens the covariance: (1 + rho) / (1 - rho) for each channel."""
+def _widening(m: Memory, ends: np.ndarray, state: State) -> np.ndarray:
+    """By how much (C, C) correlation in time widens the covariance."""
     rho = np.diag(ends.T @ state.next @ ends) / np.maximum(np.diag(ends.T @ state.now @ ends), 1e-300)
-    rho = np.clip(rho, 0.0, 0.98)
-    root = np.sqrt((1.0 + rho) / (1.0 - rho))
+    root = np.sqrt(np.interp(rho, *_memories(m)))
     return np.outer(root, root)
+
+
+@cache
+def _memories(m: Memory) -> tuple[np.ndarray, np.ndarray]:
+    """For noise from white to one with a memory of a thousand samples: the correlation of neighbouring rows, and by how much they widen.
+
+    The second is the sum of all correlations: the spectral density of the kept rows at nothing over their variance.
+    """
+    omega = np.concatenate([2 * np.pi * np.arange(m.every) / m.every, np.linspace(0.0, np.pi, BINS)])
+    gain = np.abs(sosfreqz(_low_pass(m), np.minimum(omega, 2 * np.pi - omega))[1]) ** 2
+    rho, sums = [], []
+    for left in np.geomspace(1.0, 1e-3, 40):
+        power = gain / np.abs(1.0 - (1.0 - left) * np.exp(-1j * omega)) ** 2
+        variance, neighbours = (np.mean(power[m.every :] * c) for c in (1.0, np.cos(m.every * omega[m.every :])))
+        rho.append(neighbours / variance)
+        sums.append(np.mean(power[: m.every]) / variance)
+    return np.array(rho), np.array(sums)
 
 
 def _split(m: Memory, beta: np.ndarray, covariance: np.ndarray, metric: np.ndarray, live: Live) -> Live:
