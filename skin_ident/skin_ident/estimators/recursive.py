@@ -63,7 +63,7 @@ def initial(m: Memory) -> State:
     """Nothing known yet."""
     width = 2 + m.force + m.taxels
     empty = np.zeros((width, width))
-    return State(np.empty((width - 1, 0)), np.zeros((1, width, 2)), 0, empty, empty, empty, None, 0.0)
+    return State(np.empty((width - 1, 0)), np.zeros((1, width, 2)), 0, empty, empty, np.zeros((2, 2)), None, 0.0)
 
 
 def restarted(m: Memory, state: State) -> State:
@@ -119,7 +119,7 @@ def _summed(m: Memory, state: State, kept: np.ndarray) -> State:
         state,
         now=old * state.now + (weight * kept) @ kept.T,
         next=old * state.next + (weight * kept) @ shifted.T,
-        squared=old**2 * state.squared + (weight**2 * kept) @ kept.T,
+        squared=old**2 * state.squared + (weight**2 * kept[:2]) @ kept[:2].T,
         last=kept[:, -1],
         rows=old * state.rows + weight.sum(),
     )
@@ -149,7 +149,7 @@ def estimate(m: Memory, state: State) -> Live | None:
     spread = ends.T @ state.now @ ends / max(state.rows - 2.0, 1.0)
     np.fill_diagonal(spread, np.maximum(np.diag(spread), 0.0))
     widened = spread * _widening(m, ends, state)
-    covariance = np.kron(widened, inverse @ state.squared[:2, :2] @ inverse)
+    covariance = np.kron(widened, inverse @ state.squared @ inverse)
     speed, depth = size / np.sqrt(state.rows)
     return _split(
         m, beta, covariance, metric_of(inverse), Live(np.empty(0), np.empty(0), state.rows, speed, depth, np.sqrt(np.diag(spread)))
