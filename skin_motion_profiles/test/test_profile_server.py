@@ -244,12 +244,13 @@ def test_the_death_of_the_driver_ends_the_goal():
         bench.close()
 
 
-def test_a_server_asked_to_end_lets_the_plunger_retract():
+def test_a_server_asked_to_end_lets_the_plunger_retract_and_says_so():
     bench = Bench()
     try:
-        bench.give(LONG)
+        handle = bench.give(LONG)
         bench.moving(0.0009)
         bench.server.send(signal.SIGINT)
+        assert bench.end(handle)[1].error_code == Result.CANCELLED
         assert bench.server.wait(10.0) == 0
         bench.until(lambda: abs(bench.depth - RETRACTED) < 1e-5, "the retreat", 5.0)
     finally:

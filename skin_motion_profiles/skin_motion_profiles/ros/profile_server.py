@@ -5,6 +5,7 @@ ends as BUSY, a wrong profile or one beyond the driver's limits as INVALID_PROFI
 """
 
 import threading
+import time
 from collections.abc import Callable
 
 from rclpy.action import ActionServer, CancelResponse
@@ -22,6 +23,8 @@ from skin_motion_profiles.ros.run import Run
 from skin_motion_profiles.ros.settings import Settings
 
 Result = ExecuteProfile.Result
+_FAREWELL = 3.0  # s, for a goal to brake, and to retract or hold
+_LAST_WORD = 0.2  # s, for its result to leave
 
 
 class ThreadedActionServer(ActionServer):
@@ -80,8 +83,16 @@ class ProfileServer(Node):
     def destroy_node(self) -> None:
         """Let a running goal brake and retract or hold before the node goes."""
         self.leaving.set()
-        self.running.acquire(timeout=3.0)
+        if self.running.locked():
+            self._spin_until(lambda: not self.running.locked(), _FAREWELL)
+            self._spin_until(lambda: False, _LAST_WORD)
         super().destroy_node()
+
+    def _spin_until(self, condition: Callable[[], bool], patience: float) -> None:
+        """Let the client hear how its goal ends, though the loop of the node has ended."""
+        end = time.monotonic() + patience
+        while not condition() and time.monotonic() < end and self.executor is not None:
+            self.executor.spin_once(timeout_sec=0.02)
 
 
 def _conclude(handle: ServerGoalHandle, result: Result) -> Result:
