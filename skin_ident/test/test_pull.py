@@ -1,7 +1,17 @@
 """A pull on release is found from the moments that the rest of the comparison leaves out."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from hide_and_seek import seek
+
+from skin_ident.criticism.faults import effect_of
+from skin_ident.criticism.session import prepare
+from skin_ident.criticism.telemetry.pull import find_pull
+from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
 
 
 @pytest.mark.parametrize("form", ["pull_off", "jkr"])
@@ -13,3 +23,16 @@ def test_a_skin_that_holds_on_is_found(tmp_path, form):
 @pytest.mark.parametrize(("cause", "where"), [("stress_relaxation", "skin"), ("hysteresis", "load_cell")])
 def test_what_looks_like_a_pull_is_none(tmp_path, cause, where):
     assert "adhesion" not in [c for c, _ in seek(tmp_path, cause, where=where, size=2.0, seed=43).names]
+
+
+def test_a_pull_that_is_not_like_the_simulated_one_is_named_and_not_simulated():
+    rng, t = np.random.default_rng(0), np.arange(12000) / 250.0
+    skin = Dispersion(m=0.0, b1=1.0, k1=900.0, b2=1.0, k2=600.0)
+    x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
+    x[(t > 13.0) & (t < 17.0)] = 4e-5  # a rest at the surface, where the simulated skin would hold on all the time
+    plain = Recording("a", t, x, 1500.0 * np.maximum(x, 0.0), 900.0 * np.maximum(x, 0.0)[None])
+    brief = np.where((np.diff(x, append=x[-1]) < 0.0) & (x < 0.0) & (x > -1e-4), -0.8, 0.0)
+    noise = rng.normal(0.0, 0.01, (2, t.size))
+    sessions = [prepare(replace(plain, force=plain.force + brief + noise[0], taxels=plain.taxels + 0.6 * brief + noise[1:]))]
+    (found,) = find_pull(Model(skin, shares=(1.0,)), sessions)
+    assert found.evidence["unlike_simulated"] and effect_of(found) is None

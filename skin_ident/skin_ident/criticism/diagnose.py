@@ -50,6 +50,7 @@ from skin_models.errors import ModelError
 from skin_models.model import Model
 
 MASS_PER_THICKNESS = 0.108  # kg/m
+BESIDE = ("adhesion",)  # causes that act in moments which are not compared, and follow from the motion: the curves show them
 BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out;
 FEWEST_BLOCKS = 9  # shorter ones in a session that would have fewer
 
@@ -134,7 +135,8 @@ def _outcome(part: _Part, findings: dict[str, Any], array: ArrayCriticism | str,
     if findings["findings"] and findings["verdict"] == "unexplained":  # until the array had its say
         findings["verdict"] = "partly_explained"
     kept, whole = {s.name for s in part.held}, part.looked.whole
-    traces = tuple(_trace(c, s, own, s.name in kept) for s, own in zip(whole, _with_courses(whole, c), strict=True))
+    shown = with_effects(c.extended.model, [e for e in effects_of(symptoms) if e.cause in BESIDE])
+    traces = tuple(_trace(c, shown, s, own, s.name in kept) for s, own in zip(whole, _with_courses(whole, c), strict=True))
     carried = with_effects(_with_layout(model, array, first), effects_of(symptoms))
     return Outcome(findings, c.baseline.model, carried, c.extended.std, traces, (), _rounds(c), dict(_batteries(part.experiments)))
 
@@ -238,8 +240,8 @@ def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> M
         return told(model, str(error), first)
 
 
-def _trace(c: Criticism, s: Session, own: Session, held: bool) -> Trace:
-    before, after = simulated(c.baseline.model, s), simulated(c.extended.model, own)
+def _trace(c: Criticism, shown: Model, s: Session, own: Session, held: bool) -> Trace:
+    before, after = simulated(c.baseline.model, s), simulated(shown, own)
     moved = motion_under(s, c.extended.model.dispersion)
     seen = believed(s.name, c)
     left_out = None if seen is None else 1.0 - np.round(np.interp(moved.t, s.t, seen))

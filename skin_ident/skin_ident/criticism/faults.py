@@ -24,11 +24,12 @@ from skin_models.parameter import clipped
 
 PREDICTS = ("saturation", "quantization", "dead_taxel")
 SENSORS = ("load_cell", "taxel")
+UNLIKE = "unlike_simulated"  # evidence that the catalogue's effect would take the simulation further from the record
 
 
 def effect_of(s: Symptom) -> Effect | None:
-    """The effect that simulates what was seen; None where the catalogue has none."""
-    if not s.where.startswith((*SENSORS, "skin")) or s.cause not in _MAKERS:
+    """The effect that simulates what was seen; None where the catalogue has none, or none that is like it."""
+    if not s.where.startswith((*SENSORS, "skin")) or s.cause not in _MAKERS or s.evidence.get(UNLIKE):
         return None
     return _MAKERS[s.cause](s, {name: q["value"] for name, q in s.parameters.items()})
 

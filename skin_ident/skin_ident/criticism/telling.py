@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.criticise import Criticism, Named
-from skin_ident.criticism.faults import PREDICTS, effect_of
+from skin_ident.criticism.faults import PREDICTS, UNLIKE, effect_of
 from skin_ident.criticism.floor import beyond_noise, floor_of_all, noise_floor
 from skin_ident.criticism.judging import Judged
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -64,6 +64,8 @@ def _verdict(verdict: str, more: bool) -> str:
 
 def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
     effect = effect_of(symptom)
+    if symptom.evidence.get(UNLIKE):
+        return {"simulated": "no: the simulated skin does it in another way, which would be further from the record than none"}
     if effect is None:
         return {"simulated": "no: the simulated chain has no place for this"}
     reasons = dict.fromkeys(PREDICTS, "the noise carries readings across the steps") | {

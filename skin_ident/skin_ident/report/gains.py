@@ -46,8 +46,8 @@ def _no_gain(v: View, told: list[ChannelError]) -> Figure:
     """Nothing was added: where the model stands against the noise."""
     at_noise = all(e.floor is not None and e.pair[1] < NEAR * e.floor for e in told)
     said = [f"Typical error of the {signal(e.channel)}: {amount(e.pair[1], e.unit)}{_when_fitted(e)}." + _floor(e) for e in told[:2]]
-    unmeasured = dict.fromkeys(f.unmeasured for f in v.findings if f.simulated and f.unmeasured)
-    if v.findings and all(f.simulated and f.unmeasured for f in v.findings):
+    unmeasured = dict.fromkeys(f.unmeasured for f in v.findings if f.unmeasured)
+    if v.findings and all(f.unmeasured for f in v.findings):
         return Figure("Not measured", f"by this comparison, for {' and '.join(unmeasured)}", tuple(said))
     if v.findings:
         return Figure("No change", "the named faults are in the record, not in the model", tuple(said))

@@ -71,9 +71,10 @@ class Finding:
 
     @property
     def unmeasured(self) -> str:
-        """Why the comparison cannot say what simulating it is worth, as a clause; empty where it can, or nothing is simulated."""
+        """Why the comparison cannot say what simulating it is worth, as a clause; empty where it can, or it is a fault of the record."""
         said = text(dict(self.evidence).get("simulated")).partition("nothing is predicted with it, for ")[2]
-        return said if self.direct else ""
+        beside = "" if self.cause in DIRECT else "the moments at which it acts are not compared"
+        return (said or beside) if self.direct else ""
 
 
 @dataclass(frozen=True)
