@@ -45,7 +45,7 @@ def _grade(v: View, rivals: bool) -> str:
     if v.tested == UNTESTED:
         return "Not proven"
     if v.verdict == NOTHING:
-        return "Sure, for what could be tested"
+        return "Sure, for what could be tested" if v.above is None else "Fairly sure: a little more is left than noise"
     if v.verdict == UNEXPLAINED or not v.findings:
         return "Sure that something is wrong, not what"
     if rivals:
