@@ -20,6 +20,7 @@ FOUND = [
     ("hysteresis", "skin", "bouc_wen"),
     ("backlash", "rig", "play"),
     ("position_offset", "rig", "constant"),
+    ("position_offset", "rig", "warming"),
     ("force_offset", "taxel_0", "constant"),
     ("lag", "taxel_0", "one_pole"),
     ("lag", "taxel_0", "two_pole"),

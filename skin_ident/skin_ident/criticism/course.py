@@ -65,10 +65,12 @@ class Course:
 
 @dataclass(frozen=True)
 class Run:
-    """A course fitted to sessions: its likelihood score, its largest amplitude, its values (C, N) N and its words by session."""
+    """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
+    values (C, N) N and its words by session."""
 
     course: Course
     score: float
+    charge: float
     largest: float
     values: dict[str, np.ndarray]
     said: dict[str, str]
@@ -183,15 +185,15 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener) -> np.
 
 def _run(course: Course, g: _Ground) -> Run:
     moments = {s.name: _moments(course, g, s) for s in g.sessions}
-    z, score = _solve(course, g, moments)
+    z, score, charge = _solve(course, g, moments)
     if course.shape == STEPS and score > 0.0:
         moments = {s.name: _around(moments[s.name], z[s.name], s) for s in g.sessions}
-        z, score = _solve(course, g, moments, exactly=True)
+        z, score, charge = _solve(course, g, moments, exactly=True)
         moments = {name: m[z[name] != 0.0] for name, m in moments.items()}
         z = {name: row[row != 0.0] for name, row in z.items()}
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, moments[s.name], z[s.name]) for s in g.sessions}
-    return Run(course, score, max(float(np.abs(row).max(initial=0.0)) for row in z.values()), values, said)
+    return Run(course, score, charge, max(float(np.abs(row).max(initial=0.0)) for row in z.values()), values, said)
 
 
 def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -269,15 +271,15 @@ def _around(moments: np.ndarray, z: np.ndarray, s: Session) -> np.ndarray:
     return np.unique(np.maximum(np.add.outer(used, around), s.motion.t[0])) if used.size else moments[:1]
 
 
-def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: bool = False) -> tuple[dict[str, np.ndarray], float]:
-    """Amplitudes by session, and the fall of the squared whitened error less the charge for each of them."""
+def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: bool = False) -> tuple[dict[str, np.ndarray], float, float]:
+    """Amplitudes by session, the fall of the squared whitened error less the charge for each of them, and that charge."""
     rows = [[s.band.thin(row) for row in _rows(course, g, s, moments[s.name], exactly)] for s in g.sessions]
     A = g.beside(block_diag(*(stack([np.array(own)], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
     steps, r = course.shape == STEPS, g.left
     z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else np.linalg.lstsq(A, r, rcond=1e-8)[0]
     charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
-    return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge)
+    return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
 
 
 def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> str:

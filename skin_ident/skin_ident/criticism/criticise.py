@@ -26,6 +26,8 @@ WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
+TREMBLING = 1e-6  # m, of a good stage at rest
+AT_ONCE = 0.05  # s, what passes the common band as damping does
 OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
@@ -154,18 +156,24 @@ class Search:
                 return
 
     def _choose(self, trials: list[_Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
-        """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those.
+        """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those. Of
+        one cause at one place that form is taken which explains more.
 
         Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named for
         it.
         """
         best = trials[0].score if trials else 0.0
         first = runs and runs[0].score > max(MARGIN * best, best + 10.0)
-        own = self._own_course(runs[0], trials) if first else None
+        same = trials and runs and trials[0].key == (runs[0].course.cause, runs[0].course.where)
+        own = self._own_course(runs[0], trials) if first or (same and self._refitted(runs[0]) > best) else None
         shared = None if own or first else self._first_believed(trials, runs)
         if not (own or shared or first) and runs and runs[0].score > BEHIND * best:
             own = self._own_course(runs[0], trials)
         return own, shared
+
+    def _refitted(self, run: Run) -> float:
+        """The score of a course when the model is fitted again beside it, as that of a trial is."""
+        return self.present.cost - fit(self.present.model, added(self.train, run.values), self.noise).cost - run.charge
 
     def survey(self) -> Survey:
         """Every cause ranked against the present model; the last round's survey where the model has not changed since."""
@@ -193,8 +201,12 @@ class Search:
         return _Trial(r, grown, float(self.present.cost - grown.cost - charge))
 
     def _plausible(self, t: _Trial) -> bool:
-        """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell."""
+        """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell. And whether
+        the skin is no filter: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor."""
         session = self.train[0]
+        skin, arms = t.fit.model.dispersion, instances(t.fit.model, "stress_relaxation", "skin")
+        if any(getattr(a, "tau", np.inf) < AT_ONCE and 2.0 * (a.k_sensed + a.k_dispersed) > skin.k1 + skin.k2 for a in arms):
+            return False
         channels = session.channels
         if t.ranked.where != "skin" or t.ranked.cause.startswith("spread") or "force" not in channels or len(channels) == 1:
             return True
@@ -219,7 +231,8 @@ class Search:
             )
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > MATERIAL * trial.fit.count  # what it was fitted to must gain by it, too
-            if told and gain.passed and gain.squares > shadow and self._resolved(gain) and _shows(trial.ranked.where, gain):
+            enough = gain.squares > shadow and self._resolved(gain, trial.key[0])
+            if told and gain.passed and enough and _shows(trial.key[1], gain):
                 return trial.fit, finding
             self.refused.append(finding)
         return None
@@ -232,7 +245,7 @@ class Search:
         after = fit(self.present.model, added(self.train, run.values), self.noise)
         gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > _reach(run.score) and t.key[0] != run.course.cause)
-        if not (believed(gain) and self._resolved(gain)):
+        if not (believed(gain) and self._resolved(gain, run.course.cause)):
             return None
         return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
 
@@ -246,12 +259,16 @@ class Search:
         self.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
         self.progress(f"named {finding.cause} in the {finding.where}")
 
-    def _resolved(self, gain: Gain) -> bool:
+    def _resolved(self, gain: Gain, cause: str) -> bool:
         """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever
         the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the
-        readings across them."""
+        readings across them. And a stage trembles between the encoder's steps, at speeds that nobody reads and damping feels: what only
+        depends on speed must exceed that, too."""
         k = stiffness(self.present.model, gain.channel)
-        return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + (UNEVEN * self._step(gain.channel)) ** 2
+        skin, trembling = self.present.model.dispersion, min(self.encoder_step, TREMBLING)
+        felt = (skin.b1 + skin.b2) * 2.0 * np.pi * self.train[0].band.edge if cause == "rate_dependence" else 0.0
+        open_to = OPEN * ((k * self.encoder_step) ** 2 + (felt * trembling) ** 2) / 12.0
+        return gain.squares > open_to + (UNEVEN * self._step(gain.channel)) ** 2
 
     def _step(self, channel: str) -> float:
         """The converter's step in a channel, N; zero where none is seen."""

@@ -58,14 +58,15 @@ class Mount(Effect):
 
 
 class Offset(Effect):
-    """The encoder's zero is not the surface; `jumps` lets part of it come in the middle of the session."""
+    """The encoder's zero is not the surface: from the start, from a moment on (`jumps`), or more and more (`warms`)."""
 
-    def __init__(self, c, jumps=False):
-        self.size, self.jumps = 0.01 * c.skin.depth_max * c.rng.choice([-1, 1]), jumps
+    def __init__(self, c, how=""):
+        self.size, self.how = 0.01 * c.skin.depth_max * c.rng.choice([-1, 1]), how
         self.at = c.rng.uniform(0.3, 0.7)
 
     def encoder(self, x, t, a, rng):
-        return x + a * self.size * (1.0 if not self.jumps else t > self.at * t[-1])
+        share = {"": 1.0, "jumps": t > self.at * t[-1], "warms": t / (t + self.at * t[-1])}[self.how]
+        return x + a * self.size * share
 
 
 class OffCentre(Effect):
@@ -140,7 +141,7 @@ FORMS = {
         "spring": Mount, "hardening": lambda c: Mount(c, harden=c.rng.uniform(3, 15)),
         "seating": lambda c: Mount(c, seat=c.rng.uniform(0.02, 0.1)),
     },
-    "position_offset": {"constant": Offset, "lost_counts": lambda c: Offset(c, jumps=True)},
+    "position_offset": {"constant": Offset, "lost_counts": lambda c: Offset(c, "jumps"), "warming": lambda c: Offset(c, "warms")},
     "off_centre": {"shift": OffCentre, "walk": lambda c: OffCentre(c, "walk"), "lean": lambda c: OffCentre(c, "lean")},
     "inertia": {"mass": _moving_mass, "sprung": _sprung_mass},
     "friction": {"coulomb": _coulomb, "stribeck": _stribeck, "lugre": _lugre, "loaded": _loaded},
