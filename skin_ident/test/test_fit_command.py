@@ -55,6 +55,15 @@ def test_options(fit, tmp_path, more):
     assert done.returncode == 0 and not list(tmp_path.glob("*.yaml"))
 
 
+def test_taxels_that_the_plunger_does_not_reach_have_no_say(fit, tmp_path):
+    done = fit(write_table(tmp_path / "a.csv", recording(n=3000, shares=(1.0, 0.0, 0.0))), "--out", tmp_path / "out")
+    found = json.loads((tmp_path / "out" / "fit.json").read_text())
+    verdicts = {name: p["verdict"] for name, p in found["parameters"].items()}
+    assert [verdicts[n] for n in ("b1", "k1", "share_1", "share_2")] == ["identifiable"] * 2 + ["not identifiable"] * 2
+    assert list(found["notes"]["latency_behind_depth_ms"]) == ["force", "taxel_0"]
+    assert done.stdout.count("taxel_1, taxel_2: next to nothing") == 1
+
+
 def test_the_sinusoid_that_was_fitted_is_printed(fit, tmp_path):
     done = fit(write_table(tmp_path / "a.csv", R), "--motion", "sinusoid")
     assert "A 0.3 mm, B 1.5708 rad/s, C 0.5 mm, t0 " in done.stdout

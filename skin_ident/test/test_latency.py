@@ -54,6 +54,11 @@ def test_kept_stamps_fit_better_than_resampled_ones(tmp_path):
     assert fit.residuals["force"].rmse < 1.05 * fit_dispersion([resampled], SILICONE[4][0]).residuals["force"].rmse
 
 
+def test_those_that_feel_most_are_looked_at():
+    found = latencies([recording(n=1000, shares=(*[0.01] * 9, 0.5, 1.0))], SILICONE[4][0])
+    assert len(found) == 8 and {"force", "taxel_9", "taxel_10"} <= set(found)
+
+
 def test_even_stamps_are_even_whether_kept_or_not(tmp_path):
     path = write_table(tmp_path / "a.csv", recording(n=300))
     assert not load(path, keep=True)[0].uneven and load(path, keep=True)[0].warnings == ()

@@ -12,7 +12,7 @@ from skin_ident.cli.fit_other import DISPERSION, PRONY, WHAT, fit_other
 from skin_ident.cli.fit_scan import fit_scans
 from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.estimate import POOR, Estimate
 from skin_ident.estimators.fit import FIXED, FREE, MEASURED, SINUSOID, Options, fit_recordings, mass_of, sessions_of
 from skin_ident.estimators.latency import latencies
 from skin_ident.estimators.profile import profile
@@ -80,7 +80,7 @@ def _with_latencies(estimate: Estimate, recordings: list[Recording], options: Op
     if estimate.model is None:
         return estimate
     mass = mass_of(replace(options, mass=FIXED) if options.mass == FREE else options, recordings)  # a free mass would stand for a delay
-    found = latencies(recordings, mass)
+    found = {n: latency for n, latency in latencies(recordings, mass).items() if estimate.residuals[n].r2 >= POOR}
     said = [w for name, latency in found.items() for w in latency.warning(name, recordings[0].dt)]
     entries = {name: {"value": 1e3 * latency.seconds, "std": 1e3 * latency.std} for name, latency in found.items()}
     return replace(estimate, warnings=(*estimate.warnings, *said), notes={**estimate.notes, "latency_behind_depth_ms": entries})

@@ -14,7 +14,7 @@ import numpy as np
 
 from skin_ident.estimators.converter import with_steps
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import Estimate, Residual
+from skin_ident.estimators.estimate import Estimate, Residual, complaints
 from skin_ident.estimators.regression import Block, Regression, regress
 from skin_ident.estimators.robust import CLOSE, LINEAR, Tamed, noted, tamed
 from skin_ident.estimators.sessions import Session, prepare
@@ -210,7 +210,7 @@ def _estimate(
     covariance = _with_silent(covariance, shape)
     named = (*parameters_of(model.dispersion), *(Parameter(f"share_{i}", "1", s) for i, s in enumerate(model.shares)))
     residuals = _residuals(sessions, shape, regression)
-    notes += [w for name, r in residuals.items() for w in r.complaint(name)]
+    notes += complaints(residuals)
     verdicts, contributions = judge(sessions, shape, regression, named, covariance)
     verdicts = where_explained(verdicts, contributions, residuals)
     return Estimate(

@@ -15,6 +15,8 @@ NOT_IDENTIFIABLE = "not identifiable"
 AT_BOUND = "at its bound"
 FIXED = "fixed"
 POOR = 0.9  # R² below which a fit is called poor
+SILENT = 0.1  # R² below which next to nothing is explained
+SHOWN = 8  # channels that are named in one sentence
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,16 @@ class Residual:
             return []
         share = f"only {100 * self.r2:.0f} %" if self.r2 > 0.0 else "nothing"
         return [f"{channel}: the model explains {share} of what was measured; its parameters mean little"]
+
+
+def complaints(residuals: Mapping[str, Residual]) -> list[str]:
+    """A warning for every channel of which the model explains little; those of which it explains next to nothing share one."""
+    silent = [name for name, r in residuals.items() if r.r2 < SILENT]
+    if len(silent) < 2:
+        return [w for name, r in residuals.items() for w in r.complaint(name)]
+    shown = ", ".join(silent[:SHOWN]) + f" and {len(silent) - SHOWN} more" * (len(silent) > SHOWN)
+    rest = [w for name, r in residuals.items() if name not in silent for w in r.complaint(name)]
+    return [*rest, f"{shown}: next to nothing of what was measured is explained; the plunger hardly reaches them, if nothing else is wrong"]
 
 
 @dataclass(frozen=True, eq=False)

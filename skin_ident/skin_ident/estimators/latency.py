@@ -42,12 +42,14 @@ class Latency:
 
 
 def latencies(recordings: Sequence[Recording], mass: float | str = 0.0) -> dict[str, Latency]:
-    """The latency of every channel (of the first few) over all sessions. Raises `FitError` as `fit_dispersion` does."""
+    """The latency of every channel (of the few that feel most) over all sessions. Raises `FitError` as `fit_dispersion` does."""
     sessions, _ = prepare(recordings)
     shape = shape_of(sessions, mass, False)
     regression, _ = settled(sessions, shape)
     recovery = recovery_of(regression)
-    return {name: _of_channel(sessions, shape, c, recovery) for c, name in enumerate(channel_names(shape)[:MOST])}
+    names, stiffness = channel_names(shape), [abs(c[-1]) for c in regression.coefficients]
+    felt = sorted(sorted(range(len(names)), key=lambda c: -stiffness[c])[:MOST])
+    return {names[c]: _of_channel(sessions, shape, c, recovery) for c in felt}
 
 
 def _of_channel(sessions: list[Session], shape: Shape, c: int, recovery: float) -> Latency:

@@ -11,6 +11,7 @@ from skin_models.parameter import Parameter
 from skin_models.signals import GRAVITY
 
 SURE, VAGUE = 0.1, 0.5  # standard error over value: below SURE it is identifiable, above VAGUE it is not
+REACHED = 0.1  # of what a parameter carries in its strongest channel: less is felt by a taxel beside the plunger
 INERTIAL = 0.1  # least part of the mass's column that must be acceleration
 
 
@@ -28,11 +29,15 @@ def judge(sessions, shape, regression, parameters: tuple[Parameter, ...], covari
 def where_explained(
     verdicts: Mapping[str, Verdict], contributions: Mapping[str, Mapping[str, float]], residuals: Mapping[str, Residual]
 ) -> dict[str, Verdict]:
-    """The same, with nothing claimed from a channel that the model does not explain."""
+    """The same, with nothing claimed from a channel that the model does not explain.
+
+    A taxel that the plunger hardly reaches has no say in what the others tell.
+    """
     poor = {name: r.r2 for name, r in residuals.items() if r.r2 < POOR}
     out = dict(verdicts)
     for name, verdict in verdicts.items():
-        bad = [channel for channel in contributions[name] if channel in poor]
+        carried = contributions[name]
+        bad = [channel for channel, newtons in carried.items() if channel in poor and newtons >= REACHED * max(carried.values())]
         if bad and verdict.word in (IDENTIFIABLE, WEAK):
             share = f"only {100 * poor[bad[0]]:.0f} %" if poor[bad[0]] > 0.0 else "nothing"
             out[name] = Verdict(NOT_IDENTIFIABLE, f"the model explains {share} of {bad[0]}: this number is no property of the skin")
