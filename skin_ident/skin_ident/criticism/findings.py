@@ -1,5 +1,6 @@
 """The content of findings.json, schema 1, from a finished criticism."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -19,6 +20,7 @@ from skin_models.model import Model
 from skin_models.parameter import parameters_of
 
 SCHEMA = 1
+START_S = 5.0  # s, within which a step is how the session began
 NOT_MEASURED = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": None, "unit": "N"}
 Experiments = Mapping[tuple[str, str], tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
 
@@ -71,14 +73,14 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
         "alternatives": _alternatives(named),
         **_separating(named, experiments),
         "means": BY_NAME[named.cause].means,
-        "advice": _advice(named),
+        "advice": advice_on(named),
     }
 
 
-def _advice(named: Named) -> str:
+def advice_on(named: Named) -> str:
     """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
     usual, said = BY_NAME[named.cause].act, " ".join(named.courses.values())
-    if " at " in said:
+    if any(float(moment) > START_S for moment in re.findall(r" at ([\d.]+) s", said)):
         return f"look for what happened at the moments that are named (a knock, a plug, a re-mount, a tare in between); then {usual}"
     if " to " in said:
         return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose plug or a tare in between"

@@ -50,15 +50,16 @@ class Focus:
 
 
 def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
-    """The held-out session that gained most (any session where none was held out); where nothing was named, the session and channel whose
-    error stands furthest above the noise. None without traces."""
+    """The held-out session that gained most (any session where none was held out); None without traces.
+
+    Where something is wrong and nothing was named: the session and channel whose error stands furthest above the noise.
+    """
     usable = [t for t in traces if t.t.size > 1 and t.channels]
     if not usable:
         return None
     tested = [t for t in usable if t.held_out] or usable
-    if not view.findings:
-        looked_at = usable if view.verdict == "unexplained" else tested
-        trace, row = max(((t, row) for t in looked_at for row in range(len(t.channels))), key=lambda q: _astray(*q, view))
+    if view.verdict == "unexplained" and not view.findings:
+        trace, row = max(((t, row) for t in usable for row in range(len(t.channels))), key=lambda q: _astray(*q, view))
         return Focus(trace, row, *window(trace, row, view.band_hz))
     trace = max(tested, key=_removed)
     row = _row(trace, view)

@@ -1,5 +1,6 @@
 """The first screen in plain words: what is wrong, why we think so, how much better the model is, how sure we are, what to do next."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -146,7 +147,7 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
 
 def _unsettled(v: View) -> Iterator[str]:
     """What was seen, and leaves several causes open: a reason that they share and that tells of a difference."""
-    shared = [text(e.get("because")) for e in v.untestable]
+    shared = [re.sub(r"taxel_(\d)", r"taxel \1", text(e.get("because"))) for e in v.untestable]
     yield from dict.fromkeys(said for said in shared if shared.count(said) > 1 and " differ " in said)
 
 

@@ -1,10 +1,14 @@
 """Words that numbers ask for: what is above the noise, what a comparison leaves out, what is ruled out in part."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pytest
 import report_examples as examples
 
 from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.above import above_noise
+from skin_ident.criticism.findings import advice_on
 from skin_ident.criticism.outcome import Trace
 from skin_ident.report.appendix import size_ruled_out, why_untestable
 from skin_ident.report.focus import focus
@@ -85,3 +89,17 @@ def test_what_is_ruled_out_in_part_says_so_in_both_tables():
         "Ruled out in part only (its form lean): the ratios differ.",
         "The ratios differ.",
     ]
+
+
+@pytest.mark.parametrize(
+    ("courses", "said"),
+    [
+        ({}, "warm up"),
+        ({"a": "+1.2 % at 40.0 s"}, "what happened at the moments"),
+        ({"a": "+1.2 % at 0.0 s"}, "before every session"),
+        ({"a": "from +0.1 to +0.2 N"}, "crept (warm up"),
+        ({"a": "+0.1 N"}, "before every session"),
+    ],
+)
+def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
+    assert said in advice_on(SimpleNamespace(cause="drift", courses=courses))
