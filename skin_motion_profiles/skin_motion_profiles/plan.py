@@ -109,9 +109,14 @@ def rehearse(plan: Iterable[Stage], start: float, travel: Travel, limits: Limits
     return tuple(durations)
 
 
-def stop(state: State, limits: Limits, retract_to: float | None, travel: Travel) -> Trajectory | None:
-    """From the middle of a motion to rest, and then to the depth `retract_to` (m), or nowhere for None. None where already there."""
+def stop(state: State, limits: Limits, retract_to: float | None, travel: Travel, clear: float = 0.0) -> Trajectory | None:
+    """From the middle of a motion to rest, and then to the depth `retract_to` (m), or nowhere for None. None where already there.
+
+    Who retracts only goes backwards: where the rest is beyond `retract_to` already, by `clear` (m) as far as the limit in the air.
+    """
     pieces = brake(state, limits.max_acceleration)
     if retract_to is not None:
-        pieces += line(brake_end(state, limits.max_acceleration), retract_to, travel.speed, travel.acceleration)
+        rest = brake_end(state, limits.max_acceleration)
+        back = min(retract_to, max(rest - clear, min(limits.min_depth, rest)))
+        pieces += line(rest, back, travel.speed, travel.acceleration)
     return Trajectory(pieces) if pieces else None

@@ -111,9 +111,18 @@ def test_a_stop_brakes_within_the_limits_and_ends_where_it_should(x, v, accelera
     limits = Limits(-1.0, 1.0, 0.02, acceleration)
     trajectory = stop(State(x, v, 0.0), limits, back, Travel(0.01, acceleration))
     if trajectory is None:
-        assert v == 0.0 and back in (None, x)
+        assert v == 0.0 and (back is None or x <= back)
         return
     limits.check(trajectory, "stop")
     assert trajectory.start == pytest.approx(x, abs=1e-12)
-    assert trajectory.end == pytest.approx(x + v * abs(v) / (2 * acceleration) if back is None else back, abs=1e-12)
+    rest = x + v * abs(v) / (2 * acceleration)
+    assert trajectory.end == pytest.approx(rest if back is None else min(back, rest), abs=1e-12)  # only backwards
     assert trajectory.sample(trajectory.duration).v == pytest.approx(0.0, abs=1e-12)
+
+
+def test_who_hits_something_above_the_retracted_depth_leaves_it_backwards():
+    limits, travel = Limits(-0.01, 0.004, 0.02, 1.0), Travel(0.01, 1.0)
+    assert stop(State(-0.005, 0.0, 0.0), limits, -0.002, travel, clear=0.002).end == pytest.approx(-0.007)
+    assert stop(State(-0.009, 0.0, 0.0), limits, -0.002, travel, clear=0.002).end == pytest.approx(-0.01)
+    assert stop(State(0.001, 0.0, 0.0), limits, -0.002, travel, clear=0.002).end == pytest.approx(-0.002)
+    assert stop(State(-0.005, 0.0, 0.0), limits, -0.002, travel) is None

@@ -20,6 +20,7 @@ _SPLICE_DEPTH = 2e-5  # m, by how much a command may jump where it is spliced in
 _SPLICE_STEPS = 0.02  # s, and its speed by this many seconds of the greatest acceleration
 # In a very short segment the rounding of a depth, or a stage that rests a few micrometres beside its target, looks like a jerk.
 _SPLICE_TIME = 0.01  # s from the last set point of the old path to the first of the new one
+_CLEAR = 2e-3  # m, by how much an over-force retracts at least
 _SHORTEST = 2e-4  # s between set points of one command
 _REPEATED_SPEED = 1e-3  # m/s, by which two set points that near to each other may differ and be one
 
@@ -131,7 +132,10 @@ class Motion:
             return
         self.stopped = stop
         if stop.retract:
-            self.go_to(self.limits.retracted_depth, self.limits.max_speed, now)
+            x, _ = self._path.at(now)
+            # Only backwards: what was hit may lie above what is taken for the surface.
+            back = min(self.limits.retracted_depth, max(x - _CLEAR, min(self.limits.min_depth, x)))
+            self.go_to(back, self.limits.max_speed, now)
         else:
             self.rest(now)
 

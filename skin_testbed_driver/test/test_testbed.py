@@ -231,6 +231,17 @@ def test_over_force_retracts_within_one_sample_of_its_detection():
     assert depths[-1] == pytest.approx(-0.002, abs=6e-6)
 
 
+def test_over_force_above_the_retracted_depth_leaves_backwards_too():
+    bench = Bench(Limits(max_force=5.0, retracted_depth=-5e-4), surface=0.0735, start=0.073)  # the skin is 1.5 mm higher than thought
+    bench.run(0.1)
+    bench.go(0.0, 2.0)
+    bench.run(4.0)
+    forces, depths = np.array([s.force for s in bench.samples]), np.array([s.depth for s in bench.samples])
+    hit = depths[int(np.argmax(forces > 5.0))]
+    assert hit < -5e-4 and depths.max() < hit + 5e-5
+    assert depths[-1] == pytest.approx(hit - 2e-3, abs=5e-5) and forces[-50:].mean() < 0.1
+
+
 @pytest.mark.parametrize(("what", "words"), [("encoder", "encoder"), ("load cell", "load cell"), ("rig", "does not answer")])
 def test_a_lost_sensor_stops_the_axis_and_gives_no_number(what, words):
     bench = Bench(rig_type=LosableRig)

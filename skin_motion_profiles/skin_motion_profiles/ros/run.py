@@ -29,6 +29,7 @@ from skin_motion_profiles.trajectory import Trajectory
 
 Result = ExecuteProfile.Result
 _AT_REST = 1e-9  # m/s
+_CLEAR = 2e-3  # m, by how much the plunger leaves what was too hard at least: it may lie above what is taken for the surface
 _LOOK = 0.02  # s between two looks at the driver; messages wake it earlier
 
 _MEETING = 5.0  # s
@@ -199,7 +200,7 @@ class Run:
         limits = self.link.limits
         travel = Travel(self.settings.retract_speed, limits.max_acceleration).within(limits)
         state = self.stream.motion.trajectory.sample((begin - self.stream.base) * 1e-9)
-        rest = stop(state, limits, back, travel)
+        rest = stop(state, limits, back, travel, _CLEAR if code == Result.OVER_FORCE else 0.0)
         if rest is not None:
             if abs(state.v) < _AT_REST:  # nothing to brake: begin like every other motion, so that a message may come late
                 rest = Trajectory((*hold(float(state.x), (HEAD_START - REACTION) * self.link.rate), *rest.pieces))
