@@ -90,6 +90,8 @@ class Guard:
     def _force(self, force: float) -> Stop | None:
         if math.isnan(force):
             return Stop("the load cell gives no fresh reading")
+        if math.isinf(force):
+            return Stop("the load cell is at the end of its range: nobody knows how great the force is", retract=True)
         if abs(force) > self.limits.max_force:
             return Stop(f"the force is {_newtons(force)}, more than the limit of {_newtons(self.limits.max_force)}", retract=True)
         return None

@@ -33,7 +33,7 @@ class Sample(NamedTuple):  # the quickest to make of all that do not change
     taxel_voltage: np.ndarray
     taxel_status: np.ndarray
     position: float  # m, of the stage
-    load: float  # N, on the load cell before any tare: what the limit counts
+    load: float  # N, on the load cell before any tare: what the limit counts; infinite where the cell is saturated
     taxel_untared: np.ndarray  # N, (T,)
     force_truth: float | None = None
     taxels_truth: np.ndarray | None = None
@@ -150,8 +150,8 @@ class Sensing:
         load = self.calibration.force(voltage) if volts else r.force
         stuck = self._stuck_cell.add(r.load_cell_voltage if volts else r.force, depth)
         untared, status = self._taxel(r, load)
-        load = math.nan if stuck else load
         saturated = abs(r.load_cell_voltage) >= LOAD_CELL_FULL_SCALE
+        load = math.nan if stuck else math.copysign(math.inf, load) if saturated else load
         force = math.nan if saturated else load - self.force_offset
         taxels = untared - self._taxel_offset if self._tared else untared
         # In the order of its fields: names would be looked up again for every sample.

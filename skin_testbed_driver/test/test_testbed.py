@@ -231,6 +231,16 @@ def test_over_force_retracts_within_one_sample_of_its_detection():
     assert depths[-1] == pytest.approx(-0.002, abs=6e-6)
 
 
+def test_a_saturated_load_cell_retracts_whatever_the_limit():
+    bench = Bench(Limits(max_force=1000.0, max_depth=0.02), start=0.0749)
+    bench.run(0.1)
+    bench.go(0.015, 8.0)
+    bench.run(10.0)
+    assert "end of its range" in bench.testbed.status().reason
+    assert max(s.depth for s in bench.samples) < 0.012
+    assert bench.samples[-1].depth == pytest.approx(-0.002, abs=6e-6)
+
+
 def test_over_force_above_the_retracted_depth_leaves_backwards_too():
     bench = Bench(Limits(max_force=5.0, retracted_depth=-5e-4), surface=0.0735, start=0.073)  # the skin is 1.5 mm higher than thought
     bench.run(0.1)
