@@ -11,16 +11,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.estimators.dispersion import Shape, channel_names, recovery_of, settled, shape_of
+from skin_ident.estimators.dispersion import Shape, recovery_of, settled, shape_of
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.figures import plus_minus
+from skin_ident.estimators.prefilter import HEADROOM
 from skin_ident.estimators.regression import Block, regress
 from skin_ident.estimators.sessions import Session, prepare
 from skin_ident.recordings.recording import Recording
 
 ROUNDS = 12
 CLOSE = 1e-3  # of its standard error: a step below this changes nothing
-MOST = 8  # channels that are looked at; the rest have the same electronics
+MOST = 7  # taxels that are looked at; the rest have the same electronics
 SURE = 4.0  # standard errors, and
 LEAST = 0.25  # of a sampling period, from which a delay is said to be there
 
@@ -41,29 +42,47 @@ class Latency:
         return [f"{channel} comes {size} {when} than the depth: its damping b is {what} by k times that, unless the skin itself creeps"]
 
 
+UNKNOWN = Latency(0.0, float("inf"))
+
+
 def latencies(recordings: Sequence[Recording], mass: float | str = 0.0) -> dict[str, Latency]:
     """The latency of every channel (of the few that feel most) over all sessions. Raises `FitError` as `fit_dispersion` does."""
-    sessions, _ = prepare(recordings)
+    felt = _strongest(recordings)
+    sessions, _ = prepare([_only(r, felt) for r in recordings])
     shape = shape_of(sessions, mass, False)
     regression, _ = settled(sessions, shape)
     recovery = recovery_of(regression)
-    names, stiffness = channel_names(shape), [abs(c[-1]) for c in regression.coefficients]
-    felt = sorted(sorted(range(len(names)), key=lambda c: -stiffness[c])[:MOST])
-    return {names[c]: _of_channel(sessions, shape, c, recovery) for c in felt}
+    names = ["force"] * shape.force + [f"taxel_{felt[i]}" for i in shape.live]
+    return {name: _of_channel(sessions, shape, c, recovery) for c, name in enumerate(names)}
+
+
+def _strongest(recordings: Sequence[Recording]) -> list[int]:
+    """The taxels that follow the depth most."""
+    follow = sum((np.abs(r.taxels @ (r.depth - r.depth.mean())) for r in recordings if r.depth is not None), np.zeros(1))
+    return sorted(np.argsort(-follow, kind="stable")[:MOST].tolist()) if follow.size > 1 else list(range(len(recordings[0].taxels)))
+
+
+def _only(r: Recording, felt: list[int]) -> Recording:
+    """The recording with these taxels alone."""
+    names, units = (tuple(row[i] for i in felt) for row in (r.taxel_names, r.taxel_units))
+    return replace(r, taxels=r.taxels[felt], taxel_names=names, taxel_units=units, spread=None)
 
 
 def _of_channel(sessions: list[Session], shape: Shape, c: int, recovery: float) -> Latency:
     seconds, pair = 0.0, None
+    # half a period of the fastest motion: from there on, a channel that is late looks like one that is early
+    longest = min(min((s.motion.t[-1] - s.motion.t[0]) / 20, 0.5 * HEADROOM / s.prefilter.edge) for s in sessions)
     for _ in range(ROUNDS):
         try:
             step, std, pair = _step(sessions, shape, c, recovery, seconds, pair)
         except FitError:
-            return Latency(0.0, float("inf"))
-        longest = min(s.motion.t[-1] - s.motion.t[0] for s in sessions) / 20
-        seconds = float(np.clip(seconds + step, -longest, longest))
+            return UNKNOWN
+        if not abs(seconds + step) < longest:
+            return UNKNOWN
+        seconds += step
         if abs(step) < CLOSE * std:
             return Latency(seconds, std)
-    return Latency(seconds, std) if abs(step) < std else Latency(0.0, float("inf"))
+    return Latency(seconds, std) if abs(step) < std else UNKNOWN
 
 
 def _step(sessions: list[Session], shape: Shape, c: int, recovery: float, seconds: float, pair: np.ndarray | None):

@@ -44,12 +44,17 @@ def _telemetry(estimate: Estimate) -> list[str]:
         for name, t in list(sessions.items())[:SHOWN]
     ]
     lines += [f"  … and {len(sessions) - SHOWN} more"] * (len(sessions) > SHOWN)
-    late = [
-        f"{name} {plus_minus(e['value'], 1.96 * e['std'])}" if math.isfinite(e["std"]) else f"{name} not told"
-        for name, e in estimate.notes.get("latency_behind_depth_ms", {}).items()
-    ]
-    lines += [f"  latency behind the depth, ms: {', '.join(late)}"] if late else []
-    return lines + _sinusoids(estimate)
+    return lines + _latencies(estimate) + _sinusoids(estimate)
+
+
+def _latencies(estimate: Estimate) -> list[str]:
+    """Milliseconds by which channels come later than the depth, as far as the motion tells."""
+    found = estimate.notes.get("latency_behind_depth_ms", {})
+    told = [f"{name} {plus_minus(e['value'], 1.96 * e['std'])}" for name, e in found.items() if math.isfinite(e["std"])]
+    if not found:
+        return []
+    untold = f"; {len(found) - len(told)} not told" if told and len(told) < len(found) else ""
+    return [f"  latency behind the depth, ms: {', '.join(told) or 'this motion does not tell'}{untold}"]
 
 
 def _sinusoids(estimate: Estimate) -> list[str]:
