@@ -1,7 +1,13 @@
 """What belongs to one session alone is told from what all sessions share, and nothing is made up where there is nothing."""
 
+from dataclasses import replace
+
 import pytest
 from hide_and_seek import seek
+from world import make_sessions, write_case
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.recordings.load import load
 
 OWN = [
     ("gain_error", "load_cell", "step", 597305605),
@@ -26,3 +32,12 @@ def test_the_finding_says_what_each_session_has(tmp_path):
 @pytest.mark.parametrize("seed", range(3))
 def test_strongly_coloured_noise_is_no_drift(tmp_path, seed):
     assert seek(tmp_path, None, seed=900 + seed, noise="ar").names == []
+
+
+@pytest.mark.parametrize("seed", [41, 42, 43])
+def test_a_gain_that_is_off_in_the_held_out_session_alone_is_named(tmp_path, seed):
+    made, _ = make_sessions(None, seed=seed, n_sessions=3)
+    write_case([*made[:2], replace(made[2], taxels=1.02 * made[2].taxels)], tmp_path)
+    recordings = load(tmp_path)
+    (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert (found["cause"], found["where"]) == ("gain_error", "taxel") and set(found["evidence"]["of_each_session"]) == {"session_2.tsv"}

@@ -114,6 +114,13 @@ def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_s
     return sorted((r for r in runs if r.worth(encoder_step)), key=lambda r: -r.score)
 
 
+def beside_the_rest(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
+    """Courses that explain something of sessions which `model` was not fitted to, and may not be: what is wrong in them alone."""
+    ground = _ground(model, sessions, noise)
+    runs = [_run(course, ground) for course in courses(sessions[0])]
+    return sorted((r for r in runs if r.worth(encoder_step)), key=lambda r: -r.score)
+
+
 def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
     """The sessions with a course beyond the model."""
     return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
@@ -244,7 +251,8 @@ def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
     even = np.linspace(t[0], t[-1], MOMENTS + 2)[:-1]
     sharp = sharpest(s.band.thin(_carrier(course, g, s)), g.of(s), s.weight, s.t, g.noise, SHARPEST)
     every = np.union1d(even, sharp)
-    return every if course.carrier == DEPTH else every[every > t[0]]  # a slope that is wrong from the start on is the skin's own
+    # Where the model is free, a slope that is wrong from the start on is the skin's own.
+    return every if course.carrier == DEPTH or g.Q is None else every[every > t[0]]
 
 
 def _knots(course: Course, s: Session) -> np.ndarray:

@@ -6,7 +6,7 @@ from itertools import islice
 
 import numpy as np
 
-from skin_ident.criticism.course import BEHIND, MARGIN, Run, added, believed, course_gain, fitted, worthwhile
+from skin_ident.criticism.course import BEHIND, MARGIN, Run, added, believed, beside_the_rest, course_gain, fitted, worthwhile
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
@@ -152,7 +152,7 @@ class Search:
                 self._take_course(*own)
             elif shared:
                 self._accept(*shared)
-            else:
+            elif not self._take_alone():
                 return
 
     def _choose(self, trials: list[_Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
@@ -248,6 +248,23 @@ class Search:
         if not (believed(gain) and self._resolved(gain, run.course.cause)):
             return None
         return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
+
+    def _take_alone(self) -> bool:
+        """Name what is wrong in held-out sessions and in no other: an own course of theirs, where the blocks between support it."""
+        had = {r.course for r in self.runs}
+        runs = beside_the_rest(self.present.model, self.held, self.noise, self.encoder_step) if self.held else []
+        run = next((r for r in runs if r.course not in had), None)
+        if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held):
+            return False
+        said = ", ".join(s.name for s in self.held)
+        gain = course_gain(run.course, self.present.model, self.present.model, self.held, self.noise, said)
+        if not (believed(gain) and self._resolved(gain, run.course.cause)):
+            return False
+        self.runs.append(run)
+        self.held = added(self.held, run.values)
+        self.named.append(Named(run.course.cause, run.course.where, gain, run.score, (), courses=run.said))
+        self.progress(f"named {run.course.cause} in the {run.course.where}, in what was held out alone")
+        return True
 
     def _take_course(self, run: Run, finding: Named) -> None:
         """Give every session its course; the rest of the search goes on with what is left."""
