@@ -17,6 +17,7 @@ from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 MOST = 3  # instances of one cause at one place
 AT_SHAPE = 3  # iterations
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
+SURE = 2.0  # standard errors that a further instance must have for its size
 FINER = 0.002  # nor, which is the same name with one number more, a finer form of it
 
 
@@ -28,7 +29,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         trial = _with_instance(present, ranked, sessions, noise)
         gained = present.cost - trial.cost
         first = first or gained
-        if gained < max(10.0, WORTH * first):
+        if gained < max(10.0, WORTH * first) or not (present is start or _determined(trial)):
             break
         present = _refined(trial, gained, sessions, noise)
         own = tuple(d for d in own if _adds(d, present.model))
@@ -46,6 +47,13 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     new = len(model.effects) - 1
     sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
     return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
+
+
+def _determined(trial: Fit) -> bool:
+    """Whether the instance that came last has a size of its own: two that all but cancel have none."""
+    last = trial.model.effects[-1]
+    sizes = [p for p in parameters_of(last) if p.role == AMPLITUDE]
+    return any(abs(p.value) > SURE * trial.std.get(f"{last.cause}.{last.where}.{p.name}", 0.0) for p in sizes)
 
 
 def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:
