@@ -1,6 +1,8 @@
 """Defects of recordings, one function each: they change a good session the way loggers, clocks, cables and people do."""
 
+import sqlite3
 import struct
+from contextlib import closing
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -177,8 +179,8 @@ DEFECTS = [
 
 
 def write(s, path):
-    """The session as a table or, by the suffix .mcap, as a bag."""
-    data = _table(s) if path.suffix == ".csv" else _mcap(s, path)
+    """The session as a table or, by the suffixes .mcap and .db3, as a bag."""
+    data = {".csv": _table, ".mcap": _mcap, ".db3": _sqlite}[path.suffix](s, path)
     data = bytearray(data[: int(s.cut * len(data))])
     if s.flip is not None and data:
         data[s.flip % len(data)] ^= 1 << (s.flip % 7)
@@ -186,7 +188,7 @@ def write(s, path):
     return path
 
 
-def _table(s):
+def _table(s, path):
     n = min(s.t[c].size for c in CHANNELS)
     names = [*s.header, *(f"taxel_{i}_n" for i in range(len(s.y["taxels"])))]
     rows = np.vstack([(s.t["encoder"][:n] - START_NS) * 1e-9, 1e3 * s.y["encoder"][:, :n], s.y["force"][:, :n], s.y["taxels"][:, :n]])
@@ -203,13 +205,43 @@ def _mcap(s, path):
             topic = f"/{c}"
             text = store.generate_msgdef(KINDS[topic], ros_version=2)[0].encode()
             line = writer.register_channel(topic, "cdr", writer.register_schema(KINDS[topic], "ros2msg", text))
-            message, at = templates[topic]
-            for k, (stamp, values) in enumerate(zip(s.t[c].tolist(), s.y[c].T, strict=True)):
-                data = bytearray(message)
-                struct.pack_into("<iI", data, 4, stamp // 10**9, stamp % 10**9)
-                data[at : at + 8 * values.size] = (-values if c == "force" else values).tobytes()
-                writer.add_message(line, int(s.log[c][k]), bytes(data), START_NS)
+            for log, data in _serialised(s, c, *templates[topic]):
+                writer.add_message(line, log, data, START_NS)
         writer.finish()
+    return path.read_bytes()
+
+
+def _serialised(s, c, message, at):
+    """Log time and bytes of every message of a channel."""
+    for k, (stamp, values) in enumerate(zip(s.t[c].tolist(), s.y[c].T, strict=True)):
+        data = bytearray(message)
+        struct.pack_into("<iI", data, 4, stamp // 10**9, stamp % 10**9)
+        data[at : at + 8 * values.size] = (-values if c == "force" else values).tobytes()
+        yield int(s.log[c][k]), bytes(data)
+
+
+TABLES = """
+CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT NOT NULL);
+CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, encoding TEXT NOT NULL, encoded_message_definition TEXT);
+CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL);
+CREATE INDEX timestamp_idx ON messages (timestamp ASC);
+"""
+
+
+def _sqlite(s, path):
+    path.unlink(missing_ok=True)
+    store, templates, rows = typestore(), _templates(), []
+    with closing(sqlite3.connect(path)) as db:
+        db.executescript(TABLES)
+        for number, c in enumerate(CHANNELS, 1):
+            kind = KINDS[f"/{c}"]
+            db.execute("INSERT INTO topics VALUES (?, ?, ?, 'cdr')", (number, f"/{c}", kind))
+            text = store.generate_msgdef(kind, ros_version=2)[0]
+            db.execute("INSERT INTO message_definitions VALUES (?, ?, 'ros2msg', ?)", (number, kind, text))
+            rows += [(log, number, data) for log, data in _serialised(s, c, *templates[f"/{c}"])]
+        rows.sort(key=lambda row: row[0])
+        db.executemany("INSERT INTO messages (timestamp, topic_id, data) VALUES (?, ?, ?)", rows)
+        db.commit()
     return path.read_bytes()
 
 

@@ -19,6 +19,7 @@ from skin_models.errors import SkinError
 
 TRUTH = dict(zip(("b1", "k1", "b2", "k2", "share_1"), (*SILICONE[4][1:], 0.4), strict=True))
 RATIOS = {"share": 9619 / 12385, "lead": 939.5 / 9619, "lag": 1568.7 / 12385}
+SUFFIXES = [".csv", ".mcap", ".db3"]
 GOOD = recording(n=800, hz=0.5, sigma=0.02, shares=(1.0, 0.4))
 
 
@@ -63,13 +64,13 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("spoilt")
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".mcap"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
 def test_good_data_are_right_without_a_warning(folder, suffix):
     outcome, said = judged(spoilt(folder, suffix, [], 0))
     assert outcome == "right" and said.endswith("} ")
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".mcap"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("defect", DEFECTS, ids=lambda d: d.__name__)
 def test_one_defect(folder, defect, suffix):
     for seed in range(4):
@@ -88,7 +89,7 @@ pairs = st.lists(st.sampled_from(DEFECTS), min_size=2, max_size=2)
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
-@given(defects=pairs, seed=st.integers(0, 2**32 - 1), suffix=st.sampled_from([".csv", ".mcap"]))
+@given(defects=pairs, seed=st.integers(0, 2**32 - 1), suffix=st.sampled_from(SUFFIXES))
 def test_pairs_of_defects(folder, defects, seed, suffix):
     outcome, said = judged(spoilt(folder, suffix, defects, seed))
     assert outcome != "wrong", said
@@ -104,7 +105,7 @@ def test_thousands_of_pairs(folder, fitted, truth, cases, known, capsys):
     @given(
         defects=st.lists(st.sampled_from(DEFECTS), min_size=1, max_size=2),
         seed=st.integers(0, 2**32 - 1),
-        suffix=st.sampled_from([".csv", ".mcap"]),
+        suffix=st.sampled_from(SUFFIXES),
     )
     def run(defects, seed, suffix):
         outcome, said = judged(spoilt(folder, suffix, defects, seed), fitted, truth)
