@@ -144,13 +144,14 @@ def test_force_counted_negative_in_compression_is_turned_round(tmp_path):
     assert np.allclose(read.force, R.force, atol=1e-6) and "sign" in " ".join(read.warnings)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("shown", [{}, {"taxels": np.empty((0, 0))}])
-def test_a_depth_counted_away_from_the_skin_is_turned_round(tmp_path, shown):
+def test_a_depth_counted_away_from_the_skin_is_turned_round(tmp_path, shown, sign):
     t = np.arange(3000) / 100.0
     x = 1e-3 * np.sin(1.3 * t) - 3e-4
     force = 1500.0 * np.maximum(x, 0.0) + 0.02 * np.sin(40.0 * t)
     rows = {"force": force, "taxels": 0.6 * force[None]} | shown
-    read = load(write_table(tmp_path / "a.csv", Recording("a", t, -x, **rows)))[0]
+    read = load(write_table(tmp_path / "a.csv", Recording("a", t, -x, **{k: sign * row for k, row in rows.items()})))[0]
     assert np.allclose(read.depth, x, atol=1e-8) and "counts away from the skin" in " ".join(read.warnings)
     assert np.allclose(read.force, force, atol=1e-6)
 

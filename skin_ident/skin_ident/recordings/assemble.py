@@ -13,6 +13,7 @@ from skin_ident.recordings.timing import Track, even, kept
 
 FARTHEST = 0.2  # m: no skin is indented so deep
 STRONGEST = 1e5  # N
+FLAT, WIDE = 0.07, 0.15  # of its change below zero, to which no load keeps over so much of the depth's range in contact
 DEAD = "most of its samples are no numbers"
 PROBES = 1000  # samples in which a dead taxel shows
 
@@ -159,24 +160,26 @@ def _turned(r: Recording) -> Recording:
 
 
 def _with_depth_turned(r: Recording) -> Recording:
-    """A depth that counts away from the skin: loads fall while it grows, and change where it is below zero, not above."""
-    if r.depth is None or not _falls(r.taxels.sum(axis=0) if r.force is None else r.force, r.depth):
+    """A depth that counts away from the skin: loads change where it is below zero, and not above."""
+    whole = r.taxels.sum(axis=0) if r.force is None else r.force
+    if r.depth is None or not whole.size or _spread_above(whole, r.depth) >= 1.0:
         return r
     loads = [row for row in (r.force, *r.taxels) if row is not None]
     answering = [row for row in loads if _falls(row, r.depth) or _falls(-row, r.depth)]
-    below = r.depth < 0.0
-    if not all(_falls(row, r.depth) and _changes_more(row, below) for row in answering):
+    falling = bool(answering) and all(_falls(row, r.depth) for row in answering)
+    flat = FLAT if (r.depth.max() > WIDE * np.ptp(r.depth)) else 0.0
+    if not answering or not all(_spread_above(row, r.depth) < (1.0 if falling else flat) for row in answering):
         return r
-    said = "force falls" if not len(r.taxels) else "taxels fall" if r.force is None else "force and taxels fall"
     return replace(r, depth=-r.depth).warned(
-        f"{said} while the depth grows, and only where it is below zero: the depth counts away from the skin, not the sensors the wrong "
-        "way; its sign was turned round (depth is positive into the skin)"
+        "the loads change while the depth is below zero, and not above: the depth counts away from the skin; its sign was turned round "
+        "(depth is positive into the skin)"
     )
 
 
-def _changes_more(y: np.ndarray, there: np.ndarray) -> bool:
-    """Whether `y` (N,) changes more in the samples of a mask (N,) than in the others."""
-    return bool(there.all()) or (bool(there.any()) and float(np.std(y[there])) > float(np.std(y[~there])))
+def _spread_above(y: np.ndarray, depth: np.ndarray) -> float:
+    """How much `y` (N,) changes where the depth (N,) is above zero, as a share of what it does below."""
+    above = depth > 0.0
+    return float(np.std(y[above])) / max(float(np.std(y[~above])), 1e-300) if above.any() and not above.all() else float(above.all())
 
 
 def _falls(y: np.ndarray, load: np.ndarray) -> bool:
