@@ -50,6 +50,13 @@ def test_a_depth_in_another_unit_of_length(count, factor):
     assert symptom.parameters["factor"]["value"] == factor and np.allclose(right[1].depth, session(1).depth)
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_taxel_that_is_upside_down_in_all_sessions_is_turned_round(count):
+    right, (symptom,) = put_right([times("taxel_1", -1.0)(session(i)) for i in range(count)])
+    assert (symptom.cause, symptom.where, symptom.evidence["kind"]) == ("data_error", "taxel_1", "sign")
+    assert all(np.allclose(r.taxels, session(i).taxels) for i, r in enumerate(right))
+
+
 @pytest.mark.parametrize(("order", "moved"), [((2, 1, 0), ("taxel_0", "taxel_2")), ((1, 2, 0), ("taxel_0", "taxel_1", "taxel_2"))])
 def test_columns_in_another_order(order, moved):
     right, (symptom,) = put_right(sessions(4, 3, reordered(order)))

@@ -52,6 +52,7 @@ def test_sound_presses_are_used():
         ({"depth": np.full(T.size, 5e-4)}, "never moves"),
         ({"depth": 5e-4 + np.random.default_rng(3).normal(0.0, 1e-6, T.size)}, "never moves"),
         ({"force": np.ones(T.size)}, "does not answer"),
+        ({"force": None, "taxels": np.ones((1, T.size))}, "no taxel answers"),
         ({"force": np.random.default_rng(3).normal(1.0, 0.03, T.size)}, "does not answer"),
         ({"depth": 0.0372 + presses().depth}, "stage's own zero"),
         ({"depth": 0.006 + presses().depth, "declared": Declared(skin_thickness_mm=4.0)}, "in a skin of 4 mm"),

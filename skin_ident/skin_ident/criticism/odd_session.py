@@ -42,8 +42,8 @@ class _Fault:
 
 
 def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
-    """The recordings with every odd session put right, and what was odd. Nothing is asked of a session that is alone at its place."""
-    recordings, symptoms = list(recordings), []
+    """The recordings with every odd session put right, and what was odd. A session that is alone at its place is asked for signs alone."""
+    recordings, symptoms = _upright(list(recordings))
     for group in _places(recordings):
         for _ in range(MOST):
             fault = _fault([recordings[i] for i in group])
@@ -52,6 +52,22 @@ def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
             symptoms.append(fault.symptom)
             recordings[group[fault.session]] = fault.right
     return recordings, tuple(symptoms)
+
+
+def _upright(recordings: list) -> tuple[list, list[Symptom]]:
+    """Taxels that are upside down in all sessions, turned round."""
+    symptoms = []
+    for channel in (c for c in recordings[0].channels if c != "force"):
+        if any(load_of(r, channel) is None for r in recordings):
+            continue
+        follows = [_follows(r, channel) for r in recordings]
+        if max(follows) < AGAINST:
+            falls = f"{channel} falls while the load rises in all sessions (correlation {follows[0]:.2f} in {recordings[0].name})"
+            evidence = {"why": f"{falls}: its sign is wrong. It is judged turned round", "kind": "sign"}
+            where = place_of(channel, len(recordings[0].taxels))
+            symptoms.append(Symptom("data_error", where, (channel,), {"factor": quantity(-1.0, "1")}, evidence))
+            recordings = [_with_channels(r, {channel: -r.channels[channel]}) for r in recordings]
+    return recordings, symptoms
 
 
 def _places(recordings: list) -> Iterator[list[int]]:

@@ -51,6 +51,8 @@ def something_moves(recordings: list) -> None:
             f"the {what} never moves {where}, which asks nothing of the skin or its sensors: record presses that begin in the air and "
             "come back to it"
         )
+    if what == "depth" and recordings[0].force is None and all(is_still(y) for r in recordings for y in r.taxels):
+        raise DiagnosisError(f"no taxel answers the depth {where}, and there is no load cell: check wiring and channels, and record again")
     if what == "depth" and recordings[0].force is not None and all(is_still(r.force) for r in recordings):
         raise DiagnosisError(f"the force does not answer the depth {where}: mend the load cell, or leave its column out")
 
