@@ -279,13 +279,12 @@ class Search:
     def _resolved(self, gain: Gain, cause: str) -> bool:
         """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever
         the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the
-        readings across them. And a stage trembles between the encoder's steps, at speeds that nobody reads and damping feels: what only
-        depends on speed must exceed that, too."""
-        k = stiffness(self.present.model, gain.channel)
-        skin, trembling = self.present.model.dispersion, min(self.encoder_step, TREMBLING)
-        felt = (skin.b1 + skin.b2) * 2.0 * np.pi * self.train[0].band.edge if cause == "rate_dependence" else 0.0
-        open_to = OPEN * ((k * self.encoder_step) ** 2 + (felt * trembling) ** 2) / 12.0
-        return gain.squares > open_to + (UNEVEN * self._step(gain.channel)) ** 2
+        readings across them. And a stage trembles between the encoder's steps, evenly up to the band's edge, at speeds that nobody reads
+        and damping feels: what depends on speed alone must exceed that, too."""
+        k, skin = stiffness(self.present.model, gain.channel), self.present.model.dispersion
+        trembling = 2.0 * np.pi * self.train[0].band.edge / np.sqrt(3.0) * min(self.encoder_step, TREMBLING) / np.sqrt(12.0)
+        felt = (skin.b1 + skin.b2) * trembling if cause == "rate_dependence" else 0.0
+        return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + felt**2 + (UNEVEN * self._step(gain.channel)) ** 2
 
     def _step(self, channel: str) -> float:
         """The converter's step in a channel, N; zero where none is seen."""
