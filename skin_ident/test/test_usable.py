@@ -13,7 +13,7 @@ from skin_ident.criticism.telemetry.quantization import find_buried, find_quanti
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.criticism.telemetry.units import find_unit_faults
-from skin_ident.criticism.usable import belong_together, something_moves
+from skin_ident.criticism.usable import belong_together, doubted, something_moves
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
@@ -68,6 +68,13 @@ def test_volts_that_may_be_the_load_cell_are_asked_for():
     assert "ai0, ai1" in refused(volts) and "slope_n_per_v" in refused(volts)
     belong_together([replace(r, taxel_names=("taxel_0", "taxel_1")) for r in volts])
     belong_together([replace(r, force=presses().force) for r in volts])
+
+
+def test_a_zero_that_may_be_off_is_warned_of():
+    assert doubted(presses()).warnings == ()
+    away = presses(0, depth=presses().depth + 3e-3)
+    assert "may not be the surface" in doubted(away).warnings[0]
+    assert doubted(replace(away, force=1500.0 * away.depth)).warnings == ()
 
 
 def test_short_recordings_are_refused():

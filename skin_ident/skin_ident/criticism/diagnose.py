@@ -43,7 +43,7 @@ from skin_ident.criticism.telemetry.quantization import find_buried, step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling import believed, tell
 from skin_ident.criticism.twin import with_twins
-from skin_ident.criticism.usable import belong_together, something_moves
+from skin_ident.criticism.usable import belong_together, doubted, something_moves
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
 from skin_models.errors import ModelError
@@ -77,7 +77,7 @@ def diagnose(
     every = _named_apart([*recordings, *hold_out])
     belong_together(every, model)
     something_moves(every[: len(recordings)])
-    every, odd = put_right(every)
+    every, odd = put_right([doubted(r) for r in every])
     layout = layout_of(every, model)
     every = with_spread(every, layout)
     if len(every[0].taxels) > FEW:

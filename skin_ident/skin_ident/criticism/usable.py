@@ -14,6 +14,7 @@ from skin_models.model import Model
 IN_CONTACT = 0.05  # of the samples, at least
 SHALLOW = 0.85  # of the greatest depth, to which the least one falls at most where the zero of the depth is the surface,
 VANISHED = 0.1  # if less than so much of the load is left there: a skin would need a force that grows with the 14th power of the depth
+DOUBTED, GONE = 0.3, 0.05  # the same, from which it is doubted
 SHALLOWEST, DEEPEST = 5.0, 95.0  # percentiles
 FEWEST = 40  # samples in the common band, of which the noise needs eight to be predicted from
 LONE_S = 10.0  # s, of a lone session, which is to be fitted and tested by turns
@@ -65,6 +66,17 @@ def _says_what_is_what(r) -> None:
             f"{r.name}: {', '.join(volts)} are in volts, and nothing says which is the load cell: declare in rig.yaml calibration: "
             f"{{{volts[0]}: {{channel: force, slope_n_per_v: …}}}}, and call taxels taxel_0_V, taxel_1_V, … or calibrate them, too"
         )
+
+
+def doubted(r):
+    """The recording, with a warning where the load is gone at a third of the greatest depth or deeper: its zero may be off."""
+    if r.depth is None:
+        return r
+    least, most = np.percentile(r.depth, [SHALLOWEST, DEEPEST])
+    if least < DOUBTED * most or _left(r, least, most) > GONE:
+        return r
+    said = f"the depth never falls below {1e3 * least:.3g} mm, where the load is gone: its zero may not be the surface"
+    return r.warned(f"{said}, and then stiffness and curvature are not the skin's; zero it where the plunger touches")
 
 
 def _has_both_sides(r) -> None:
