@@ -30,6 +30,18 @@ def test_truncated_sqlite_without_a_whole_page_is_refused(tmp_path):
         load(tmp_path / "a")
 
 
+def test_cells_of_another_type_are_left_out(tmp_path):
+    """A flipped bit in the head of a row makes text of a number."""
+    file = next(write_bag(tmp_path / "a", R, "sqlite3").glob("*.db3"))
+    with closing(sqlite3.connect(file)) as db:
+        db.execute("UPDATE messages SET timestamp = CAST(x'17ff0a' AS BLOB) WHERE id = 100")
+        db.execute("UPDATE messages SET topic_id = CAST(x'17ff0a' AS BLOB) WHERE id = 200")
+        db.execute("UPDATE messages SET data = 7 WHERE id = 300")
+        db.commit()
+    (read,) = load(tmp_path / "a")
+    assert len(read) == len(R) and "3 missing" in " ".join(read.warnings) and np.max(np.abs(read.force - R.force)) < 0.3
+
+
 def test_what_a_killed_recorder_left_in_the_log_is_read(tmp_path):
     file = next(write_bag(tmp_path / "a", R, "sqlite3").glob("*.db3"))
     killed = tmp_path / "b.db3"

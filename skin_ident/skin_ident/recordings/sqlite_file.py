@@ -15,6 +15,7 @@ from skin_ident.recordings.mcap_read import Add
 from skin_ident.recordings.places import Places
 
 BATCH = 4096
+WHOLE = "topic_id = ? AND typeof(timestamp) = 'integer' AND typeof(data) = 'blob'"  # a flipped bit can make anything of a cell
 
 
 def open_sqlite(path: Path) -> sqlite3.Connection:
@@ -44,14 +45,19 @@ def survey_sqlite(path: Path) -> tuple[dict[int, Channel], dict[int, int]]:
     try:
         definitions = _definitions(db)
         topics = db.execute("SELECT id, name, type, serialization_format FROM topics").fetchall()
-        numbers = (row[0] for row in _reachable(db, "SELECT topic_id FROM messages NOT INDEXED"))
-        whole = "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id"
+        numbers = (row[0] for row in _reachable(db, "SELECT topic_id FROM messages NOT INDEXED WHERE typeof(topic_id) = 'integer'"))
+        whole = "SELECT topic_id, COUNT(*) FROM messages WHERE typeof(topic_id) = 'integer' GROUP BY topic_id"
         counts = dict(Counter(numbers)) if missing_bytes(path) else dict(db.execute(whole))
     except sqlite3.DatabaseError as error:
-        raise RecordingError(f"{path} cannot be read as a sqlite3 bag: {error}") from error
+        raise RecordingError(f"{path} cannot be read as a sqlite3 bag: {_plain(error)}") from error
     finally:
         db.close()
     return {number: Channel(name, kind, *definitions.get(kind, ("", "")), coding) for number, name, kind, coding in topics}, counts
+
+
+def _plain(error: Exception) -> str:
+    """An error that may quote damaged bytes, in one printable line."""
+    return " ".join("".join(c if c.isprintable() else " " for c in str(error)).split())
 
 
 def _reachable(db: sqlite3.Connection, query: str, values: tuple = ()) -> Iterator[tuple]:
@@ -80,11 +86,11 @@ def read_sqlite(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], by
     db, broken = open_sqlite(path), ""
     try:
         for number, add in takers.items():
-            rows = db.execute("SELECT timestamp, data FROM messages WHERE topic_id = ? ORDER BY timestamp, id", (number,))
+            rows = db.execute(f"SELECT timestamp, data FROM messages WHERE {WHOLE} ORDER BY timestamp, id", (number,))
             while batch := rows.fetchmany(BATCH):
                 hand_over(batch, add, unpack)
     except sqlite3.DatabaseError as error:
-        broken = f"{path.name} is damaged ({error}): what could be read was used"
+        broken = f"{path.name} is damaged ({_plain(error)}): what could be read was used"
     finally:
         db.close()
     return (broken,) if broken else ()
@@ -92,7 +98,7 @@ def read_sqlite(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], by
 
 def _read_what_is_left(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], bytes] | None) -> None:
     """The messages of a file that is cut off, in the order in which they were written: its index lies at its end."""
-    query = "SELECT timestamp, data FROM messages NOT INDEXED WHERE topic_id = ?"
+    query = f"SELECT timestamp, data FROM messages NOT INDEXED WHERE {WHOLE}"
     with closing(open_sqlite(path)) as db:
         for number, add in takers.items():
             rows = _reachable(db, query, (number,))
