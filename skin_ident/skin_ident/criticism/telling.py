@@ -28,6 +28,10 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     for entry, symptom, gain in zip(entries, symptoms, judged.symptoms, strict=False):
         entry["gain"] |= gain
         entry["evidence"] |= _simulated(symptom, bool(gain))
+        if symptom.evidence.get(UNLIKE):
+            entry["advice"] = (
+                f"{entry['advice'].partition(', or ')[0]}; the extended model does not do this, so do not rely on it near contact"
+            )
         if gain:
             entry["hid_in"] = moved(judged.naive, c.baseline.model, c)
     for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):

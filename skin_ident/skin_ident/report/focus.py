@@ -6,7 +6,7 @@ import numpy as np
 
 from skin_ident.criticism.outcome import ScanTrace, Trace
 from skin_ident.report.shapes import residuals, smooth
-from skin_ident.report.view import View
+from skin_ident.report.view import DIRECT, View
 
 WINDOW_S = 10.0
 BESIDE = 0.1  # of the squared change, that may fall among the samples compared
@@ -63,7 +63,8 @@ def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
         return Focus(trace, row, *window(trace, row, view.band_hz))
     trace = max(tested, key=_removed)
     row = _row(trace, view)
-    return Focus(trace, row, *window(trace, row, view.band_hz))
+    everywhere = any(f.direct and f.cause not in DIRECT for f in view.findings)  # it acts in moments that are not compared
+    return Focus(trace, row, *window(trace, row, view.band_hz, everywhere=everywhere))
 
 
 def differs(trace: Trace | ScanTrace) -> bool:
@@ -83,10 +84,10 @@ def by_fall(trace: Trace, silent: tuple[str, ...] = ()) -> list[int]:
     return sorted(range(len(trace.channels)), key=lambda row: -round(falls[row], 3))
 
 
-def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float = WINDOW_S) -> tuple[int, int]:
+def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float = WINDOW_S, everywhere: bool = False) -> tuple[int, int]:
     """Samples [start, stop) of the `seconds` in which the extension removes most of the error (below `band_hz`).
 
-    Where it removes none, the worst ones.
+    Where it removes none, the worst ones; `everywhere` looks at moments that were not compared, too.
     """
     n = trace.t.size
     width = round(seconds / max((trace.t[-1] - trace.t[0]) / (n - 1), 1e-12)) + 1
@@ -94,7 +95,7 @@ def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float 
         return 0, n
     before, after = (smooth(trace.t, r, band_hz) ** 2 for r in residuals(trace, row))
     beside = changes_beside(trace, row)
-    worth = (before - after if beside or _fall(trace, row) > LEAST_FALL else after) * (trace.compared | beside)
+    worth = (before - after if beside or _fall(trace, row) > LEAST_FALL else after) * (trace.compared | beside | everywhere)
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(worth))])
     held = total[width:] - total[:-width]
     best = np.flatnonzero(held >= held.max() - 5e-3 * abs(held.max()))  # about as good: the middle one shows what comes before and after

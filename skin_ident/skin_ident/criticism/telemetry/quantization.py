@@ -60,7 +60,7 @@ def find_buried(recordings: list, channels: tuple[str, ...], rests: list[np.ndar
             continue
         left = np.concatenate([e[channels.index(channel)][at] for e, at in zip(rests, calm, strict=True)])
         if left.size and float(np.mean(left**2)) < BURIED * step**2 / 12.0:
-            why = f"the levels of {channel} are {step:.3g} N apart, which is more than its noise bridges; rig.yaml declares no step"
+            why = f"the levels of {channel} are {step:.3g} N apart, and rounding to them is more than its noise; rig.yaml declares no step"
             where = place_of(channel, len(recordings[0].taxels))
             found.append(Symptom("quantization", where, (channel,), {"step": quantity(step, "N")}, {"why": why}))
     return found
