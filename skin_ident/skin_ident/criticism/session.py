@@ -14,6 +14,7 @@ from skin_models.signals import Motion, motion
 NOMINAL = 1e4  # N/m, scale of a skin that is known by ratios alone
 JUMP = 0.03  # of the greatest force
 RECOVERED = 0.003  # of the greatest depth
+RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s
 SHALLOW = 0.1  # of the greatest depth
 PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
 
@@ -84,16 +85,35 @@ def without_parting(session: Session, skin: Dispersion) -> Session:
     """The session less the moments when the plunger may have left the skin behind it, or met it so fast that the force jumps.
 
     Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin, and a jump between two samples cannot be
-    known to better than a sample: neither says anything about the rest of the model. Nor does what a taxel reads of skin that recovers
-    under no force, in a test that force drives.
+    known to better than a sample: neither says anything about the rest of the model. Nor does, in a test that force drives, skin which
+    recovers under no force, where taxels read nothing of it.
     """
     if session.drive is None:
         left_out = parted(session.motion, skin) | impacts(session.motion, skin)
     else:
-        depth = motion_under(session, skin).x
-        left_out = (session.drive < JUMP * session.drive.max()) & (depth > RECOVERED * depth.max())
+        left_out = _unpressed(session, motion_under(session, skin), JUMP, RECOVERED) & _reads_nothing(session)
     kept = session.band.thin(left_out.astype(float)) < 0.02
     return replace(session, weight=session.weight * kept)
+
+
+def _unpressed(session: Session, moved: Motion, force: float, depth: float) -> np.ndarray:
+    """Mask (N,) of samples at which skin is deeper than a share `depth` of the greatest depth under less than a share `force` of the
+    greatest force."""
+    return (session.drive < force * session.drive.max()) & (moved.x > depth * moved.x.max())
+
+
+def _reads_nothing(session: Session) -> bool:
+    """Whether taxels under skin that nothing presses are far nearer to zero than to what recovering skin would press on them: a linear
+    function of its depth and speed, of the recovery time that explains best what they read under load."""
+    pressed = session.drive > JUMP * session.drive.max()
+    fits = []
+    for tau in RECOVERIES:
+        moved = motion_under(session, Dispersion(m=0.0, b1=0.0, k1=0.0, b2=tau * NOMINAL, k2=NOMINAL))
+        under = np.array([moved.x, moved.v])
+        told = np.linalg.lstsq(under[:, pressed].T, session.raw[:, pressed].T, rcond=None)[0].T @ under
+        fits.append((float(np.sum((session.raw - told)[:, pressed] ** 2)), told, _unpressed(session, moved, 0.01, 0.02)))
+    _, told, free = min(fits, key=lambda fit: fit[0])
+    return bool(2.0 * np.sum(session.raw[:, free] ** 2) < np.sum((session.raw - told)[:, free] ** 2))
 
 
 def parted(s: Motion, skin: Dispersion) -> np.ndarray:

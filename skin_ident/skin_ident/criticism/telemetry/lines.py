@@ -20,6 +20,7 @@ DRIFT = 5  # bins by which a line may differ from session to session
 BESIDE = 2, 12  # bins: what a line is compared with to tell it from a hump
 HUMP = 1e-5  # chance that a hump looks like one: it is its highest bin that is looked at
 BURST_HZ, COMING = 1.0, 4.0  # half width of the band, and its power squared over its mean's square, which is 2 for noise
+FEWEST_CYCLES = 24  # in a session
 LOWEST_HZ = 0.3  # below, the motion itself leaves lines in a residual
 AROUND, LONELY = 30, 0.15  # a line that comes in bursts has sidebands; within so many bins the median must stay below this share of it
 MOST = 6  # lines per channel that are looked into, the tallest first
@@ -57,7 +58,7 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
     each = [over_background(e[:n]) for e in rows]
     width = np.mean(each, axis=0)
     ratio = np.median([maximum_filter1d(row, DRIFT) for row in each], axis=0) if len(rows) > 2 else np.min(each, axis=0)
-    ratio[(frequency < LOWEST_HZ) | (frequency > frequency[-1] - 2.0 / (n * dt))] = 0.0
+    ratio[(frequency < max(LOWEST_HZ, FEWEST_CYCLES / (n * dt))) | (frequency > frequency[-1] - 2.0 / (n * dt))] = 0.0
     limit = 1.0 - np.log(CHANCE / n) / len(rows) if len(rows) > 1 else -np.log(CHANCE / n)
     lines, doubtful = [], False
     for _ in range(MOST):
