@@ -5,9 +5,9 @@ course of its own,
 
     y(t) = simulated(t) + D(t) sum_k z_k phi_k(t),
 
-where D is what a zero (1 in one channel), a slope (one simulated channel) or a zero of depth (dF/dx in all channels) changes, and the phi_k
-are a constant, steps at moments to be found, or straight lines between knots. Courses compete with the catalogue's causes by the same
-likelihood, each amplitude and each moment charged.
+where D is what a zero (1 in one channel), a slope (one simulated channel), a zero of depth (dF/dx in all channels) or one of the force that
+drives the test (dT/dF in all taxels) changes, and the phi_k are a constant, steps at moments to be found, or straight lines between knots.
+Courses compete with the catalogue's causes by the same likelihood, each amplitude and each moment charged.
 
 The gate: in sessions that were held out the course is fitted to every other block of a few seconds, and must predict the blocks between. A
 slow drift is told from strongly coloured noise in this way only: knots and blocks are longer than the memory of noise.
@@ -34,9 +34,15 @@ from skin_models.model import Model
 from skin_models.signals import Motion
 
 CONSTANT, STEPS, BEND = "constant", "steps", "bend"
-ZERO, SLOPE, DEPTH = "zero", "slope", "zero of depth"
-CAUSES = {(ZERO, CONSTANT): "force_offset", (ZERO, BEND): "drift", (SLOPE, STEPS): "gain_error", (DEPTH, STEPS): "position_offset"}
-PROBE = 1e-6  # m
+ZERO, SLOPE, DEPTH, DRIVE = "zero", "slope", "zero of depth", "zero of the driving force"
+CAUSES = {
+    (ZERO, CONSTANT): "force_offset",
+    (ZERO, BEND): "drift",
+    (SLOPE, STEPS): "gain_error",
+    (DEPTH, STEPS): "position_offset",
+    (DRIVE, CONSTANT): "force_offset",
+}
+PROBE, PUSH = 1e-6, 1e-3  # m, N
 MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
@@ -61,6 +67,10 @@ class Course:
     @property
     def cause(self) -> str:
         return CAUSES[self.carrier, self.shape]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return self.cause, self.where
 
 
 @dataclass(frozen=True)
@@ -87,7 +97,8 @@ def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
 
     def of(s: Session) -> np.ndarray:
         zeros = [s.band.thin(_unit(c, s) * phi) for c in every for phi in _on(_knots(c, s), c, s)]
-        return np.array(zeros if s.drive is not None else [*zeros, s.band.thin(_deeper(model, s, simulated(model, s)))])
+        shifted = _deeper if s.drive is None else _pushed
+        return np.array([*zeros, s.band.thin(shifted(model, s, simulated(model, s)))])
 
     rows = [of(s) for s in sessions]
     return [
@@ -99,9 +110,8 @@ def courses(session: Session) -> Iterator[Course]:
     """Every course that sessions of this kind could have."""
     for c, channel in enumerate(session.channels):
         where = place_of(channel, session.n_taxels)
-        yield from (Course(carrier, shape, c, where) for carrier, shape in CAUSES if carrier != DEPTH)
-    if session.drive is None:
-        yield Course(DEPTH, STEPS, None, "rig")
+        yield from (Course(carrier, shape, c, where) for carrier, shape in CAUSES if carrier in (ZERO, SLOPE))
+    yield Course(DEPTH, STEPS, None, "rig") if session.drive is None else Course(DRIVE, CONSTANT, None, "load_cell")
 
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
@@ -229,12 +239,19 @@ def _carrier(course: Course, g: _Ground, s: Session) -> np.ndarray:
     """D of the module's equation, (C, N), newtons for each unit of z."""
     if course.carrier == DEPTH:
         return g.deeper[s.name]
+    if course.carrier == DRIVE:
+        return _pushed(g.model, s, g.plain[s.name])
     return _unit(course, s) * (1.0 if course.carrier == ZERO else g.plain[s.name][course.channel])
 
 
 def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
     """d(simulated)/d(zero of depth), (C, N) N/m."""
     return (simulated(model.extended(PositionOffset("rig", offset=PROBE)), s) - plain) / PROBE
+
+
+def _pushed(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
+    """d(simulated)/d(zero of the driving force), (C, N)."""
+    return (simulated(model, replace(s, drive=s.drive + PUSH)) - plain) / PUSH
 
 
 def _unit(course: Course, s: Session) -> np.ndarray:
@@ -292,6 +309,8 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
 
 def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
     """A session's course in words."""
+    if course.carrier == DRIVE:
+        return f"{-z[0]:+.3g} N"  # what the load cell reads too much
     if course.carrier == ZERO:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size = "{:+.1f} %" if course.carrier == SLOPE else "{:+.1f} µm"

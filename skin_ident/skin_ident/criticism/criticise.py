@@ -6,7 +6,7 @@ from itertools import islice
 
 import numpy as np
 
-from skin_ident.criticism.course import BEHIND, MARGIN, Run, added, believed, beside_the_rest, course_gain, fitted, worthwhile
+from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, believed, beside_the_rest, course_gain, fitted, worthwhile
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
@@ -18,7 +18,9 @@ from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import step_of
+from skin_models.effect import Place
 from skin_models.model import Model
+from skin_models.parameter import AMPLITUDE, parameters_of
 
 MOST_FINDINGS = 5
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
@@ -45,6 +47,10 @@ class Rival:
     where: str
     short_by: float
     model: Model | None = None
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return self.cause, self.where
 
 
 @dataclass(frozen=True)
@@ -145,6 +151,7 @@ class Search:
             trials = self._trials(last)
             had = {r.course for r in self.runs}
             runs = [r for r in worthwhile(self.present.model, self.train, self.noise, self.encoder_step) if r.course not in had]
+            runs = _plainest_first(runs)
             own, shared = self._choose(trials, runs)
             taken = own or shared
             self.rounds.append((last, taken[1].cause if taken else None))
@@ -163,12 +170,13 @@ class Search:
         it.
         """
         best = trials[0].score if trials else 0.0
-        first = runs and runs[0].score > max(MARGIN * best, best + 10.0)
-        same = trials and runs and trials[0].key == (runs[0].course.cause, runs[0].course.where)
-        own = self._own_course(runs[0], trials) if first or (same and self._refitted(runs[0]) > best) else None
+        plain = runs and runs[0].course.shape == CONSTANT  # a zero is but one number for each session
+        first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
+        same = trials and runs and trials[0].key == runs[0].course.key
+        own = self._own_course(runs, trials) if first or (same and self._refitted(runs[0]) > best) else None
         shared = None if own or first else self._first_believed(trials, runs)
         if not (own or shared or first) and runs and runs[0].score > BEHIND * best:
-            own = self._own_course(runs[0], trials)
+            own = self._own_course(runs, trials)
         return own, shared
 
     def _refitted(self, run: Run) -> float:
@@ -226,25 +234,26 @@ class Search:
                 return None
             gain = self._gain(self.present.model, trial.fit.model)
             rivals = [t for t in trials if t is not trial and self._rivals(t, trial, gain)]
-            alternatives = (
-                tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals) + _own(runs, trial, rivals) + _same(trial, rivals)
-            )
+            shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
+            alternatives = shared + _own(runs, trial.score, {t.key for t in (trial, *rivals)}) + _same(trial, rivals)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > MATERIAL * trial.fit.count  # what it was fitted to must gain by it, too
-            enough = gain.squares > shadow and self._resolved(gain, trial.key[0])
+            enough = gain.squares > shadow and self._resolved(gain, trial.key[0]) and self._readable(trial)
             if told and gain.passed and enough and _shows(trial.key[1], gain):
                 return trial.fit, finding
             self.refused.append(finding)
         return None
 
-    def _own_course(self, run: Run, trials: list[_Trial]) -> tuple[Run, Named] | None:
-        """A finding from a course of each session's own, where the blocks between support it."""
+    def _own_course(self, runs: list[Run], trials: list[_Trial]) -> tuple[Run, Named] | None:
+        """A finding from the first course of each session's own, where the blocks between support it."""
+        run, *others = runs
         self.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
         sessions = self.held or self.train
         said = ", ".join(s.name for s in self.held) or "every other block of each session"
         after = fit(self.present.model, added(self.train, run.values), self.noise)
         gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > _reach(run.score) and t.key[0] != run.course.cause)
+        rivals += _own(others, run.score, {run.course.key, *(r.key for r in rivals)})
         if not (believed(gain) and self._resolved(gain, run.course.cause)):
             return None
         return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
@@ -285,6 +294,12 @@ class Search:
         trembling = 2.0 * np.pi * self.train[0].band.edge / np.sqrt(3.0) * min(self.encoder_step, TREMBLING) / np.sqrt(12.0)
         felt = (skin.b1 + skin.b2) * trembling if cause == "rate_dependence" else 0.0
         return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + felt**2 + (UNEVEN * self._step(gain.channel)) ** 2
+
+    def _readable(self, trial: _Trial) -> bool:
+        """Whether lengths by which the tip is said to be off are such as the encoder could tell: half of its step, or more."""
+        off = [e for e in instances(trial.fit.model, *trial.key) if e.place is Place.DEPTH]
+        lengths = [abs(p.value) for e in off for p in parameters_of(e) if p.role == AMPLITUDE and p.unit == "m"]
+        return not lengths or max(lengths) > 0.5 * self.encoder_step
 
     def _step(self, channel: str) -> float:
         """The converter's step in a channel, N; zero where none is seen."""
@@ -338,11 +353,15 @@ def _shows(where: str, gain: Gain) -> bool:
     return not where.startswith(("load_cell", "taxel")) or any(c in gain.carried for c in own)
 
 
-def _own(runs: list[Run], trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:
-    """Courses of a session's own that pass for a shared cause, under names that are not among its rivals."""
-    said = {t.key for t in (trial, *rivals)}
-    near = [r for r in runs if r.score > _reach(trial.score) and (r.course.cause, r.course.where) not in said]
-    return tuple(Rival(r.course.cause, r.course.where, trial.score - r.score) for r in near)
+def _own(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tuple[Rival, ...]:
+    """Courses of a session's own that explain as much as what scores `score`, under names that are not `said` yet."""
+    return tuple(Rival(*r.course.key, score - r.score) for r in runs if r.score > _reach(score) and r.course.key not in said)
+
+
+def _plainest_first(runs: list[Run]) -> list[Run]:
+    """The courses, zeros before all others that explain no more."""
+    best = runs[0].score if runs else 0.0
+    return sorted(runs, key=lambda r: (r.course.shape != CONSTANT or r.score < _reach(best), -r.score))
 
 
 def _same(trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:

@@ -20,6 +20,7 @@ from skin_models.model import Model
 BLOCK_S = 2.0
 RESAMPLES = 1000
 MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming
+MUCH = 0.25  # the same from which the plain error is asked no further
 MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
 FOLD_ITERATIONS = 3
@@ -44,8 +45,10 @@ class Gain:
 
     @property
     def passed(self) -> bool:
-        """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error."""
-        return self.lower > 0.0 and self.relative > MATERIAL and self.after < (1.0 - MATERIAL_RMSE) * self.before
+        """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error; where
+        the likelihood gains little, the plain error must fall beyond doubt, too."""
+        sure = self.lower > 0.0 and (self.ci95[0] > 0.0 or self.relative > MUCH)
+        return sure and self.relative > MATERIAL and self.after < (1.0 - MATERIAL_RMSE) * self.before
 
     @property
     def entry(self) -> dict[str, Any]:

@@ -113,7 +113,7 @@ class Creep(Dynamic):
     linear: ClassVar[bool] = True
 
     creep: float = quantity("1", 0.0, lower=0.0, upper=1.0, typical=0.03, doc="final creep c, share of the load")
-    tau: float = quantity("s", 10.0, lower=1.0, upper=1e4, role=SHAPE, typical=10.0, scan=(3.0, 10.0, 30.0, 100.0), doc="time constant tau")
+    tau: float = quantity("s", 10.0, lower=3.0, upper=1e4, role=SHAPE, typical=10.0, scan=(3.0, 10.0, 30.0, 100.0), doc="time constant tau")
 
     @classmethod
     def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
