@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, believed, beside_the_rest, course_gain, fitted, worthwhile
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
-from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
+from skin_ident.criticism.gate import MATERIAL, MUCH, Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
@@ -289,10 +289,10 @@ class Search:
         """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever
         the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the
         readings across them. And a stage trembles between the encoder's steps, evenly up to the band's edge, at speeds that nobody reads
-        and damping feels: what depends on speed alone must exceed that, too."""
+        and damping feels: what depends on speed alone must exceed that, too, unless the likelihood gains much by it."""
         k, skin = stiffness(self.present.model, gain.channel), self.present.model.dispersion
         trembling = 2.0 * np.pi * self.train[0].band.edge / np.sqrt(3.0) * min(self.encoder_step, TREMBLING) / np.sqrt(12.0)
-        felt = (skin.b1 + skin.b2) * trembling if cause == "rate_dependence" else 0.0
+        felt = (skin.b1 + skin.b2) * trembling if cause == "rate_dependence" and gain.relative < MUCH else 0.0
         return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + felt**2 + (UNEVEN * self._step(gain.channel)) ** 2
 
     def _readable(self, trial: _Trial) -> bool:
