@@ -91,15 +91,16 @@ def without_parting(session: Session, skin: Dispersion) -> Session:
     if session.drive is None:
         left_out = parted(session.motion, skin) | impacts(session.motion, skin)
     else:
-        left_out = _unpressed(session, motion_under(session, skin), JUMP, RECOVERED) & _reads_nothing(session)
+        left_out = _recovering(session, skin, JUMP, RECOVERED) & _reads_nothing(session)
     kept = session.band.thin(left_out.astype(float)) < 0.02
     return replace(session, weight=session.weight * kept)
 
 
-def _unpressed(session: Session, moved: Motion, force: float, depth: float) -> np.ndarray:
-    """Mask (N,) of samples at which skin is deeper than a share `depth` of the greatest depth under less than a share `force` of the
-    greatest force."""
-    return (session.drive < force * session.drive.max()) & (moved.x > depth * moved.x.max())
+def _recovering(session: Session, skin: Dispersion, force: float, depth: float) -> np.ndarray:
+    """Mask (N,) of samples at which skin is deeper than its force would keep it, by a share `depth` of the greatest depth, under less than
+    a share `force` of the greatest force."""
+    x = motion_under(session, skin).x
+    return (session.drive < force * session.drive.max()) & (x - session.drive / (skin.k1 + skin.k2) > depth * x.max())
 
 
 def _reads_nothing(session: Session) -> bool:
@@ -108,10 +109,11 @@ def _reads_nothing(session: Session) -> bool:
     pressed = session.drive > JUMP * session.drive.max()
     fits = []
     for tau in RECOVERIES:
-        moved = motion_under(session, Dispersion(m=0.0, b1=0.0, k1=0.0, b2=tau * NOMINAL, k2=NOMINAL))
+        skin = Dispersion(m=0.0, b1=0.0, k1=0.0, b2=tau * NOMINAL, k2=NOMINAL)
+        moved = motion_under(session, skin)
         under = np.array([moved.x, moved.v])
         told = np.linalg.lstsq(under[:, pressed].T, session.raw[:, pressed].T, rcond=None)[0].T @ under
-        fits.append((float(np.sum((session.raw - told)[:, pressed] ** 2)), told, _unpressed(session, moved, 0.01, 0.02)))
+        fits.append((float(np.sum((session.raw - told)[:, pressed] ** 2)), told, _recovering(session, skin, 0.01, 0.02)))
     _, told, free = min(fits, key=lambda fit: fit[0])
     return bool(2.0 * np.sum(session.raw[:, free] ** 2) < np.sum((session.raw - told)[:, free] ** 2))
 
