@@ -63,6 +63,17 @@ def test_what_a_taxel_reads_of_skin_that_nothing_presses_is_not_judged(tmp_path,
     assert named(recordings[:2], recordings[2:])[0] == []
 
 
+@pytest.mark.parametrize(
+    ("zeros", "gains", "cause"), [((0.15, -0.2, 0.1), (1, 1, 1), "force_offset"), ((0, 0, 0), (1, 1, 0.95), "gain_error")]
+)
+def test_a_load_cell_that_drives_the_test_may_itself_be_wrong(tmp_path, zeros, gains, cause):
+    made = make_sessions(None, seed=8, n_sessions=3, noise="white")[0]
+    recordings = [replace(r, depth=None, force=g * r.force + z) for r, z, g in zip(read(tmp_path, made), zeros, gains, strict=True)]
+    names, findings = named(recordings[:2], recordings[2:])
+    alternatives = {(a["cause"], a["where"]) for f in findings["findings"] for a in f["alternatives"]}
+    assert len(names) == 1 and {(cause, "load_cell"), (cause, "taxel")} <= {*names, *alternatives}, names
+
+
 def test_one_session_says_what_the_second_would_be_for(tmp_path, sessions):
     names, findings = named(read(tmp_path, sessions[:1]))
     assert ("stress_relaxation", "skin") in names and any("record a second one" in w for w in findings["warnings"])

@@ -5,9 +5,9 @@ course of its own,
 
     y(t) = simulated(t) + D(t) sum_k z_k phi_k(t),
 
-where D is what a zero (1 in one channel), a slope (one simulated channel), a zero of depth (dF/dx in all channels) or one of the force that
-drives the test (dT/dF in all taxels) changes, and the phi_k are a constant, steps at moments to be found, or straight lines between knots.
-Courses compete with the catalogue's causes by the same likelihood, each amplitude and each moment charged.
+where D is what a zero (1 in one channel), a slope (one simulated channel), a zero of depth (dF/dx in all channels), or zero or slope of the
+force that drives the test (dT/dF in all taxels, times 1 or F) changes, and the phi_k are a constant, steps at moments to be found, or
+straight lines between knots. Courses compete with the catalogue's causes by the same likelihood, each amplitude and each moment charged.
 
 The gate: in sessions that were held out the course is fitted to every other block of a few seconds, and must predict the blocks between. A
 slow drift is told from strongly coloured noise in this way only: knots and blocks are longer than the memory of noise.
@@ -34,13 +34,14 @@ from skin_models.model import Model
 from skin_models.signals import Motion
 
 CONSTANT, STEPS, BEND = "constant", "steps", "bend"
-ZERO, SLOPE, DEPTH, DRIVE = "zero", "slope", "zero of depth", "zero of the driving force"
+ZERO, SLOPE, DEPTH, DRIVE, DRIVEN = "zero", "slope", "zero of depth", "zero of the driving force", "slope of the driving force"
 CAUSES = {
     (ZERO, CONSTANT): "force_offset",
     (ZERO, BEND): "drift",
     (SLOPE, STEPS): "gain_error",
     (DEPTH, STEPS): "position_offset",
     (DRIVE, CONSTANT): "force_offset",
+    (DRIVEN, CONSTANT): "gain_error",
 }
 PROBE, PUSH = 1e-6, 1e-3  # m, N
 MOMENTS = 24  # where a step is looked for first, evenly through a session
@@ -71,6 +72,11 @@ class Course:
     @property
     def key(self) -> tuple[str, str]:
         return self.cause, self.where
+
+    @property
+    def keys(self) -> tuple[tuple[str, str], ...]:
+        """Its own, and those under which the same signal goes: a force read too small is all taxels reading too much."""
+        return (self.key, (self.cause, "taxel")) if self.carrier == DRIVEN else (self.key,)
 
 
 @dataclass(frozen=True)
@@ -111,7 +117,10 @@ def courses(session: Session) -> Iterator[Course]:
     for c, channel in enumerate(session.channels):
         where = place_of(channel, session.n_taxels)
         yield from (Course(carrier, shape, c, where) for carrier, shape in CAUSES if carrier in (ZERO, SLOPE))
-    yield Course(DEPTH, STEPS, None, "rig") if session.drive is None else Course(DRIVE, CONSTANT, None, "load_cell")
+    if session.drive is None:
+        yield Course(DEPTH, STEPS, None, "rig")
+    else:
+        yield from (Course(carrier, CONSTANT, None, "load_cell") for carrier in (DRIVE, DRIVEN))
 
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
@@ -241,6 +250,8 @@ def _carrier(course: Course, g: _Ground, s: Session) -> np.ndarray:
         return g.deeper[s.name]
     if course.carrier == DRIVE:
         return _pushed(g.model, s, g.plain[s.name])
+    if course.carrier == DRIVEN:
+        return _pushed(g.model, s, g.plain[s.name], s.drive)
     return _unit(course, s) * (1.0 if course.carrier == ZERO else g.plain[s.name][course.channel])
 
 
@@ -249,9 +260,9 @@ def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
     return (simulated(model.extended(PositionOffset("rig", offset=PROBE)), s) - plain) / PROBE
 
 
-def _pushed(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
-    """d(simulated)/d(zero of the driving force), (C, N)."""
-    return (simulated(model, replace(s, drive=s.drive + PUSH)) - plain) / PUSH
+def _pushed(model: Model, s: Session, plain: np.ndarray, by: np.ndarray | float = 1.0) -> np.ndarray:
+    """What a unit more of `by` (N) in the driving force changes, (C, N)."""
+    return (simulated(model, replace(s, drive=s.drive + PUSH * by)) - plain) / PUSH
 
 
 def _unit(course: Course, s: Session) -> np.ndarray:
@@ -311,6 +322,8 @@ def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
     """A session's course in words."""
     if course.carrier == DRIVE:
         return f"{-z[0]:+.3g} N"  # what the load cell reads too much
+    if course.carrier == DRIVEN:
+        return f"{-1e2 * z[0]:+.1f} %"
     if course.carrier == ZERO:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size = "{:+.1f} %" if course.carrier == SLOPE else "{:+.1f} µm"

@@ -137,6 +137,7 @@ class Search:
         self.refused: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []
         self.runs: list[Run] = []
+        self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
         self._befores: dict[tuple[str, str], Model] = {}
 
@@ -246,22 +247,24 @@ class Search:
 
     def _own_course(self, runs: list[Run], trials: list[_Trial]) -> tuple[Run, Named] | None:
         """A finding from the first course of each session's own, where the blocks between support it."""
-        run, *others = runs
+        run = runs[0]
         self.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
         sessions = self.held or self.train
         said = ", ".join(s.name for s in self.held) or "every other block of each session"
         after = fit(self.present.model, added(self.train, run.values), self.noise)
         gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > _reach(run.score) and t.key[0] != run.course.cause)
-        rivals += _own(others, run.score, {run.course.key, *(r.key for r in rivals)})
+        rivals += _own(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         if not (believed(gain) and self._resolved(gain, run.course.cause)):
             return None
         return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
 
     def _take_alone(self) -> bool:
-        """Name what is wrong in held-out sessions and in no other: an own course of theirs, where the blocks between support it."""
+        """Name one thing that is wrong in held-out sessions alone: an own course of theirs, where the blocks between support it."""
+        if self.alone or not self.held:
+            return False
         had = {r.course for r in self.runs}
-        runs = beside_the_rest(self.present.model, self.held, self.noise, self.encoder_step) if self.held else []
+        runs = _plainest_first(beside_the_rest(self.present.model, self.held, self.noise, self.encoder_step))
         run = next((r for r in runs if r.course not in had), None)
         if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held):
             return False
@@ -270,8 +273,9 @@ class Search:
         if not (believed(gain) and self._resolved(gain, run.course.cause)):
             return False
         self.runs.append(run)
-        self.held = added(self.held, run.values)
-        self.named.append(Named(run.course.cause, run.course.where, gain, run.score, (), courses=run.said))
+        self.held, self.alone = added(self.held, run.values), True
+        rivals = _own([r for r in runs if r.course not in had], run.score, {run.course.key})
+        self.named.append(Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said))
         self.progress(f"named {run.course.cause} in the {run.course.where}, in what was held out alone")
         return True
 
@@ -354,8 +358,10 @@ def _shows(where: str, gain: Gain) -> bool:
 
 
 def _own(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tuple[Rival, ...]:
-    """Courses of a session's own that explain as much as what scores `score`, under names that are not `said` yet."""
-    return tuple(Rival(*r.course.key, score - r.score) for r in runs if r.score > _reach(score) and r.course.key not in said)
+    """Courses of a session's own that explain as much as what scores `score`, and what is the same as they, by names not `said` yet."""
+    near = sorted((r for r in runs if r.score > _reach(score)), key=lambda r: r.score)
+    short = {key: score - r.score for r in near for key in r.course.keys if key not in said}  # of the same name the best
+    return tuple(Rival(*key, by) for key, by in short.items())
 
 
 def _plainest_first(runs: list[Run]) -> list[Run]:
