@@ -86,7 +86,7 @@ def test_dispersed_at_a_corner_is_what_the_missing_taxels_would_have_got():
     full, part = grid(61, 61, 2e-3), grid(31, 31, 2e-3)
     corner = full.positions[30 * 61 + 30]  # centre of the full grid; put the part's corner there
     shifted = arbitrary(part.positions - part.positions[-1] + corner, part.normals, part.area)
-    contact = Contacts([[*corner, 0.0007, -0.0011, 0]], [3.0])
+    contact = Contacts([corner + np.array([0.7e-3, -1.1e-3, 0])], [3.0])
     whole = SpreadField(full, Gaussian(width=C), tolerance=1e-12).spread(contact).taxels.reshape(61, 61)
     out = SpreadField(shifted, Gaussian(width=C), tolerance=1e-12).spread(contact)
     assert out.taxels.sum() == pytest.approx(whole[:31, :31].sum(), rel=1e-12)
@@ -134,7 +134,7 @@ def test_a_disc_is_the_average_over_its_area(kernel):
     got = field.spread(Contacts([at], [1.0], radius=a)).taxels[0]
 
     def under(p, t):
-        one = Contacts([[*at, p * np.cos(t), p * np.sin(t), 0]], [1.0])
+        one = Contacts([at + np.array([p * np.cos(t), p * np.sin(t), 0])], [1.0])
         return p * field.spread(one).taxels[0]
 
     x, w = np.polynomial.legendre.leggauss(24)
