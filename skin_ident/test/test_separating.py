@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from skin_ident.criticism.criticise import Named, Rival
+from skin_ident.criticism.criticise import Named
 from skin_ident.criticism.diagnose import diagnose, skin_mass
 from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.gate import Gain
 from skin_ident.criticism.growing import grow
 from skin_ident.criticism.proposals import directions
+from skin_ident.criticism.rivals import Rival
 from skin_ident.criticism.session import prepare
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import survey

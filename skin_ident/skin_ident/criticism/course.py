@@ -128,15 +128,16 @@ def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_s
     read in steps cannot show less than half of one."""
     own = stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise)
     Q, _ = np.linalg.qr(own)
-    ground = _ground(model, sessions, noise, Q)
-    runs = [_run(course, ground) for course in courses(sessions[0])]
-    return sorted((r for r in runs if r.worth(encoder_step)), key=lambda r: -r.score)
+    return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 
 
 def beside_the_rest(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of sessions which `model` was not fitted to, and may not be: what is wrong in them alone."""
-    ground = _ground(model, sessions, noise)
-    runs = [_run(course, ground) for course in courses(sessions[0])]
+    return _worthwhile(_ground(model, sessions, noise), encoder_step)
+
+
+def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
+    runs = [_run(course, ground) for course in courses(ground.sessions[0])]
     return sorted((r for r in runs if r.worth(encoder_step)), key=lambda r: -r.score)
 
 

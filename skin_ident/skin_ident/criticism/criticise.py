@@ -8,19 +8,18 @@ import numpy as np
 
 from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, believed, beside_the_rest, course_gain, fitted, worthwhile
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
-from skin_ident.criticism.gate import MATERIAL, MUCH, Gain, held_out_gain
+from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
-from skin_ident.criticism.residual import simulated, stiffness
+from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.resolution import readable, resolved
+from skin_ident.criticism.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
-from skin_ident.criticism.telemetry.quantization import step_of
-from skin_models.effect import Place
 from skin_models.model import Model
-from skin_models.parameter import AMPLITUDE, parameters_of
 
 MOST_FINDINGS = 5
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
@@ -28,29 +27,11 @@ WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
-TREMBLING = 1e-6  # m, of a good stage at rest
 AT_ONCE = 0.05  # s, what passes the common band as damping does
-OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
-UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
-REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Rival:
-    """A cause that explains the data almost as well: by how much less (squared whitened units), and the model fitted with it."""
-
-    cause: str
-    where: str
-    short_by: float
-    model: Model | None = None
-
-    @property
-    def key(self) -> tuple[str, str]:
-        return self.cause, self.where
 
 
 @dataclass(frozen=True)
@@ -152,7 +133,7 @@ class Search:
             trials = self._trials(last)
             had = {r.course for r in self.runs}
             runs = [r for r in worthwhile(self.present.model, self.train, self.noise, self.encoder_step) if r.course not in had]
-            runs = _plainest_first(runs)
+            runs = plainest_first(runs)
             own, shared = self._choose(trials, runs)
             taken = own or shared
             self.rounds.append((last, taken[1].cause if taken else None))
@@ -199,7 +180,7 @@ class Search:
         plausible = (t for t in map(self._trial, able[:LONGEST]) if self._plausible(t))
         trials = [*filter(self._plausible, map(self._trial, shown)), *islice(plausible, SHORTLIST)]
         trials.sort(key=lambda t: (t.ranked not in shown, -t.score))
-        again = [t for t in trials if t.key in known and t.score > _reach(trials[0].score)]
+        again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
         first = again[:1] or _all_alike(trials)
         return first + [t for t in trials if t not in first]
 
@@ -236,11 +217,11 @@ class Search:
             gain = self._gain(self.present.model, trial.fit.model)
             rivals = [t for t in trials if t is not trial and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
-            alternatives = shared + _own(runs, trial.score, {t.key for t in (trial, *rivals)}) + _same(trial, rivals)
+            alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)}) + _same(trial, rivals)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > MATERIAL * trial.fit.count  # what it was fitted to must gain by it, too
-            enough = gain.squares > shadow and self._resolved(gain, trial.key[0]) and self._readable(trial)
-            if told and gain.passed and enough and _shows(trial.key[1], gain):
+            seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
+            if told and gain.passed and gain.squares > shadow and seen and _shows(trial.key[1], gain):
                 return trial.fit, finding
             self.refused.append(finding)
         return None
@@ -253,8 +234,8 @@ class Search:
         said = ", ".join(s.name for s in self.held) or "every other block of each session"
         after = fit(self.present.model, added(self.train, run.values), self.noise)
         gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
-        rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > _reach(run.score) and t.key[0] != run.course.cause)
-        rivals += _own(runs, run.score, {run.course.key, *(r.key for r in rivals)})
+        rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > reach(run.score) and t.key[0] != run.course.cause)
+        rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         if not (believed(gain) and self._resolved(gain, run.course.cause)):
             return None
         return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
@@ -264,7 +245,7 @@ class Search:
         if self.alone or not self.held:
             return False
         had = {r.course for r in self.runs}
-        runs = _plainest_first(beside_the_rest(self.present.model, self.held, self.noise, self.encoder_step))
+        runs = plainest_first(beside_the_rest(self.present.model, self.held, self.noise, self.encoder_step))
         run = next((r for r in runs if r.course not in had), None)
         if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held):
             return False
@@ -274,7 +255,7 @@ class Search:
             return False
         self.runs.append(run)
         self.held, self.alone = added(self.held, run.values), True
-        rivals = _own([r for r in runs if r.course not in had], run.score, {run.course.key})
+        rivals = own_rivals([r for r in runs if r.course not in had], run.score, {run.course.key})
         self.named.append(Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said))
         self.progress(f"named {run.course.cause} in the {run.course.where}, in what was held out alone")
         return True
@@ -290,29 +271,11 @@ class Search:
         self.progress(f"named {finding.cause} in the {finding.where}")
 
     def _resolved(self, gain: Gain, cause: str) -> bool:
-        """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever
-        the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the
-        readings across them. And a stage trembles between the encoder's steps, evenly up to the band's edge, at speeds that nobody reads
-        and damping feels: what depends on speed alone must exceed that, too, unless the likelihood gains much by it."""
-        k, skin = stiffness(self.present.model, gain.channel), self.present.model.dispersion
-        trembling = 2.0 * np.pi * self.train[0].band.edge / np.sqrt(3.0) * min(self.encoder_step, TREMBLING) / np.sqrt(12.0)
-        felt = (skin.b1 + skin.b2) * trembling if cause == "rate_dependence" and gain.relative < MUCH else 0.0
-        return gain.squares > OPEN * (k * self.encoder_step) ** 2 / 12.0 + felt**2 + (UNEVEN * self._step(gain.channel)) ** 2
-
-    def _readable(self, trial: _Trial) -> bool:
-        """Whether lengths by which the tip is said to be off are such as the encoder could tell: half of its step, or more."""
-        off = [e for e in instances(trial.fit.model, *trial.key) if e.place is Place.DEPTH]
-        lengths = [abs(p.value) for e in off for p in parameters_of(e) if p.role == AMPLITUDE and p.unit == "m"]
-        return not lengths or max(lengths) > 0.5 * self.encoder_step
-
-    def _step(self, channel: str) -> float:
-        """The converter's step in a channel, N; zero where none is seen."""
-        row = self.train[0].channels.index(channel)
-        return max(step_of(s.raw[row]) or 0.0 for s in self.train)
+        return resolved(gain, cause, self.present.model, self.train, self.encoder_step)
 
     def _rivals(self, other: _Trial, best: _Trial, gain: Gain) -> bool:
         """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and more of what was held out."""
-        if other.score > _reach(best.score):
+        if other.score > reach(best.score):
             return True
         return other.score > (1.0 - WIDE) * best.score and self._gain(self.present.model, other.fit.model).relative >= gain.relative
 
@@ -357,19 +320,6 @@ def _shows(where: str, gain: Gain) -> bool:
     return not where.startswith(("load_cell", "taxel")) or any(c in gain.carried for c in own)
 
 
-def _own(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tuple[Rival, ...]:
-    """Courses of a session's own that explain as much as what scores `score`, and what is the same as they, by names not `said` yet."""
-    near = sorted((r for r in runs if r.score > _reach(score)), key=lambda r: r.score)
-    short = {key: score - r.score for r in near for key in r.course.keys if key not in said}  # of the same name the best
-    return tuple(Rival(*key, by) for key, by in short.items())
-
-
-def _plainest_first(runs: list[Run]) -> list[Run]:
-    """The courses, zeros before all others that explain no more."""
-    best = runs[0].score if runs else 0.0
-    return sorted(runs, key=lambda r: (r.course.shape != CONSTANT or r.score < _reach(best), -r.score))
-
-
 def _same(trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:
     """Names at other places that are the same signal by nature: a force below a threshold is swallowed by skin or taxels."""
     said = {t.key for t in rivals}
@@ -380,9 +330,4 @@ def _all_alike(trials: list[_Trial]) -> list[_Trial]:
     """Where the best trial is in one taxel and its cause may as well be the skin's: the same in all taxels, if that explains as much."""
     best = trials[0] if trials else None
     alike = [t for t in trials if (t.key, (t.ranked.cause, "skin")) in SAME and t.ranked.cause == best.ranked.cause]
-    return [t for t in alike if best.ranked.where != "taxel" and t.score > _reach(best.score)]
-
-
-def _reach(score: float) -> float:
-    """The score from which a rival cannot be told from a cause that scores `score`."""
-    return score - max(10.0, REACH * score)
+    return [t for t in alike if best.ranked.where != "taxel" and t.score > reach(best.score)]

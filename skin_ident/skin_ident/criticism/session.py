@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.signal import lfilter
 
 from skin_ident.criticism.band import Band
 from skin_ident.recordings.staircase import drawn_again
 from skin_models.dispersion import Dispersion
+from skin_models.operators.lagging import lagged
 from skin_models.signals import Motion, motion
 
 NOMINAL = 1e4  # N/m, scale of a skin that is known by ratios alone
@@ -75,9 +75,7 @@ def motion_under(session: Session, skin: Dispersion) -> Motion:
     target = session.drive / k
     if tau <= 0.0:
         return replace(motion(session.motion.t, target), pressed=True)
-    e = np.exp(-dt / tau)
-    slope = 1.0 - (1.0 - e) * tau / dt
-    x = target[0] + lfilter([slope, 1.0 - e - slope], [1.0, -e], target - target[0])
+    x = lagged(target, tau, dt)
     return replace(motion(session.motion.t, x, (target - x) / tau), pressed=True)
 
 
@@ -113,8 +111,9 @@ def _reads_nothing(session: Session) -> bool:
         moved = motion_under(session, skin)
         under = np.array([moved.x, moved.v])
         told = np.linalg.lstsq(under[:, pressed].T, session.raw[:, pressed].T, rcond=None)[0].T @ under
-        fits.append((float(np.sum((session.raw - told)[:, pressed] ** 2)), told, _recovering(session, skin, 0.01, 0.02)))
-    _, told, free = min(fits, key=lambda fit: fit[0])
+        fits.append((float(np.sum((session.raw - told)[:, pressed] ** 2)), told, skin))
+    _, told, skin = min(fits, key=lambda fit: fit[0])
+    free = _recovering(session, skin, 0.01, 0.02)
     return bool(2.0 * np.sum(session.raw[:, free] ** 2) < np.sum((session.raw - told)[:, free] ** 2))
 
 

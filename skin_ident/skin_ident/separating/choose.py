@@ -8,8 +8,9 @@ from itertools import combinations
 import numpy as np
 import yaml
 
-from skin_ident.criticism.criticise import REACH, Criticism, Named
+from skin_ident.criticism.criticise import Criticism, Named
 from skin_ident.criticism.proposals import Direction
+from skin_ident.criticism.rivals import REACH
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener
 from skin_ident.separating.candidates import Candidate, candidates

@@ -16,10 +16,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
 
 from skin_models.effect import Dynamic, Memoryless, Place
-from skin_models.operators.lagging import lag_factors
+from skin_models.operators.lagging import lagged, lagged_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
@@ -59,18 +58,12 @@ class DampedMount(Dynamic):
 
     def step(self, state, y, s: Sample, dt: float):
         """tip[n] = e tip[n-1] + (g - e) x[n-1] + (1 - g) x[n] with x not below 0; e and g as in `lag`, for T."""
-        pressed = np.maximum(y, 0.0)
-        tip, last = (pressed, pressed) if state is None else state
-        e, g = lag_factors(self.late, dt)
-        tip = e * tip + (g - e) * last + (1.0 - g) * pressed
-        return (tip, pressed), self._tip(tip, y)
+        state, tip = lagged_step(state, np.maximum(y, 0.0), self.late, dt)
+        return state, self._tip(tip, y)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recursion as a filter, at rest at x[0]."""
-        pressed = np.maximum(y, 0.0)
-        e, g = lag_factors(self.late, s.dt)
-        tip, _ = lfilter([1.0 - g, g - e], [1.0, -e], pressed, zi=g * pressed[..., :1])
-        return self._tip(tip, y)
+        return self._tip(lagged(np.maximum(y, 0.0), self.late, s.dt), y)
 
     def _tip(self, tip, y):
         return np.where(y > 0.0, tip, y)[()] if self.late else y

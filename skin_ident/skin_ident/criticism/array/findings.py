@@ -55,11 +55,8 @@ def silent(a: ArrayCriticism) -> list[int]:
 def form_of(j: Judged) -> str:
     """Which form of its cause it is."""
     name = next(iter(j.hypothesis.free))
-    return (
-        "one"
-        if is_repeat(name)
-        else {"leak": "neighbours", "common": "common", "power": "generalised_gaussian", "tail": "tails"}.get(name, "static")
-    )
+    forms = {"leak": "neighbours", "common": "common", "power": "generalised_gaussian", "tail": "tails"}
+    return "one" if is_repeat(name) else forms.get(name, "static")
 
 
 def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:

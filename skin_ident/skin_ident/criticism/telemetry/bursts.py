@@ -32,11 +32,21 @@ def told_of_bursts(symptom: Symptom, channels: tuple[str, ...], rests: list[np.n
     return replace(symptom, parameters={**symptom.parameters, "in_bursts": quantity(size, "N")}, evidence={**symptom.evidence, "why": why})
 
 
+def envelope(e: np.ndarray, frequency: float, dt: float, width: float = WIDTH_HZ) -> np.ndarray:
+    """a(t) of e (N,), the amplitude of what lies within `width` (Hz) of a frequency."""
+    at = np.fft.fftfreq(e.size, dt)
+    return 2.0 * np.abs(np.fft.ifft(np.fft.fft(e - e.mean()) * (np.abs(at - frequency) < width)))
+
+
+def coming(a: np.ndarray) -> float:
+    """mean(a^4) / mean(a^2)^2 of an envelope (N,)."""
+    return float(np.mean(a**4) / max(np.mean(a**2) ** 2, 1e-300))
+
+
 def _bursts(e: np.ndarray, frequency: float, dt: float) -> tuple[float, float] | None:
     """Amplitude in bursts, N, and their share of the time; None for what is always there."""
-    at = np.fft.fftfreq(e.size, dt)
-    envelope = 2.0 * np.abs(np.fft.ifft(np.fft.fft(e - e.mean()) * (np.abs(at - frequency) < WIDTH_HZ)))
-    if np.mean(envelope**4) < COMING * np.mean(envelope**2) ** 2:
+    a = envelope(e, frequency, dt)
+    if coming(a) < COMING:
         return None
-    size = float(np.percentile(envelope, REACHED))
-    return size, float(np.mean(envelope > THERE * size))
+    size = float(np.percentile(a, REACHED))
+    return size, float(np.mean(a > THERE * size))

@@ -12,6 +12,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.signal import zoom_fft
 from scipy.stats import gamma
 
+from skin_ident.criticism.telemetry.bursts import COMING, coming, envelope
 from skin_ident.criticism.telemetry.motion_lines import carried, goes_on_at_rest, over_background
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
@@ -19,7 +20,7 @@ CHANCE = 1e-4  # of one false line per channel
 DRIFT = 5  # bins by which a line may differ from session to session
 BESIDE = 2, 12  # bins: what a line is compared with to tell it from a hump
 HUMP = 1e-5  # chance that a hump looks like one: it is its highest bin that is looked at
-BURST_HZ, COMING = 1.0, 4.0  # half width of the band, and its power squared over its mean's square, which is 2 for noise
+BURST_HZ = 1.0  # half width of the band in which bursts are looked for
 FEWEST_CYCLES = 24  # in a session
 LOWEST_HZ = 0.3  # below, the motion itself leaves lines in a residual
 AROUND, LONELY = 30, 0.15  # a line that comes in bursts has sidebands; within so many bins the median must stay below this share of it
@@ -93,13 +94,8 @@ def _narrow(each: list[np.ndarray], i: int) -> bool:
 
 
 def _in_bursts(rows: list[np.ndarray], frequency: float, dt: float) -> bool:
-    """Whether what is near a frequency comes and goes as no noise does: the square of its power is far beyond twice that of its mean."""
-    far = []
-    for e in rows:
-        at = np.fft.fftfreq(e.size, dt)
-        envelope = np.abs(np.fft.ifft(np.fft.fft(e - e.mean()) * (np.abs(at - frequency) < BURST_HZ))) ** 2
-        far.append(float(np.mean(envelope**2) / max(np.mean(envelope) ** 2, 1e-300)))
-    return float(np.median(far)) > COMING
+    """Whether what is near a frequency comes and goes as no noise does."""
+    return float(np.median([coming(envelope(e, frequency, dt, BURST_HZ)) for e in rows])) > COMING
 
 
 def _line(rows: list[np.ndarray], near: float, tall: float, dt: float) -> Line:
