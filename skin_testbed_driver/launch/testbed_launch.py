@@ -3,12 +3,19 @@
 ros2 launch skin_testbed_driver testbed_launch.py
 ros2 launch skin_testbed_driver testbed_launch.py time_scale:=5.0 record:=session_1
 ros2 launch skin_testbed_driver testbed_launch.py params:=my_rig.yaml rviz:=true
-ros2 launch skin_testbed_driver testbed_launch.py compare:=model.yaml      the same contacts on a fitted model, as before/…
+ros2 launch skin_testbed_driver testbed_launch.py compare:=model.yaml      the same contacts on a fitted model, as simulated/…
 """
 
 from launch.actions import DeclareLaunchArgument, Shutdown
 from launch.conditions import IfCondition, UnlessCondition
-from launch.substitutions import Command, EqualsSubstitution, LaunchConfiguration, PathJoinSubstitution, PythonExpression
+from launch.substitutions import (
+    Command,
+    EqualsSubstitution,
+    LaunchConfiguration,
+    OrSubstitution,
+    PathJoinSubstitution,
+    PythonExpression,
+)
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
@@ -30,7 +37,7 @@ ARGUMENTS = (
     ("model", "silicone_4mm", "specimen of the simulated rig: a shipped material, or a YAML file with hidden effects"),
     ("record", "", "directory to record into, must not exist; empty: no recording"),
     ("compare", "", "a fitted model: a simulated skin beside the rig publishes simulated/force and simulated/taxels"),
-    ("rviz", "false", "open RViz"),
+    ("rviz", "false", "open RViz; publishes the frames, too"),
     ("describe", "false", "publish the frames of the testbed with robot_state_publisher"),
 )
 
@@ -91,7 +98,7 @@ def _viewers(simulated_time: dict, common: dict) -> list[Node]:
         Node(
             package="robot_state_publisher",
             executable="robot_state_publisher",
-            condition=IfCondition(LaunchConfiguration("describe")),
+            condition=IfCondition(OrSubstitution(LaunchConfiguration("describe"), LaunchConfiguration("rviz"))),
             parameters=[simulated_time, {"robot_description": urdf}],
             remappings=[("joint_states", "encoder")],
             **common,

@@ -58,6 +58,11 @@ def test_every_parameter_that_it_sets_exists():
         assert settings is None or keys <= set(settings.__dataclass_fields__), node
 
 
+def test_rviz_is_given_the_frames_that_it_draws_in():
+    condition = next(ast.unparse(n["condition"]) for n in nodes() if named(n["package"]) == "robot_state_publisher")
+    assert "'describe'" in condition and "'rviz'" in condition
+
+
 def test_its_parts_work_together_started_one_by_one(graph):
     """What `./skin run` does where there is no launch: the same executables, by hand."""
     from rclpy.action import ActionClient

@@ -75,6 +75,13 @@ def test_rviz_knows_every_display_and_every_property_of_it(rviz):
             assert topic.get("Durability Policy", "Volatile") in ("Volatile", "Transient Local", "System Default")
 
 
+def test_rviz_shows_the_force(rviz):
+    """It hides an arrow that is shorter than its width, and one inside the plunger, whose axis is the force's, behind an opaque face."""
+    displays = {own(display["Class"]): display for display in rviz["Visualization Manager"]["Displays"]}
+    assert displays["Wrench"]["Arrow Width"] <= 2.0 * displays["Wrench"]["Force Arrow Scale"]  # from 2 N on
+    assert displays["RobotModel"]["Alpha"] < 1.0
+
+
 def test_rviz_knows_panels_tools_view_and_global_options(rviz):
     manager = rviz["Visualization Manager"]
     assert {own(panel["Class"], "rviz_common") for panel in rviz["Panels"]} <= RVIZ_PANELS
