@@ -1,9 +1,10 @@
-"""The files for RViz, Foxglove and PlotJuggler against the words that those viewers read. No viewer is started.
+"""The files for RViz, Foxglove and PlotJuggler against the words that those viewers read. No viewer is started here.
 
 Taken from the sources of RViz 14.3.1 (plugins_description.xml and the properties of each class), of Lichtblick 1.28.1, the open
-continuation of Foxglove Studio (panels/index.ts and the config type of each panel), and of PlotJuggler 3.17.2 (xmlLoadState of
-mainwindow.cpp, tabbedplotwidget.cpp and plotwidget.cpp, restoreSplitter of plot_docker.cpp). A word that a viewer does not know it
-ignores without telling, so each of these tests also fails where a word of ours is not among them.
+continuation of Foxglove Studio (panels/index.ts and the config type of each panel; timeWindowMode, which it ignores, from the layouts of
+the Foxglove SDK 0.30.3), and of PlotJuggler 3.17 (xmlLoadState of mainwindow.cpp, tabbedplotwidget.cpp, plotwidget.cpp and
+scale_transform.cpp, restoreSplitter of plot_docker.cpp). A word that a viewer does not know it ignores without telling, so each of these
+tests also fails where a word of ours is not among them. In Lichtblick and PlotJuggler the layouts were looked at, too.
 """
 
 import json
@@ -33,13 +34,15 @@ ORBIT = {"Class", "Name", "Distance", "Yaw", "Pitch", "Focal Point", "Focal Shap
 TOOLS = {"MoveCamera", "Interact", "Select", "Measure", "FocusCamera", "SetInitialPose", "SetGoal", "PublishPoint"}
 RVIZ_PANELS = {"Displays", "Time", "Views", "Tool Properties", "Selection", "Help", "Transformation"}
 
+TITLES = {"foxglovePanelTitle": str, "lichtblickPanelTitle": str}
 PATH = {"value": str, "enabled": bool, "timestampMethod": str, "label": str, "color": str, "showLine": bool, "lineSize": float}
 LICHTBLICK = {
     "Plot": {
-        "title": str, "paths": list, "showXAxisLabels": bool, "showYAxisLabels": bool, "showLegend": bool, "legendDisplay": str,
+        **TITLES, "paths": list, "showXAxisLabels": bool, "showYAxisLabels": bool, "showLegend": bool, "legendDisplay": str,
         "showPlotValuesInLegend": bool, "isSynced": bool, "xAxisVal": str, "followingViewWidth": (int, float), "sidebarDimension": int,
+        "timeWindowMode": str,
     },
-    "StateTransitions": {"paths": list, "isSynced": bool, "xAxisRange": float, "showPoints": bool},
+    "StateTransitions": {**TITLES, "paths": list, "isSynced": bool, "xAxisRange": float, "showPoints": bool, "timeWindowMode": str},
     "DiagnosticSummary": {
         "minLevel": int, "pinnedIds": list, "topicToRender": str, "hardwareIdFilter": str, "sortByLevel": bool, "secondsUntilStale": float,
     },
@@ -47,12 +50,16 @@ LICHTBLICK = {
         "topicPath": str, "diffEnabled": bool, "diffMethod": str, "diffTopicPath": str, "showFullMessageForDiff": bool, "fontSize": int,
     },
 }  # fmt: skip
-CHOICES = {"legendDisplay": {"floating", "top", "left", "none"}, "xAxisVal": {"timestamp", "index", "custom", "currentCustom"}}
+CHOICES = {
+    "legendDisplay": {"floating", "top", "left", "none"}, "xAxisVal": {"timestamp", "index", "custom", "currentCustom"},
+    "timeWindowMode": {"automatic", "sliding", "fixed"},
+}  # fmt: skip
 
 PLOTJUGGLER = {
     "root": set(), "tabbed_widget": {"name", "parent"}, "Tab": {"tab_name", "containers"}, "Container": set(),
     "DockSplitter": {"orientation", "count", "sizes"}, "DockArea": {"name"}, "plot": {"mode", "style", "flip_x", "flip_y"},
-    "curve": {"name", "color"}, "currentTabIndex": {"index"}, "use_relative_time_offset": {"enabled"},
+    "curve": {"name", "color"}, "transform": {"name", "alias"},
+    "options": {"time_offset", "value_offset", "value_scale"}, "currentTabIndex": {"index"}, "use_relative_time_offset": {"enabled"},
 }  # fmt: skip
 
 
@@ -102,6 +109,8 @@ def test_foxglove_and_lichtblick_know_every_panel_and_every_setting_of_it():
         for path in panel.get("paths", []):
             assert all(isinstance(value, PATH[key]) for key, value in path.items())
             assert path["timestampMethod"] in ("receiveTime", "headerStamp") and path["value"].startswith("/")
+            assert ".@" not in path["value"]  # Lichtblick ignores @negative over time
+        assert panel.get("foxglovePanelTitle") == panel.get("lichtblickPanelTitle")  # each reads its own
 
 
 def test_the_panels_of_foxglove_are_laid_out_as_a_tree_of_halves():
@@ -124,5 +133,9 @@ def test_plotjuggler_knows_every_element_and_attribute():
         sizes = [float(size) for size in splitter.get("sizes").split(";")]
         assert splitter.get("orientation") in ("-", "|") and len(sizes) == int(splitter.get("count")) == len(splitter)
         assert sum(sizes) == pytest.approx(1.0)
+    for transform in root.iter("transform"):
+        assert transform.get("name") == "Scale/Offset" and len(transform) == 1
+        assert set(transform[0].attrib) == PLOTJUGGLER["options"]
+        assert all(float(value) != 0.0 for key, value in transform[0].attrib.items() if key == "value_scale")
     for plot in root.iter("plot"):
         assert plot.get("mode") == "TimeSeries" and plot.get("style") in ("Lines", "LinesAndDots", "Dots", "Sticks", "Steps")
