@@ -3,7 +3,7 @@
 import numpy as np
 import yaml
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, PointStamped, WrenchStamped
+from geometry_msgs.msg import PointStamped, WrenchStamped
 from rclpy.lifecycle import LifecycleNode
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
@@ -24,6 +24,7 @@ from skin_testbed_driver.testbed import Status
 _KEPT = 5.0  # s of real time
 _MOST = 20000  # samples
 _SELDOM = 0.1  # s, between two messages on stage_position
+_LOOKS = 5  # as many of those between two looks for a subscriber to the truth: each asks the whole graph
 
 
 class Publishing:
@@ -62,6 +63,9 @@ class Publishing:
         self._force_bytes = Packed(force, "wrench.force.z", behind=24)  # the torque
         # By the number of voltages: a rig that measures force has none.
         self._taxels_bytes = {0: Packed(plain, "force", "voltage", "status"), count: Packed(volts, "force", "voltage", "status")}
+        stage = PointStamped()
+        stage.header.frame_id = settings.skin_frame
+        self._stage_bytes = Packed(stage, "point.x", "point.y", behind=8)  # the height
         self._truth_bytes, self._unknown = Packed(plain, "force", "status"), np.full(count, np.nan)
 
     def sample(self, s: Sample, stamp: tuple[int, int]) -> None:
@@ -79,17 +83,16 @@ class Publishing:
             self._send_truth(self._truth_bytes.with_stamp(stamp).set("force", truth).data())
 
     def seldom(self, stamp: tuple[int, int]) -> None:
-        """Ten times a second: see whether anybody hears the truth, and publish which point of the skin is under the plunger, if known."""
+        """Ten times a second: publish which point of the skin is under the plunger, if known, and now and then see whether anybody hears
+        the truth."""
         self._ticks += 1
         if self._ticks % self._seldom:
             return
-        self._truth_heard = self._truth is not None and self._truth.get_subscription_count() > 0
-        if self._stage is None:
-            return
-        x, y = self._rig.placed()
-        message = PointStamped(point=Point(x=x, y=y))
-        message.header.stamp, message.header.frame_id = Time(sec=stamp[0], nanosec=stamp[1]), self._settings.skin_frame
-        self._stage.publish(message)
+        if self._truth is not None and self._ticks // self._seldom % _LOOKS == 0:
+            self._truth_heard = self._truth.get_subscription_count() > 0
+        if self._stage is not None:
+            x, y = self._rig.placed()
+            self._stage.publish(self._stage_bytes.with_stamp(stamp).set_number("point.x", x).set_number("point.y", y).data())
 
     def describe(self, stamp: Time) -> None:
         """Publish once what does not change: where the taxels are, the rig's facts, the calibration in use."""
