@@ -45,8 +45,8 @@ def quantity(
     """Declare a parameter as a field of a frozen dataclass.
 
     `typical` is a sensible size (the prior's median), used to draw examples and to start fits; an amplitude up to `negligible` is what good
-    hardware has anyway, and no cause to be named; `scan` is the grid on which a SHAPE
-    parameter is profiled when a cause is proposed.
+    hardware has anyway, and no cause to be named; `scan` is the grid on which a SHAPE parameter is profiled when a cause is proposed, and
+    holds the sizes at which an amplitude is tried where a large one acts otherwise than many small ones.
     """
     metadata = dict(unit=unit, lower=lower, upper=upper, role=role, typical=typical, negligible=negligible, scan=scan, doc=doc)
     return field(default=default, metadata=metadata, kw_only=True)

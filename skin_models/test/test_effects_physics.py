@@ -11,7 +11,7 @@ from scipy.special import gamma
 from skin_models.catalogue import effects
 from skin_models.effect import Place
 from skin_models.effects.adhesion import Adhesion
-from skin_models.effects.backlash import Backlash
+from skin_models.effects.backlash import Backlash, WindUp
 from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.cyclic_softening import CyclicSoftening
 from skin_models.effects.dead_zone import GatedTaxel, HardDeadZone, SkinDeadZone, TaxelDeadZone
@@ -19,7 +19,7 @@ from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.gain_error import GainStep
 from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, SkinHysteresis
 from skin_models.effects.lag import Lag, SecondOrderLag
-from skin_models.effects.mount_compliance import MountCompliance
+from skin_models.effects.mount_compliance import JointedMount, MountCompliance
 from skin_models.effects.preisach import PreisachHysteresis
 from skin_models.effects.quantization import SensorQuantization
 from skin_models.effects.rate_dependence import OneSidedDamping
@@ -140,6 +140,15 @@ def test_backlash_swallows_the_first_part_of_a_reversal():
     assert tip[400:480] == pytest.approx(tip[400]) and tip[-1] == pytest.approx(MM + gap / 2)
 
 
+def test_a_drive_that_winds_up_loses_the_same_depth_over_a_way():
+    gap, way = 0.2 * MM, 0.05 * MM
+    x = triangle([0.0, 2 * MM, MM])
+    tip = WindUp(where="rig", gap=gap, distance=way).batch(x, None)
+    assert tip[400] == pytest.approx(2 * MM - gap / 2) and tip[-1] == pytest.approx(MM + gap / 2)
+    back = x[400] - x[400:]
+    assert x[400:] - tip[400:] == pytest.approx(gap * np.exp(-back / way) - gap / 2)
+
+
 def test_dead_zones_above_and_below_their_threshold():
     y = np.array([[0.1, 0.5, 5.0, -5.0]])
     assert TaxelDeadZone(where="taxel", threshold=0.5).apply(y, None)[0, 2:] == pytest.approx([4.5, -4.5], abs=1e-6)
@@ -218,6 +227,16 @@ def test_mount_and_skin_are_springs_in_series():
     tip = MountCompliance(where="rig", compliance=compliance, stiffness=stiffness).apply(x, None)
     assert tip == pytest.approx([-MM, MM / (1.0 + compliance * stiffness)])
     assert x[1] - tip[1] == pytest.approx(compliance * stiffness * tip[1])
+
+
+@given(give=st.floats(1e-9, 1e-3), closing=st.floats(1e-6, 1e-2))
+def test_a_joint_gives_with_the_logarithm_of_the_force(give, closing):
+    x = np.linspace(-MM, 3 * MM, 50)
+    tip = JointedMount(where="rig", give=give, closing=closing).apply(x, None)
+    pressed = x > 0.0
+    assert np.array_equal(tip[~pressed], x[~pressed])
+    assert (tip + give * np.log1p(np.maximum(tip, 0.0) / closing))[pressed] == pytest.approx(x[pressed], rel=1e-9)
+    assert (np.diff(tip) > 0.0).all() and (tip[pressed] <= x[pressed]).all()
 
 
 def test_quantized_readings_are_multiples_of_the_step():

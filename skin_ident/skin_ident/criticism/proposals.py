@@ -15,9 +15,9 @@ from skin_ident.criticism.session import Session, motion_under
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
 from skin_models.model import Model
-from skin_models.parameter import AMPLITUDE, parameters_of
+from skin_models.parameter import AMPLITUDE, parameters_of, scan_of
 
-PROBE = 0.1  # of an effect's typical size: how far a direction is probed
+PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,7 @@ class Direction:
     parameter: str
     size: float
     sign: int
+    probe: float = PROBE  # of `size`: by how much the model is bent
 
     @property
     def cause(self) -> str:
@@ -71,7 +72,8 @@ def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Dir
         for p in amplitudes:
             if p.name.endswith("_sensed") and session.n_taxels == 0:
                 continue
-            yield Direction(absent, p.name, abs(p.typical), _sign(p))
+            size = abs(p.typical)
+            yield from (Direction(absent, p.name, size, _sign(p), at / size) for at in scan_of(cls, p.name) or (PROBE * size,))
 
 
 def _sign(p) -> int:
@@ -89,7 +91,7 @@ def _bank(model: Model, which: tuple[Direction, ...], session: Session) -> np.nd
     base = rows(run.response, session)
     out = np.zeros((len(which), *session.measured.shape))
     for i, d in enumerate(which):
-        amount = PROBE if d.sign >= 0 else -PROBE
+        amount = d.probe if d.sign >= 0 else -d.probe
         change = rows(model.bent(run, d.switched_on(amount)), session) - base
         for c, row in enumerate(change):
             if row.any():

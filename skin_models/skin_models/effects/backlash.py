@@ -1,10 +1,13 @@
 """Backlash: depth is lost at every reversal of the drive.
 
-    tip depth = P[x],  the play operator of half width gap / 2 (`skin_models.operators.play`)
+    plain       tip depth = P[x],  the play operator of half width gap / 2 (`skin_models.operators.play`)
+    wind-up     tip depth = x - (gap / 2) z,  z Dahl's bristles over a distance (`skin_models.operators.bristles`)
 
-The drive starts in the middle of its gap. Exact for any path that is monotone between samples.
+The drive starts in the middle of its gap. A drive that rubs winds up at every reversal until it slips: the same depth is lost, but with
+a rounded corner. Both are exact for any path that is monotone between samples.
 
-Source: M. Nordin and P.-O. Gutman, Controlling mechanical systems with backlash: a survey, Automatica 38 (2002) 1633-1649.
+Sources: M. Nordin and P.-O. Gutman, Controlling mechanical systems with backlash: a survey, Automatica 38 (2002) 1633-1649; P. Dahl, A
+Solid Friction Model, TOR-0158, 1968.
 """
 
 from dataclasses import dataclass
@@ -13,8 +16,9 @@ from typing import ClassVar
 import numpy as np
 
 from skin_models.effect import Dynamic, Place
+from skin_models.operators.bristles import bristles, bristles_step
 from skin_models.operators.play import play, play_step
-from skin_models.parameter import quantity
+from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
 
@@ -40,3 +44,31 @@ class Backlash(Dynamic):
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The play operator over the whole recording."""
         return play(y, 0.5 * self.gap)
+
+
+@dataclass(frozen=True)
+class WindUp(Dynamic):
+    """A drive that winds up before it slips. At a distance much longer than the path it is a softer rig, and tried only after the gap."""
+
+    cause: ClassVar[str] = "backlash"
+    form: ClassVar[str] = "wind_up"
+    places: ClassVar = {"rig": Place.DEPTH}
+    source: ClassVar[str] = "Dahl 1968"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = Backlash
+
+    gap: float = quantity("m", 0.0, lower=0.0, upper=5e-3, typical=0.1e-3, doc="whole depth that is lost")
+    distance: float = quantity("m", 1e-5, lower=1e-7, upper=1e-2, role=SHAPE, typical=1e-5, doc="way over which the drive winds up")
+
+    def initial(self, rng=None) -> tuple[float, None]:
+        """Not wound up, before the first sample."""
+        return 0.0, None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """x - (gap / 2) z."""
+        state = bristles_step(state, y, self.distance)
+        return state, y - 0.5 * self.gap * state[0]
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same over the whole recording."""
+        return y - 0.5 * self.gap * bristles(y, self.distance)

@@ -17,7 +17,7 @@ from typing import ClassVar
 import numpy as np
 
 from skin_models.effect import Dynamic, Memoryless, Place
-from skin_models.operators.scan import running_affine
+from skin_models.operators.bristles import bristles, bristles_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
@@ -77,15 +77,9 @@ class DahlFriction(_Rubbing, Dynamic):
 
     def step(self, state, y, s: Sample, dt: float):
         """z/d after one sample, and the reading with it."""
-        bent, last = state
-        gain, offset = self._map(s.x - (s.x if last is None else last))
-        bent = gain * bent + offset
-        return (bent, s.x), self._rubbing(y, bent)
+        state = bristles_step(state, s.x, self.slip)
+        return state, self._rubbing(y, state[0])
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recurrence in log2(N) passes over the whole recording."""
-        return self._rubbing(y, running_affine(*self._map(np.diff(s.x, prepend=s.x[0]))))
-
-    def _map(self, dx):
-        path = -np.abs(dx) / self.slip
-        return np.exp(path), -np.sign(dx) * np.expm1(path)
+        return self._rubbing(y, bristles(s.x, self.slip))

@@ -9,18 +9,27 @@ What bends the mount is a linear skin of stiffness K and damping B, which are pa
 static part only the product C K matters, and from x and F alone it equals a softer skin; the damped part can be seen: the tip follows late
 by T while it presses. A mount under both is a static one behind a damped one, of T / (1 + C K).
 
-Source: two springs in series; W. C. Oliver and G. M. Pharr, J. Materials Research 7 (1992) 1564-1583 (compliance of the load frame).
+A joint, bolted or clamped, gives at first and closes up: rough faces are pressed together by a force that grows exponentially as they near
+each other, so that the joint gives by L ln(1 + F / F1). Under a linear skin that is X deep where F is F1,
+
+    joint     tip depth + L ln(1 + tip depth / X) = x in contact, x in the air
+
+Sources: two springs in series; W. C. Oliver and G. M. Pharr, J. Materials Research 7 (1992) 1564-1583 (compliance of the load frame);
+J. A. Greenwood and J. B. P. Williamson, Proc. Royal Society A 295 (1966) 300-319 (rough faces of exponentially distributed heights).
 """
 
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.special import wrightomega
 
 from skin_models.effect import Dynamic, Memoryless, Place
 from skin_models.operators.lagging import lagged, lagged_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
+
+TINY = 1e-9  # of X: a joint that gives less than that gives nothing
 
 
 @dataclass(frozen=True)
@@ -42,6 +51,29 @@ class MountCompliance(Memoryless):
 
 
 @dataclass(frozen=True)
+class JointedMount(Memoryless):
+    """A joint between encoder and tip that gives at first and closes up."""
+
+    cause: ClassVar[str] = "mount_compliance"
+    form: ClassVar[str] = "joint"
+    places: ClassVar = {"rig": Place.DEPTH}
+    source: ClassVar[str] = "Greenwood and Williamson 1966"
+
+    give: float = quantity("m", 0.0, lower=0.0, upper=1e-3, typical=10e-6, doc="length L, given each time that the force grows e-fold")
+    closing: float = quantity(
+        "m", 0.1e-3, lower=1e-6, upper=0.05, role=SHAPE, typical=0.1e-3, scan=(0.03e-3, 0.3e-3), doc="depth X where the joint closes"
+    )
+
+    def apply(self, y, s):
+        """X (u - 1) with u + a ln u = 1 + x / X, a = L / X, in contact: u = a w, w + ln w = (1 + x / X) / a - ln a; x in the air."""
+        a = self.give / self.closing
+        if a <= TINY:
+            return y
+        u = a * wrightomega((1.0 + np.maximum(y, 0.0) / self.closing) / a - np.log(a)).real
+        return np.where(y > 0.0, self.closing * (u - 1.0), y)[()]
+
+
+@dataclass(frozen=True)
 class DampedMount(Dynamic):
     """The same under a skin's damping force."""
 
@@ -50,7 +82,9 @@ class DampedMount(Dynamic):
     places: ClassVar = {"rig": Place.DEPTH}
     source: ClassVar[str] = "Oliver and Pharr 1992"
 
-    late: float = quantity("s", 0.0, lower=0.0, upper=1.0, typical=0.01, doc="T, compliance times the specimen's damping")
+    late: float = quantity(
+        "s", 0.0, lower=0.0, upper=1.0, typical=0.01, scan=(0.001, 0.05), doc="T, compliance times the specimen's damping"
+    )
 
     def initial(self, rng=None) -> None:
         """None: the first sample is taken as rest. From then on the state is the last tip and the last depth below the surface, m."""
