@@ -7,6 +7,7 @@ from itertools import islice
 import numpy as np
 
 from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, believed, beside_the_rest, course_gain, fitted, worthwhile
+from skin_ident.criticism.description import description_length
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
@@ -27,6 +28,7 @@ WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
+SHORTER = 20.0  # twice nats by which a cause must shorten the description: a hundred of them were asked
 AT_ONCE = 0.05  # s, what passes the common band as damping does
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
@@ -221,7 +223,7 @@ class Search:
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > MATERIAL * trial.fit.count  # what it was fitted to must gain by it, too
             seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
-            if told and gain.passed and gain.squares > shadow and seen and _shows(trial.key[1], gain):
+            if told and gain.passed and gain.squares > shadow and seen and _shows(trial.key[1], gain) and self._shorter(trial.fit):
                 return trial.fit, finding
             self.refused.append(finding)
         return None
@@ -269,6 +271,10 @@ class Search:
         self.train, self.held = train, added(self.held, other.values) if other else self.held
         self.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
         self.progress(f"named {finding.cause} in the {finding.where}")
+
+    def _shorter(self, after: Fit) -> bool:
+        """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
+        return description_length(self.present, self.train) - description_length(after, self.train) > SHORTER
 
     def _resolved(self, gain: Gain, cause: str) -> bool:
         return resolved(gain, cause, self.present.model, self.train, self.encoder_step)

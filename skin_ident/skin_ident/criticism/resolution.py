@@ -15,17 +15,26 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 TREMBLING = 1e-6  # m, of a good stage at rest
+OF_SPEED = ("rate_dependence", "mount_compliance")
 
 
 def resolved(gain: Gain, cause: str, model: Model, train: list[Session], encoder_step: float) -> bool:
     """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever the
     plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the readings
-    across them. And a stage trembles between the encoder's steps, evenly up to the band's edge, at speeds that nobody reads and damping
-    feels: what depends on speed alone must exceed that, too, unless the likelihood gains much by it."""
+    across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed that, too, unless the
+    likelihood gains much by it."""
     k, skin = stiffness(model, gain.channel), model.dispersion
-    trembling = 2.0 * np.pi * train[0].band.edge / np.sqrt(3.0) * min(encoder_step, TREMBLING) / np.sqrt(12.0)
-    felt = (skin.b1 + skin.b2) * trembling if cause == "rate_dependence" and gain.relative < MUCH else 0.0
+    felt = (skin.b1 + skin.b2) * _unread_speed(train, encoder_step) if cause in OF_SPEED and gain.relative < MUCH else 0.0
     return gain.squares > OPEN * (k * encoder_step) ** 2 / 12.0 + felt**2 + (UNEVEN * _converter_step(train, gain.channel)) ** 2
+
+
+def _unread_speed(sessions: list[Session], encoder_step: float) -> float:
+    """What steps of the depth make of its speed within the band, m/s: a stage at rest trembles between them, evenly up to the band's edge;
+    one that moves is rounded at every sample, evenly up to half the sampling rate."""
+    band = sessions[0].band
+    at_rest = min(encoder_step, TREMBLING)
+    moving = encoder_step * np.sqrt(2.0 * band.edge * band.dt)
+    return 2.0 * np.pi * band.edge / np.sqrt(3.0) * max(at_rest, moving) / np.sqrt(12.0)
 
 
 def readable(effects: Iterable[Effect], encoder_step: float) -> bool:
