@@ -114,8 +114,8 @@ def seen(symptom: Symptom) -> dict[str, Any]:
         "parameters": symptom.parameters,
         "evidence": symptom.evidence,
         "gain": {**NOT_MEASURED, "channel": symptom.channels[0]},
-        "alternatives": [],
-        "separating_experiment": "",
+        "alternatives": [{"cause": c, "where": w, "explains_less_by": 0.0} for c, w in symptom.alternatives],
+        "separating_experiment": symptom.apart,
         "means": BY_NAME[symptom.cause].means,
         "advice": BY_NAME[symptom.cause].act,
     }

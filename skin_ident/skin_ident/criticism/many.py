@@ -86,7 +86,7 @@ def renamed(thing: Any, taxels: list[int]) -> Any:
 def symptom_of_all(s: Symptom, taxels: list[int]) -> Symptom:
     """A symptom under the numbers that all taxels have."""
     bad = {(session, renamed(channel, taxels)): mask for (session, channel), mask in s.bad.items()}
-    said = {name: renamed(getattr(s, name), taxels) for name in ("where", "channels", "parameters", "evidence")}
+    said = {name: renamed(getattr(s, name), taxels) for name in ("where", "channels", "parameters", "evidence", "alternatives")}
     return replace(s, bad=bad, **said)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
-from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, load_of
+from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of
 
 ODD = 0.15  # distance of two unit vectors of shares from which a session is asked for another order
 MENDS = 0.25  # of that distance, what the other order may leave
@@ -29,6 +29,7 @@ HUGE, WIDE = 100.0, 2.0  # a factor beyond HUGE is known from within a factor of
 ORDERLY = 0.3  # of the logarithm of a factor, by which the other sessions may differ among themselves
 LENGTHS = (1e3, 1e-3, 1e6, 1e-6)  # m, mm and µm for one another: no skin is so much stiffer than itself
 USUAL = 1e-3  # m, a depth beside which of two sessions the odd one is told
+DECIMAL = 1e-4  # by which the logarithm of a power of ten may be off
 MOST = 6  # faults of this kind in a set of sessions
 
 
@@ -43,7 +44,9 @@ class _Fault:
 
 def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
     """The recordings with every odd session put right, and what was odd. A session that is alone at its place is asked for signs alone."""
-    recordings, symptoms = _upright(list(recordings))
+    recordings, scaled = _in_newtons(list(recordings))
+    recordings, turned = _upright(recordings)
+    symptoms = [*scaled, *turned]
     for group in _places(recordings):
         for _ in range(MOST):
             fault = _fault([recordings[i] for i in group])
@@ -52,6 +55,20 @@ def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
             symptoms.append(fault.symptom)
             recordings[group[fault.session]] = fault.right
     return recordings, tuple(symptoms)
+
+
+def _in_newtons(recordings: list) -> tuple[list, list[Symptom]]:
+    """Channels whose converter steps prove that they are in another unit in all sessions, put into newtons. A factor of ten proves nothing:
+    that may be a converter that is coarser than declared."""
+    symptoms = []
+    for channel in recordings[0].channels:
+        for s in by_grid(recordings, channel):
+            factor = s.parameters["factor"]["value"]
+            if s.evidence["kind"] == "unit factor" and abs(np.log10(factor) - np.round(np.log10(factor))) > DECIMAL:
+                judged = f"{s.evidence['why']}. It is judged divided by {factor:.5g}"
+                symptoms.append(replace(s, evidence={**s.evidence, "why": judged}))
+                recordings = [_with_channels(r, {channel: r.channels[channel] / factor}) for r in recordings]
+    return recordings, symptoms
 
 
 def _upright(recordings: list) -> tuple[list, list[Symptom]]:

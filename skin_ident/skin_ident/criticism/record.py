@@ -15,6 +15,7 @@ from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.encoder import find_encoder_faults
 from skin_ident.criticism.telemetry.excursions import runs
 from skin_ident.criticism.telemetry.lines import find_interference
+from skin_ident.criticism.telemetry.more_than_applied import find_more_than_applied
 from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pile_up import find_saturation
@@ -57,6 +58,7 @@ def inspect(recordings: list) -> Inspected:
         *find_clock_faults(recordings),
         *find_copies(recordings),
         *units,
+        *find_more_than_applied(recordings, tuple(c for u in units for c in u.channels)),
         *find_dead_taxels(recordings),
         *coarse,
         *find_encoder_faults(recordings),

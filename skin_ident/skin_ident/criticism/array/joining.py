@@ -6,6 +6,7 @@ from skin_ident.criticism.array.analysis import ArrayCriticism, analyse, doubted
 from skin_ident.criticism.array.findings import entry, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import changing
+from skin_ident.criticism.telemetry.more_than_applied import KIND as MORE_THAN_APPLIED
 from skin_models.model import Model
 
 SPOILT = ("dead_taxel", "data_error")
@@ -22,7 +23,7 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
     """
     if isinstance(layout, str):
         return layout
-    spoilt = [s for s in symptoms if s.cause in SPOILT]
+    spoilt = [s for s in symptoms if s.cause in SPOILT and s.evidence.get("kind") != MORE_THAN_APPLIED]
     if spoilt:
         return f"{spoilt[0].cause} in {', '.join(spoilt[0].channels)}: ratios with it say nothing"
     sessions, thickness_mm = [*c.train, *c.held], recordings[0].declared.skin_thickness_mm

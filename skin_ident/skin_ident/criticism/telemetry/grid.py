@@ -6,8 +6,8 @@ the wrong name on those of another channel.
 
 import numpy as np
 
-TOLERANCE = 2e-3  # of a step, plus what nine written digits round away
-ROUNDED = 2e-8
+TOLERANCE = 2e-3  # of a step, plus what six written digits round away,
+ROUNDED, MOST = 6e-6, 0.1  # up to so much of a step: beyond, a grid of finer steps would fit as well
 FEWEST_LEVELS = 8
 CLOSE = 2.5  # steps between neighbouring levels, in a record that dwells on many of them
 
@@ -24,7 +24,7 @@ def _on(y: np.ndarray, step: float) -> bool:
     """Whether nearly all samples are whole steps apart. Where they begin is a matter of the tare; a few may have been interpolated."""
     z = (y - np.median(y)) / step
     off = np.abs(z - np.round(z))
-    return bool(np.mean(off < TOLERANCE + ROUNDED * np.abs(y / step)) > 0.97)
+    return bool(np.mean(off < TOLERANCE + np.minimum(ROUNDED * np.abs(y / step), MOST)) > 0.97)
 
 
 def factor_of(y: np.ndarray, step: float, factors: tuple[float, ...]) -> float | None:

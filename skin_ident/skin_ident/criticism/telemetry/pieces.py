@@ -5,12 +5,13 @@ fitted model by far while the others stay with it. A few such pieces also pass f
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from skin_ident.criticism.session import Session, meeting, motion_under
+from skin_ident.criticism.telemetry.peaks import Piece, clipped_peaks
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_models.model import Model
@@ -24,18 +25,6 @@ APART_S = 0.5  # pieces nearer than that are one
 MEETING = 0.5  # of the pieces that may lie where contact is made or lost, where a force may really jump
 
 
-@dataclass(frozen=True)
-class Piece:
-    """A run of samples of one channel of one session."""
-
-    session: str
-    channel: str
-    start: float
-    seconds: float
-    size: float  # N
-    met: bool  # whether contact is made or lost there
-
-
 def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -> list[Symptom]:
     """Outliers that last, by channel, in what `model` leaves (C, N) N, at full rate, of sessions with two channels or more."""
     channels = sessions[0].channels
@@ -44,8 +33,9 @@ def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -
     width = _width(sessions, np.concatenate(rest, axis=1))[:, None]
     found = [p for s, e in zip(sessions, rest, strict=True) for p in _pieces(model, s, e, width)]
     whole = sum(float(np.ptp(s.motion.t)) for s in sessions)
-    by_channel = {c: [p for p in found if p.channel == c] for c in channels}
-    return [_symptom(own, sessions) for own in by_channel.values() if own and _accident(own, whole)]
+    by_channel = [[p for p in found if p.channel == c] for c in channels]
+    accidents = [own for own in by_channel if own and _accident(own, whole)]
+    return [_told(own, clipped_peaks(own, sessions, rest, width), sessions) for own in accidents]
 
 
 def _width(sessions: list[Session], rest: np.ndarray) -> np.ndarray:
@@ -78,6 +68,13 @@ def _runs(mask: np.ndarray, gap: int) -> Iterator[tuple[int, int]]:
 def _accident(own: list[Piece], whole: float) -> bool:
     enough = len(own) >= FEWEST or max(p.seconds for p in own) >= LONG_S
     return enough and sum(p.seconds for p in own) < SELDOM * whole and np.mean([p.met for p in own]) <= MEETING
+
+
+def _told(own: list[Piece], clipped: Symptom | None, sessions: list[Session]) -> Symptom:
+    """Accidents, unless they look like clipped peaks; one or two of these may be either."""
+    if clipped is None or len(own) >= FEWEST:
+        return clipped or _symptom(own, sessions)
+    return replace(_symptom(own, sessions), alternatives=((clipped.cause, clipped.where),), apart=clipped.apart)
 
 
 def _symptom(own: list[Piece], sessions: list[Session]) -> Symptom:

@@ -8,7 +8,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Symptom:
-    """A cause seen in the record itself. `bad` maps (session, channel) to a mask (N,) of samples not to be believed."""
+    """A cause seen in the record itself. `bad` maps (session, channel) to a mask (N,) of samples not to be believed; `alternatives` are
+    (cause, where) that would look the same, and `apart` says what would tell them from it."""
 
     cause: str
     where: str
@@ -16,6 +17,8 @@ class Symptom:
     parameters: dict[str, dict[str, Any]]
     evidence: dict[str, Any]
     bad: dict[tuple[str, str], np.ndarray] = field(default_factory=dict)
+    alternatives: tuple[tuple[str, str], ...] = ()
+    apart: str = ""
 
 
 def place_of(channel: str, n_taxels: int) -> str:

@@ -20,7 +20,7 @@ def find_unit_faults(recordings: list) -> list[Symptom]:
     swapped = _swapped(recordings)
     names = {c for s in swapped for c in s.channels}
     rest = [c for c in recordings[0].channels if c not in names]
-    found = [s for c in rest for s in (_by_grid(recordings, c) or _by_slope(recordings, c))]
+    found = [s for c in rest for s in (by_grid(recordings, c) or _by_slope(recordings, c))]
     return [*swapped, *found, *(s for c in rest for s in _upside_down(recordings, c))]
 
 
@@ -48,7 +48,7 @@ def _swapped(recordings: list) -> list[Symptom]:
     return []
 
 
-def _by_grid(recordings: list, channel: str) -> list[Symptom]:
+def by_grid(recordings: list, channel: str) -> list[Symptom]:
     """A channel in other units, where its declared step tells."""
     step = declared_step(recordings[0], channel)
     if not step:

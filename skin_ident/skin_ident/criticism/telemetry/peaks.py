@@ -1,0 +1,61 @@
+"""Peaks that were clipped: pieces of a record that all lie at its greatest readings, on one level, below what the model says.
+
+A converter or an amplifier that clips before noise is added leaves no pile of samples at one value, and a few quick peaks no more than a few
+short pieces. Accidents do not come at the greatest loads alone, and do not end at one level.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+
+NOISE = 4.0  # widths of what the model leaves: between the levels of pieces, about a level, and of all other readings above it
+INSIDE = 0.25  # of a piece at either end, where the reading may still be on its way
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A run of samples of one channel of one session."""
+
+    session: str
+    channel: str
+    start: float
+    seconds: float
+    size: float  # N
+    met: bool  # whether contact is made or lost there
+
+
+def clipped_peaks(own: list[Piece], sessions: list[Session], rest: list[np.ndarray], width: np.ndarray) -> Symptom | None:
+    """The pieces of one channel as saturation, which cannot be told from outliers; None where they do not look like it.
+
+    `rest` are measured less simulated rows (C, N) of each session at full rate, `width` (C, 1) N is what the model leaves of each channel.
+    """
+    channel = own[0].channel
+    c = sessions[0].channels.index(channel)
+    noise, at = float(width[c, 0]), {s.name: (s.motion.t, s.raw[c], s.raw[c] - e[c]) for s, e in zip(sessions, rest, strict=True)}
+    inside = [[row[_within(at[p.session][0], p)] for row in at[p.session][1:]] for p in own]
+    levels = np.array([np.median(y) for y, _ in inside])
+    level = float(np.median(levels))
+    steady = all(np.median(np.abs(y - level)) < NOISE * noise for y, _ in inside)
+    below = all(np.all(simulated > level) for _, simulated in inside)
+    highest = max(float(y.max()) for _, y, _ in at.values())
+    if not steady or not below or np.ptp(levels) > NOISE * noise or highest > level + 2.0 * NOISE * noise:
+        return None
+    bad = {(name, channel): simulated > level for name, (_, _, simulated) in at.items() if np.any(simulated > level)}
+    where = place_of(channel, sessions[0].n_taxels)
+    seconds = max(p.seconds for p in own)
+    why = (
+        f"{channel} stays at {level:.4g} N, its greatest reading, in {len(own)} peaks of up to {seconds:.2g} s, while the other channels go "
+        f"on by up to {max(p.size for p in own):.3g} N"
+    )
+    evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": float(p.seconds)} for p in own]}
+    parameters = {"level": quantity(level, "N")}
+    return Symptom("saturation", where, (channel,), parameters, evidence, bad, (("outliers", where),), "press beyond this level and hold")
+
+
+def _within(t: np.ndarray, p: Piece) -> np.ndarray:
+    """The middle of a piece (N,)."""
+    middle, half = p.start + 0.5 * p.seconds, (0.5 - INSIDE) * p.seconds
+    return np.abs(t - middle) <= max(half, 0.5 * (t[1] - t[0]))

@@ -1,0 +1,79 @@
+"""A taxel that reads more than what presses on it is an error of data, or of a calibration; whatever a skin can do is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_faults import session
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.odd_session import put_right
+from skin_ident.criticism.telemetry.more_than_applied import KIND, find_more_than_applied
+
+RIVALS = {("gain_error", "load_cell"), ("gain_error", "taxel"), ("data_error", "taxel")}
+
+
+def sessions(change=lambda r: r, count=3):
+    """Sessions with one taxel."""
+    return [change(replace(r, taxels=r.taxels[:1], taxel_names=(), taxel_units=())) for r in map(session, range(count))]
+
+
+def exchanged(r):
+    return replace(r, force=r.taxels[0], taxels=r.force[None])
+
+
+def kilograms(r):
+    return replace(r, force=r.force / 9.80665)
+
+
+def reading(factor):
+    return lambda r: replace(r, taxels=factor * r.taxels)
+
+
+def share():
+    r = session(0)
+    return float(np.polyfit(r.force, r.taxels[0], 1)[0])
+
+
+@pytest.mark.parametrize(("change", "said"), [(exchanged, "exchanged"), (kilograms, "kilograms-force")])
+def test_what_no_skin_does_is_said_with_what_would_explain_it(change, said):
+    (symptom,) = find_more_than_applied(sessions(change))
+    assert (symptom.cause, symptom.where, symptom.evidence["kind"]) == ("data_error", "load_cell", KIND)
+    assert set(symptom.alternatives) == RIVALS and said in symptom.evidence["why"]
+    expected = 1.0 / share() if change is exchanged else 9.80665 * share()
+    assert symptom.parameters["ratio"]["value"] == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.parametrize("change", [lambda r: r, reading(1.05 / share())])
+def test_a_skin_may_lead_all_of_the_force_through_a_taxel(change):
+    assert not find_more_than_applied(sessions(change))
+
+
+def test_a_session_alone_is_no_proof_and_known_units_are_not_asked():
+    odd = [exchanged(r) if i == 1 else r for i, r in enumerate(sessions())]
+    assert not find_more_than_applied(odd)
+    assert not find_more_than_applied(sessions(kilograms), ("force",))
+
+
+def test_volts_and_counts_are_no_newtons():
+    volts = sessions(lambda r: replace(r, taxels=9.0 * r.taxels, taxel_units=("V",)))
+    counts = sessions(lambda r: replace(r, taxels=np.round(9.0 * r.taxels), declared=replace(r.declared, taxel_step_n=(1.0,))))
+    assert not find_more_than_applied(volts) and not find_more_than_applied(counts)
+
+
+def test_it_is_the_finding_and_what_may_be_so_is_not_excluded():
+    findings = diagnose(sessions(exchanged)).findings
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("data_error", "load_cell")]
+    assert {(a["cause"], a["where"]) for a in findings["findings"][0]["alternatives"]} == RIVALS
+    assert not {"data_error", "gain_error"} & {e["cause"] for e in findings["excluded"]} and findings["verdict"] != "nothing_wrong"
+
+
+def test_steps_of_a_converter_prove_the_unit_which_is_then_put_right():
+    def rounded(r):
+        force = np.round(r.force / 0.05) * 0.05 / 9.80665
+        written = np.array([float(f"{y:.6g}") for y in force])
+        return replace(r, force=written, declared=replace(r.declared, force_step_n=0.05))
+
+    right, (symptom,) = put_right(sessions(rounded))
+    assert symptom.parameters["factor"]["value"] == pytest.approx(1.0 / 9.80665) and "judged divided" in symptom.evidence["why"]
+    assert np.allclose(right[0].force, session(0).force, atol=0.026) and not find_more_than_applied(right)
