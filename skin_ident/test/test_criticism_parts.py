@@ -8,9 +8,7 @@ from scipy.optimize import lsq_linear
 from scipy.signal import lfilter, lsim
 
 from skin_ident.criticism.band import Band
-from skin_ident.criticism.fitting import fit, tangents
-from skin_ident.criticism.noise import noise_model
-from skin_ident.criticism.proposals import bank, directions
+from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.ranking import signed_pursuit
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import motion_under, parted, prepare

@@ -5,9 +5,10 @@ course of its own,
 
     y(t) = simulated(t) + D(t) sum_k z_k phi_k(t),
 
-where D is what a zero (1 in one channel), a slope (one simulated channel), a zero of depth (dF/dx in all channels), or zero or slope of the
-force that drives the test (dT/dF in all taxels, times 1 or F) changes, and the phi_k are a constant, steps at moments to be found, or
-straight lines between knots. Courses compete with the catalogue's causes by the same likelihood, each amplitude and each moment charged.
+where D is what a zero (1 in one channel), a slope (one simulated channel), a delay (-dy/dt in channels of one clock), a zero of depth
+(dF/dx in all channels), or zero or slope of the force that drives the test (dT/dF in all taxels, times 1 or F) changes, and the phi_k are a
+constant, steps at moments to be found, or straight lines between knots. Courses compete with the catalogue's causes by the same likelihood,
+each amplitude and each moment charged.
 
 The gate: in sessions that were held out the course is fitted to every other block of a few seconds, and must predict the blocks between. A
 slow drift is told from strongly coloured noise in this way only: knots and blocks are longer than the memory of noise.
@@ -20,30 +21,28 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from skin_ident.criticism.fitting import tangents
+from skin_ident.criticism.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
 from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
 from skin_ident.criticism.noise import pursue
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.steps import sharpest
 from skin_ident.criticism.telemetry.symptom import place_of
-from skin_ident.criticism.unknowns import unknowns
+from skin_ident.criticism.uncertain import known, own_rows
 from skin_ident.criticism.whitening import Whitener, stack
-from skin_models.effects.position_offset import PositionOffset
 from skin_models.model import Model
-from skin_models.signals import Motion
 
 CONSTANT, STEPS, BEND = "constant", "steps", "bend"
-ZERO, SLOPE, DEPTH, DRIVE, DRIVEN = "zero", "slope", "zero of depth", "zero of the driving force", "slope of the driving force"
 CAUSES = {
     (ZERO, CONSTANT): "force_offset",
     (ZERO, BEND): "drift",
     (SLOPE, STEPS): "gain_error",
+    (DELAY, STEPS): "time_shift",
     (DEPTH, STEPS): "position_offset",
     (DRIVE, CONSTANT): "force_offset",
     (DRIVEN, CONSTANT): "gain_error",
 }
-PROBE, PUSH = 1e-6, 1e-3  # m, N
+SIZES = {SLOPE: ("{:+.1f} %", 1e2), DEPTH: ("{:+.1f} µm", 1e6), DELAY: ("{:+.2f} ms", 1e3)}  # of steps, and how many to a unit
 MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
@@ -58,11 +57,11 @@ BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
 
 @dataclass(frozen=True)
 class Course:
-    """One kind of course: what it multiplies (`carrier`, in row `channel`; None: all rows), and its shape in time."""
+    """One kind of course: what it multiplies (`carrier`, in channels `rows`), and its shape in time."""
 
     carrier: str
     shape: str
-    channel: int | None
+    rows: tuple[int, ...]
     where: str
 
     @property
@@ -99,12 +98,12 @@ class Run:
 def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
     """Every bend of every channel's zero, and another zero of depth, (K, C, n) by session; what bends one session's is nothing in the
     others."""
-    every = [Course(ZERO, BEND, c, "") for c in range(len(sessions[0].channels))]
+    every = [Course(ZERO, BEND, (c,), "") for c in range(len(sessions[0].channels))]
 
     def of(s: Session) -> np.ndarray:
-        zeros = [s.band.thin(_unit(c, s) * phi) for c in every for phi in _on(_knots(c, s), c, s)]
-        shifted = _deeper if s.drive is None else _pushed
-        return np.array([*zeros, s.band.thin(shifted(model, s, simulated(model, s)))])
+        plain = simulated(model, s)
+        zeros = [s.band.thin(carried(ZERO, c.rows, model, s, plain) * phi) for c in every for phi in _on(_knots(c, s), c, s)]
+        return np.array([*zeros, s.band.thin(carried(DEPTH if s.drive is None else DRIVE, (), model, s, plain))])
 
     rows = [of(s) for s in sessions]
     return [
@@ -114,26 +113,34 @@ def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
 
 def courses(session: Session) -> Iterator[Course]:
     """Every course that sessions of this kind could have."""
+    every = tuple(range(len(session.channels)))
     for c, channel in enumerate(session.channels):
         where = place_of(channel, session.n_taxels)
-        yield from (Course(carrier, shape, c, where) for carrier, shape in CAUSES if carrier in (ZERO, SLOPE))
-    if session.drive is None:
-        yield Course(DEPTH, STEPS, None, "rig")
-    else:
-        yield from (Course(carrier, CONSTANT, None, "load_cell") for carrier in (DRIVE, DRIVEN))
+        yield from (Course(carrier, shape, (c,), where) for carrier, shape in CAUSES if carrier in (ZERO, SLOPE))
+    taxels = every[-session.n_taxels :] if session.n_taxels else ()
+    if session.drive is not None:
+        yield Course(DELAY, STEPS, taxels, "clock_taxels")
+        yield from (Course(carrier, CONSTANT, every, "load_cell") for carrier in (DRIVE, DRIVEN))
+        return
+    yield Course(DEPTH, STEPS, every, "rig")
+    yield Course(DELAY, STEPS, every, "clock_depth")
+    if taxels and len(taxels) < len(every):
+        yield from (Course(DELAY, STEPS, rows, where) for rows, where in ((every[:1], "clock"), (taxels, "clock_taxels")))
 
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. A depth that is
     read in steps cannot show less than half of one."""
-    own = stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise)
-    Q, _ = np.linalg.qr(own)
+    Q, _ = np.linalg.qr(stack(own_rows(model, sessions, sessions), sessions, noise))
     return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 
 
-def beside_the_rest(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
-    """Courses that explain something of sessions which `model` was not fitted to, and may not be: what is wrong in them alone."""
-    return _worthwhile(_ground(model, sessions, noise), encoder_step)
+def beside_the_rest(model: Model, train: list[Session], held: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
+    """Courses that explain something of sessions `held` which `model` was not fitted to: what is wrong in them alone. The model is free
+    there as far as `train` leaves it: a taxel that nothing loaded so far may read anything."""
+    rows = np.concatenate([stack(own_rows(model, train, held), held, noise), known(model, train, noise)])
+    Q, _ = np.linalg.qr(rows)
+    return _worthwhile(_ground(model, held, noise, Q, alone=True), encoder_step)
 
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
@@ -154,7 +161,8 @@ def fitted(course: Course, model: Model, sessions: list[Session], noise: Whitene
 @dataclass(frozen=True)
 class _Ground:
     """What every course begins from: the sessions as simulated, (C, N) by name, and the whitened residual (R,) less what `Q` (R, U) spans,
-    which the model may change by itself (None: nothing)."""
+    which the model may change by itself (None: nothing). Rows of `Q` beyond those of the sessions are what others know of the model. Where
+    courses of these sessions are looked for `alone`, others say what the slopes are."""
 
     model: Model
     sessions: list[Session]
@@ -162,6 +170,7 @@ class _Ground:
     Q: np.ndarray | None
     plain: dict[str, np.ndarray]
     left: np.ndarray
+    alone: bool = False
 
     def of(self, session: Session) -> np.ndarray:
         """The part of `left` that belongs to one session, (C, n)."""
@@ -170,19 +179,35 @@ class _Ground:
         return self.left[sum(sizes[:i]) : sum(sizes[: i + 1])].reshape(session.measured.shape)
 
     @cached_property
-    def deeper(self) -> dict[str, np.ndarray]:
-        """What a unit of another zero of depth adds to every session, (C, N) N/m."""
-        return {s.name: _deeper(self.model, s, self.plain[s.name]) for s in self.sessions}
+    def _carriers(self) -> dict[tuple[str, tuple[int, ...], str], np.ndarray]:
+        return {}
+
+    def carrier(self, course: Course, s: Session) -> np.ndarray:
+        """D of the module's equation, (C, N), newtons for each unit of z; worked out once for all shapes."""
+        key = course.carrier, course.rows, s.name
+        if key not in self._carriers:
+            self._carriers[key] = carried(course.carrier, course.rows, self.model, s, self.plain[s.name])
+        return self._carriers[key]
 
     def beside(self, rows: np.ndarray) -> np.ndarray:
         """Whitened rows (R, …) less what `Q` spans."""
-        return rows if self.Q is None else rows - self.Q @ (self.Q.T @ rows)
+        if self.Q is None:
+            return rows
+        rows = np.concatenate([rows, np.zeros((len(self.Q) - len(rows), *rows.shape[1:]))])
+        return rows - self.Q @ (self.Q.T @ rows)
+
+    def first(self, course: Course, s: Session) -> float:
+        """The moment (s) from which a course may step. A slope that is wrong from the start on is the skin's own in a lone session, and the
+        place's where sessions press at several."""
+        t = s.motion.t
+        own = course.carrier == SLOPE and self.Q is not None and not self.alone and (len(self.sessions) == 1 or s.spread is not None)
+        return t[0] + (t[-1] - t[0]) / (MOMENTS + 1) if own else t[0]
 
 
-def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray | None = None) -> _Ground:
+def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray | None = None, alone: bool = False) -> _Ground:
     plain = {s.name: simulated(model, s) for s in sessions}
     r = stack([s.measured - s.band.thin(plain[s.name]) for s in sessions], sessions, noise)
-    ground = _Ground(model, sessions, noise, Q, plain, r)
+    ground = _Ground(model, sessions, noise, Q, plain, r, alone)
     return replace(ground, left=ground.beside(r))
 
 
@@ -214,7 +239,7 @@ def _run(course: Course, g: _Ground) -> Run:
     moments = {s.name: _moments(course, g, s) for s in g.sessions}
     z, score, charge = _solve(course, g, moments)
     if course.shape == STEPS and score > 0.0:
-        moments = {s.name: _around(moments[s.name], z[s.name], s) for s in g.sessions}
+        moments = {s.name: _around(moments[s.name], z[s.name], s, g.first(course, s)) for s in g.sessions}
         z, score, charge = _solve(course, g, moments, exactly=True)
         moments = {name: m[z[name] != 0.0] for name, m in moments.items()}
         z = {name: row[row != 0.0] for name, row in z.items()}
@@ -231,45 +256,9 @@ def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.nd
 def _rows(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> Iterator[np.ndarray]:
     """What a unit of every z_k adds, (C, N) N. A step of the depth is done `exactly` when the speed that it feigns is felt, too."""
     if exactly and course.carrier == DEPTH:
-        yield from (_after_jump(g, s, m) for m in moments)
+        yield from (after_jump(g.model, s, g.plain[s.name], m) for m in moments)
     else:
-        carrier = _carrier(course, g, s)
-        yield from (carrier * phi for phi in _on(moments, course, s))
-
-
-def _after_jump(g: _Ground, s: Session, moment: float) -> np.ndarray:
-    """Newtons per metre by which the depth read is too small from `moment` on, as the session's filters have smoothed the jump."""
-    step, m = (s.motion.t >= moment).astype(float), s.motion
-    speed = s.band.speed(step)
-    jumped = Motion(m.t, m.x + PROBE * s.band.smooth(step), m.v + PROBE * speed, m.a + PROBE * np.gradient(speed, m.dt), m.dt)
-    return (simulated(g.model, replace(s, motion=jumped)) - g.plain[s.name]) / PROBE
-
-
-def _carrier(course: Course, g: _Ground, s: Session) -> np.ndarray:
-    """D of the module's equation, (C, N), newtons for each unit of z."""
-    if course.carrier == DEPTH:
-        return g.deeper[s.name]
-    if course.carrier == DRIVE:
-        return _pushed(g.model, s, g.plain[s.name])
-    if course.carrier == DRIVEN:
-        return _pushed(g.model, s, g.plain[s.name], s.drive)
-    return _unit(course, s) * (1.0 if course.carrier == ZERO else g.plain[s.name][course.channel])
-
-
-def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
-    """d(simulated)/d(zero of depth), (C, N) N/m."""
-    return (simulated(model.extended(PositionOffset("rig", offset=PROBE)), s) - plain) / PROBE
-
-
-def _pushed(model: Model, s: Session, plain: np.ndarray, by: np.ndarray | float = 1.0) -> np.ndarray:
-    """What a unit more of `by` (N) in the driving force changes, (C, N)."""
-    return (simulated(model, replace(s, drive=s.drive + PUSH * by)) - plain) / PUSH
-
-
-def _unit(course: Course, s: Session) -> np.ndarray:
-    out = np.zeros_like(s.raw)
-    out[course.channel] = 1.0
-    return out
+        yield from (g.carrier(course, s) * phi for phi in _on(moments, course, s))
 
 
 def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
@@ -278,10 +267,9 @@ def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
     if course.shape != STEPS:
         return _knots(course, s)
     even = np.linspace(t[0], t[-1], MOMENTS + 2)[:-1]
-    sharp = sharpest(s.band.thin(_carrier(course, g, s)), g.of(s), s.weight, s.t, g.noise, SHARPEST)
+    sharp = sharpest(s.band.thin(g.carrier(course, s)), g.of(s), s.weight, s.t, g.noise, SHARPEST)
     every = np.union1d(even, sharp)
-    # Where the model is free, a slope that is wrong from the start on is the skin's own.
-    return every if course.carrier == DEPTH or g.Q is None else every[every > t[0]]
+    return every[every >= g.first(course, s)]
 
 
 def _knots(course: Course, s: Session) -> np.ndarray:
@@ -300,12 +288,12 @@ def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
     return (t >= moments[:, None]).astype(float)
 
 
-def _around(moments: np.ndarray, z: np.ndarray, s: Session) -> np.ndarray:
-    """Finer grids about the moments that were used: one as wide as those were apart, one from sample to sample."""
+def _around(moments: np.ndarray, z: np.ndarray, s: Session, first: float) -> np.ndarray:
+    """Finer grids about the moments that were used, from `first` on: one as wide as those were apart, one from sample to sample."""
     dt, gap = s.motion.dt, (s.motion.t[-1] - s.motion.t[0]) / (MOMENTS + 1)
     around = np.union1d(np.linspace(-gap, gap, 17), dt * s.band.every * np.linspace(-1.0, 1.0, 9))
     used = moments[z != 0.0]
-    return np.unique(np.maximum(np.add.outer(used, around), s.motion.t[0])) if used.size else moments[:1]
+    return np.unique(np.maximum(np.add.outer(used, around), first)) if used.size else moments[:1]
 
 
 def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: bool = False) -> tuple[dict[str, np.ndarray], float, float]:
@@ -327,7 +315,6 @@ def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
         return f"{-1e2 * z[0]:+.1f} %"
     if course.carrier == ZERO:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
-    size = "{:+.1f} %" if course.carrier == SLOPE else "{:+.1f} µm"
-    scale = 1e2 if course.carrier == SLOPE else 1e6
+    size, scale = SIZES[course.carrier]
     steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True) if a != 0.0]
     return ", ".join(steps) or "none"

@@ -1,6 +1,6 @@
 """The loop: survey, try the best few, let held-out sessions decide, repeat, eliminate, and ask what is left."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import islice
 
@@ -13,25 +13,23 @@ from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
-from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.resolution import readable, resolved
 from skin_ident.criticism.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
+from skin_ident.criticism.trial import Trial, all_alike, plausible, same_by_nature
+from skin_ident.criticism.weighing import weighed, with_mass
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
 WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
-FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 SHORTER = 20.0  # twice nats by which a cause must shorten the description: a hundred of them were asked
-AT_ONCE = 0.05  # s, what passes the common band as damping does
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
-SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 
 Progress = Callable[[str], None]
 
@@ -72,14 +70,15 @@ def criticise(
     mass: float = 0.0,
     more: tuple[Direction, ...] = (),
     encoder_step: float = 0.0,
+    weighable: bool = False,
 ) -> Criticism:
-    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg;
-    `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m.
+    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg, and
+    `weighable` whether it is only assumed; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m.
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
-    search = Search(train, held, (*directions(train[0]), *more), progress, encoder_step)
+    search = Search(train, held, (*directions(train[0]), *more), progress, encoder_step, weighable and given is None)
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
@@ -87,22 +86,12 @@ def criticise(
     search.eliminate()
     if given:
         search.check_numbers(given)
-    baseline = fit(given, train, first.noise, 0) if given else fitted
+    if given:
+        baseline = fit(given, train, first.noise, 0)
+    else:
+        baseline = fit(first.model, weighed(train), first.noise) if search.train[0].free_mass else fitted
     told = (tuple(search.named), search.survey(), tuple(search.refused), tuple(search.rounds))
     return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held))
-
-
-@dataclass
-class _Trial:
-    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters."""
-
-    ranked: Ranked
-    fit: Fit
-    score: float
-
-    @property
-    def key(self) -> tuple[str, str]:
-        return self.ranked.cause, self.ranked.where
 
 
 @dataclass
@@ -114,6 +103,7 @@ class Search:
     which: tuple[Direction, ...]
     progress: Progress
     encoder_step: float = 0.0
+    weighable: bool = False  # whether the mass of the skin is only assumed
 
     def __post_init__(self) -> None:
         self.named: list[Named] = []
@@ -136,6 +126,8 @@ class Search:
             had = {r.course for r in self.runs}
             runs = [r for r in worthwhile(self.present.model, self.train, self.noise, self.encoder_step) if r.course not in had]
             runs = plainest_first(runs)
+            if self._weigh(max([0.0, *(t.score for t in trials), *(r.score for r in runs)])):
+                continue
             own, shared = self._choose(trials, runs)
             taken = own or shared
             self.rounds.append((last, taken[1].cause if taken else None))
@@ -146,7 +138,16 @@ class Search:
             elif not self._take_alone():
                 return
 
-    def _choose(self, trials: list[_Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
+    def _weigh(self, best: float) -> bool:
+        """Whether the mass accounts for the record better than the `best` of all causes; then it is fitted from now on."""
+        heavy = with_mass(self.present, self.train, self.noise, best) if self.weighable and best > 0.0 else None
+        if heavy is None:
+            return False
+        self.progress("fitting the mass, too")
+        self.train, self.held, self.present = weighed(self.train), weighed(self.held), heavy
+        return True
+
+    def _choose(self, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
         """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those. Of
         one cause at one place that form is taken which explains more.
 
@@ -173,40 +174,29 @@ class Search:
             return self.rounds[-1][0]
         return survey(self.present.model, self.train, self.which)
 
-    def _trials(self, last: Survey) -> list[_Trial]:
+    def _trials(self, last: Survey) -> list[Trial]:
         """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, all
         taxels alike before one of them, and one that the record itself has shown before all."""
         known = {(n.cause, n.where) for n in self.named}
         shown = [r for r in last.ranked if (r.cause, r.where) in self.suspected - known and r.score > 0.0]
         able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score) and r not in shown]
-        plausible = (t for t in map(self._trial, able[:LONGEST]) if self._plausible(t))
-        trials = [*filter(self._plausible, map(self._trial, shown)), *islice(plausible, SHORTLIST)]
+
+        def tried(causes: list[Ranked]) -> Iterator[Trial]:
+            return (t for t in map(self._trial, causes) if plausible(t, self.train[0]))
+
+        trials = [*tried(shown), *islice(tried(able[:LONGEST]), SHORTLIST)]
         trials.sort(key=lambda t: (t.ranked not in shown, -t.score))
         again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
-        first = again[:1] or _all_alike(trials)
+        first = again[:1] or all_alike(trials)
         return first + [t for t in trials if t not in first]
 
-    def _trial(self, r: Ranked) -> _Trial:
+    def _trial(self, r: Ranked) -> Trial:
         self.progress(f"trying {r.cause} in the {r.where}")
         grown = grow(self.present, r, self.train, self.which, self.noise)
         charge = np.log(grown.count) * (len(grown.unknowns) - len(self.present.unknowns))
-        return _Trial(r, grown, float(self.present.cost - grown.cost - charge))
+        return Trial(r, grown, float(self.present.cost - grown.cost - charge))
 
-    def _plausible(self, t: _Trial) -> bool:
-        """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell. And whether
-        the skin is no filter: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor."""
-        session = self.train[0]
-        skin, arms = t.fit.model.dispersion, instances(t.fit.model, "stress_relaxation", "skin")
-        if any(getattr(a, "tau", np.inf) < AT_ONCE and 2.0 * (a.k_sensed + a.k_dispersed) > skin.k1 + skin.k2 for a in arms):
-            return False
-        channels = session.channels
-        if t.ranked.where != "skin" or t.ranked.cause.startswith("spread") or "force" not in channels or len(channels) == 1:
-            return True
-        without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
-        felt = np.sqrt(np.mean((simulated(t.fit.model, session) - simulated(without, session)) ** 2, axis=1))
-        return bool(felt[0] > FELT * felt[1:].max())
-
-    def _first_believed(self, trials: list[_Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
+    def _first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support. What they do not support is kept in `refused`.
 
         What is small beside the largest effect so far may be the imperfect form of that effect, and is not named. Where the best
@@ -219,16 +209,16 @@ class Search:
             gain = self._gain(self.present.model, trial.fit.model)
             rivals = [t for t in trials if t is not trial and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
-            alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)}) + _same(trial, rivals)
+            alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)}) + same_by_nature(trial, rivals)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > MATERIAL * trial.fit.count  # what it was fitted to must gain by it, too
             seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
-            if told and gain.passed and gain.squares > shadow and seen and _shows(trial.key[1], gain) and self._shorter(trial.fit):
+            if told and gain.passed and gain.squares > shadow and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
                 return trial.fit, finding
             self.refused.append(finding)
         return None
 
-    def _own_course(self, runs: list[Run], trials: list[_Trial]) -> tuple[Run, Named] | None:
+    def _own_course(self, runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
         """A finding from the first course of each session's own, where the blocks between support it."""
         run = runs[0]
         self.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
@@ -238,7 +228,7 @@ class Search:
         gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > reach(run.score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
-        if not (believed(gain) and self._resolved(gain, run.course.cause)):
+        if not (believed(gain) and gain.shows_at(run.course.where) and self._resolved(gain, run.course.cause)):
             return None
         return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
 
@@ -247,13 +237,13 @@ class Search:
         if self.alone or not self.held:
             return False
         had = {r.course for r in self.runs}
-        runs = plainest_first(beside_the_rest(self.present.model, self.held, self.noise, self.encoder_step))
+        runs = plainest_first(beside_the_rest(self.present.model, self.train, self.held, self.noise, self.encoder_step))
         run = next((r for r in runs if r.course not in had), None)
         if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held):
             return False
         said = ", ".join(s.name for s in self.held)
         gain = course_gain(run.course, self.present.model, self.present.model, self.held, self.noise, said)
-        if not (believed(gain) and self._resolved(gain, run.course.cause)):
+        if not (believed(gain) and gain.shows_at(run.course.where) and self._resolved(gain, run.course.cause)):
             return False
         self.runs.append(run)
         self.held, self.alone = added(self.held, run.values), True
@@ -279,7 +269,7 @@ class Search:
     def _resolved(self, gain: Gain, cause: str) -> bool:
         return resolved(gain, cause, self.present.model, self.train, self.encoder_step)
 
-    def _rivals(self, other: _Trial, best: _Trial, gain: Gain) -> bool:
+    def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
         """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and more of what was held out."""
         if other.score > reach(best.score):
             return True
@@ -318,22 +308,3 @@ class Search:
 
     def _gain(self, before: Model, after: Model, refit_before: Callable = fit) -> Gain:
         return held_out_gain(before, after, self.train, self.held, self.noise, refit_before)
-
-
-def _shows(where: str, gain: Gain) -> bool:
-    """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""
-    own = {"load_cell": ("force",), "taxel": tuple(c for c in gain.carried if c.startswith("taxel"))}.get(where, (where,))
-    return not where.startswith(("load_cell", "taxel")) or any(c in gain.carried for c in own)
-
-
-def _same(trial: _Trial, rivals: list[_Trial]) -> tuple[Rival, ...]:
-    """Names at other places that are the same signal by nature: a force below a threshold is swallowed by skin or taxels."""
-    said = {t.key for t in rivals}
-    return tuple(Rival(*other, 0.0) for one, other in SAME if one == trial.key and other not in said)
-
-
-def _all_alike(trials: list[_Trial]) -> list[_Trial]:
-    """Where the best trial is in one taxel and its cause may as well be the skin's: the same in all taxels, if that explains as much."""
-    best = trials[0] if trials else None
-    alike = [t for t in trials if (t.key, (t.ranked.cause, "skin")) in SAME and t.ranked.cause == best.ranked.cause]
-    return [t for t in alike if best.ranked.where != "taxel" and t.score > reach(best.score)]

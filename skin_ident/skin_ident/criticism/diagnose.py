@@ -44,6 +44,7 @@ from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling import believed, tell
 from skin_ident.criticism.twin import with_twins
 from skin_ident.criticism.usable import belong_together, doubted, something_moves
+from skin_ident.criticism.weighing import said_of
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
 from skin_models.errors import ModelError
@@ -112,7 +113,11 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
         every[0] = every[0].warned(*warnings) if warnings else every[0]
     train, held = _split(looked.sessions, training)
     step = _encoder_step(every)
-    c = criticise(train, held, model, progress, skin_mass(every[0]), array_directions(layout, train[0]), step)
+    mass, assumed = skin_mass(every[0]), not every[0].declared.moving_mass_kg
+    c = criticise(train, held, model, progress, mass, array_directions(layout, train[0]), step, assumed)
+    if c.train[0].free_mass:
+        looked = looked.weighed()
+        every[0] = every[0].warned(said_of(c.extended.model.dispersion.m, mass))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
@@ -123,7 +128,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     experiments = separating_experiments(c, train, progress)
     progress("judging what it is worth")
     whole = _split(looked.whole, training)
-    judged = judge(c, symptoms, whole, model, skin_mass(every[0]))
+    judged = judge(c, symptoms, whole, model, mass)
     findings = as_findings(judged.criticism, symptoms, every, *whole, rest, verdict, model is not None, experiments)
     findings = tell(findings, judged, symptoms, step)
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)

@@ -23,12 +23,14 @@ from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import Survey
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.uncertain import beside_uncertainty
 from skin_ident.criticism.whitening import Whitener, stack, white
 from skin_models.model import Model
 
 ROUNDING = 1e-9  # N
 DOUBTED = 1.25  # times the floor of the session that tells most, from which the floor of every session is looked at
 WELL_ABOVE = 1.5  # times the floor of the very sessions: more than noise. Of 20 sound sets of another's making the most had 1.3
+TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
 SHADOW = 0.01  # of the mean square that the named causes explained: a remainder below is their own imperfect form
 BLOCK_S = 4.0
 DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
@@ -91,6 +93,15 @@ def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str,
     return {name: {**floor[name], "rms": float(rms)} for name, rms in zip(floor, np.minimum(fitted, between), strict=True)}
 
 
+def left_beside(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float]) -> dict[str, float]:
+    """What is `left` (N, held out, by channel), where that is clearly above the floor beside what training leaves uncertain of the model."""
+    if not c.held or all(rms <= WELL_ABOVE * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
+        return left
+    tested, noise = list(c.held), c.last.noise
+    rests = beside_uncertainty([residual(c.extended.model, s) for s in tested], c.last.model, list(c.train), tested, noise)
+    return {name: min(left[name], float(rms)) for name, rms in zip(tested[0].channels, _pooled(rests, tested), strict=True)}
+
+
 def _pooled(rests: list[np.ndarray], sessions: list[Session]) -> np.ndarray:
     squares = sum((e**2 * s.weight).sum(axis=1) for e, s in zip(rests, sessions, strict=True))
     return np.sqrt(squares / np.maximum(sum(s.weight.sum(axis=1) for s in sessions), 1.0))
@@ -99,16 +110,17 @@ def _pooled(rests: list[np.ndarray], sessions: list[Session]) -> np.ndarray:
 def beyond_noise(
     c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float], symptoms: Iterable[Symptom], encoder_step: float
 ) -> dict[str, float]:
-    """Channels of which more is `left` (N, held out) than noise can leave, and how many times the floor that is.
+    """Channels of which more is `left` (N, held out) than noise can leave, and how many times the floor that is, or where that is less
+    what is left of the sessions that were fitted.
 
     Not so where a fault of the record is in the channel that nothing predicts, or where the excess is within the steps of converter
     (force k q / sqrt(12)) or encoder, or beside the named causes so small that it may be their own imperfect form.
     """
     random = {channel for s in symptoms if s.cause not in PREDICTS for channel in s.channels}
     shadow = SHADOW * max((n.gain.squares for n in c.named), default=0.0)
-    above = {}
+    above, fitted = {}, _pooled([residual(c.extended.model, s) for s in c.train], list(c.train))
     for i, (channel, rms) in enumerate(left.items()):
-        low = max(floor[channel]["rms"], ROUNDING)
+        low = max(min(floor[channel]["rms"], float(fitted[i]) * TWICE / WELL_ABOVE), ROUNDING)
         least = max(shadow, _resolution(c, i, channel, encoder_step) ** 2)
         if rms > WELL_ABOVE * low and rms**2 - low**2 > least and channel not in random:
             above[channel] = rms / low

@@ -50,6 +50,11 @@ class Gain:
         sure = self.lower > 0.0 and (self.ci95[0] > 0.0 or self.relative > MUCH)
         return sure and self.relative > MATERIAL and self.after < (1.0 - MATERIAL_RMSE) * self.before
 
+    def shows_at(self, where: str) -> bool:
+        """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""
+        own = {"load_cell": ("force",), "taxel": tuple(c for c in self.carried if c.startswith("taxel"))}.get(where, (where,))
+        return not where.startswith(("load_cell", "taxel")) or any(c in self.carried for c in own)
+
     @property
     def entry(self) -> dict[str, Any]:
         """The gain as findings.json writes it."""

@@ -1,7 +1,8 @@
 """What is still wrong when every named cause is in the model.
 
 A general predictor, the richest set of directions that the catalogue offers, is fitted to the training residual and asked to predict the
-residual of held-out sessions. If it can, something systematic is left that no cause has been given for.
+residual of held-out sessions, both beside what training leaves uncertain. If it can, something systematic is left that no cause has been
+given for.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import Survey
 from skin_ident.criticism.telemetry.quantization import step_of
+from skin_ident.criticism.uncertain import beside_uncertainty
 from skin_ident.criticism.whitening import stack
 
 SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
@@ -54,6 +56,7 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     z = pursue(A, r, own + RICHEST, forced=own)
     before = [residual(last.model, s) for s in held]
     after = [e - np.tensordot(z, every[s.name][0], 1) for e, s in zip(before, held, strict=True)]
+    before, after = (beside_uncertainty(e, last.model, fitted, held, last.noise) for e in (before, after))
     fall, lower = bootstrap_fall(*([last.noise.apply(e, s.weight) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))

@@ -22,6 +22,7 @@ from skin_ident.criticism.telemetry.pile_up import find_saturation
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.units import find_unit_faults
+from skin_ident.criticism.weighing import weighed
 from skin_ident.criticism.whitening import fit_whitener
 from skin_models.model import Model
 
@@ -48,6 +49,10 @@ class Inspected:
             return [replace(s, beyond=b, weight=s.weight * w) for s, b, w in zip(sessions, beyond, weights, strict=True)]
 
         return replace(self, sessions=all_of(self.sessions), whole=all_of(self.whole))
+
+    def weighed(self) -> "Inspected":
+        """The same where the mass is fitted, too."""
+        return replace(self, sessions=weighed(self.sessions), whole=weighed(self.whole))
 
 
 def inspect(recordings: list) -> Inspected:

@@ -41,6 +41,7 @@ class Session:
     contact: np.ndarray | None = None  # (2,) m, where this one presses, in the taxels' frame
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
+    free_mass: bool = False  # whether the model's mass is fitted, too (see `weighing`)
 
     @property
     def n_taxels(self) -> int:

@@ -7,13 +7,14 @@ import numpy as np
 
 from skin_ident.criticism.criticise import Criticism, Named
 from skin_ident.criticism.faults import PREDICTS, UNLIKE, effect_of
-from skin_ident.criticism.floor import beyond_noise, floor_of_all, noise_floor
+from skin_ident.criticism.floor import beyond_noise, floor_of_all, left_beside, noise_floor
 from skin_ident.criticism.judging import Judged
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.unknowns import unknowns, values
 from skin_models.model import Model
 
 OTHER_UNIT = 3.0  # times the applied force, which no taxel reads whose gain is merely off
+UNSURE = 1.5  # times what is left beside what training leaves uncertain
 MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is said to have moved
 
 
@@ -23,7 +24,8 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     c = judged.criticism
     left = {channel: gain["held_out_rmse_after"] for channel, gain in judged.channels.items()}
     floor = floor_of_all(c, noise_floor(c.last, list(c.train)), left)
-    above = beyond_noise(c, floor, left, symptoms, encoder_step)
+    certain = left_beside(c, floor, left)
+    above = beyond_noise(c, floor, certain, symptoms, encoder_step)
     entries = findings["findings"]
     for entry, symptom, gain in zip(entries, symptoms, judged.symptoms, strict=False):
         entry["gain"] |= gain
@@ -38,7 +40,7 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
         entry["hid_in"] = hid_in(named, c)
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
-    warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above, left)]
+    warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above, left), *_never_loaded(certain, left)]
     told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "warnings": warnings}
     return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
 
@@ -59,6 +61,15 @@ def _more_than_noise(above: dict[str, float], left: dict[str, float]) -> list[st
         f"{channel}: what is left of data that were not fitted ({left[channel]:.3g} N) is {times:.2g} times what is left where every cause "
         "may bend every session by itself: more than noise, and no cause that could be named accounts for it"
         for channel, times in above.items()
+    ]
+
+
+def _never_loaded(certain: dict[str, float], left: dict[str, float]) -> list[str]:
+    return [
+        f"{channel}: the sessions that were fitted hardly tell what it reads where the others press, so its error there ({left[channel]:.3g} "
+        "N) says nothing about the model; fit a session that loads it, too"
+        for channel, rms in certain.items()
+        if left[channel] > UNSURE * rms
     ]
 
 

@@ -12,8 +12,8 @@ from skin_ident.criticism.session import Session
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
-# What the channels can tell of the dispersion model. The mass is set from the skin's density, as in the thesis's Table 4-5. A test driven
-# by force knows ratios only: k2 is the scale.
+# What the channels can tell of the dispersion model. The mass is set from the skin's density, as in the thesis's Table 4-5, unless the
+# record says otherwise. A test driven by force knows ratios only: k2 is the scale.
 BY_DEPTH, MATERIAL, TAXELS_ALONE, BY_FORCE = ("b1", "k1", "b2", "k2"), ("b2", "k2"), ("b1", "k1"), ("b1", "k1", "b2")
 
 
@@ -35,6 +35,7 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     silent = len(session.stuck) == session.n_taxels
     names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
+    names = (*names, "m") if session.free_mass else names
     for p in parameters_of(model.dispersion):
         if p.name in names:
             yield Unknown("dispersion", p, p.name)
@@ -88,7 +89,7 @@ def with_values(model: Model, which: tuple[Unknown, ...], theta: np.ndarray) -> 
 def scales(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
     """A sensible step of each unknown: a share of its value, or of its typical value where that is larger."""
     total = model.dispersion.k1 + abs(model.dispersion.k2)
-    floor = {"b1": 0.02 * total, "b2": 0.02 * total, "k1": total, "k2": total}
+    floor = {"m": 0.1, "b1": 0.02 * total, "b2": 0.02 * total, "k1": total, "k2": total}
 
     def scale(u: Unknown) -> float:
         p = u.parameter

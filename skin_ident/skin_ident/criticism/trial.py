@@ -1,0 +1,62 @@
+"""One cause tried: grown and refitted beside everything else, and what can be said of it before held-out data are asked."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.fitting import Fit
+from skin_ident.criticism.growing import instances
+from skin_ident.criticism.ranking import Ranked
+from skin_ident.criticism.residual import simulated
+from skin_ident.criticism.rivals import Rival, reach
+from skin_ident.criticism.session import Session
+
+FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
+AT_ONCE = 0.05  # s, what passes the common band as damping does
+SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
+OFFSET, SWALLOWED = ("position_offset", "rig"), ("dead_zone", "skin")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters."""
+
+    ranked: Ranked
+    fit: Fit
+    score: float
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Cause and place."""
+        return self.ranked.cause, self.ranked.where
+
+
+def plausible(t: Trial, session: Session) -> bool:
+    """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell. And whether the
+    skin is no filter: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor."""
+    skin, arms = t.fit.model.dispersion, instances(t.fit.model, "stress_relaxation", "skin")
+    if any(getattr(a, "tau", np.inf) < AT_ONCE and 2.0 * (a.k_sensed + a.k_dispersed) > skin.k1 + skin.k2 for a in arms):
+        return False
+    channels = session.channels
+    if t.ranked.where != "skin" or t.ranked.cause.startswith("spread") or "force" not in channels or len(channels) == 1:
+        return True
+    without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
+    felt = np.sqrt(np.mean((simulated(t.fit.model, session) - simulated(without, session)) ** 2, axis=1))
+    return bool(felt[0] > FELT * felt[1:].max())
+
+
+def same_by_nature(trial: Trial, rivals: list[Trial]) -> tuple[Rival, ...]:
+    """Names at other places that are the same signal: a force below a threshold is swallowed by skin or taxels, and in contact a plunger
+    that has F / k less to go presses as if the skin swallowed F."""
+    said = {t.key for t in rivals}
+    others = [other for one, other in SAME if one == trial.key]
+    if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
+        others.append(SWALLOWED)
+    return tuple(Rival(*other, 0.0) for other in others if other not in said)
+
+
+def all_alike(trials: list[Trial]) -> list[Trial]:
+    """Where the best trial is in one taxel and its cause may as well be the skin's: the same in all taxels, if that explains as much."""
+    best = trials[0] if trials else None
+    alike = [t for t in trials if (t.key, (t.ranked.cause, "skin")) in SAME and t.ranked.cause == best.ranked.cause]
+    return [t for t in alike if best.ranked.where != "taxel" and t.score > reach(best.score)]

@@ -1,0 +1,38 @@
+"""What training leaves uncertain of a model, and what held-out sessions show beside that.
+
+A taxel that no training session loads may have any share of the force; what it reads in a held-out session is then no error of the model.
+With whitened tangents J of the training sessions and K of the held-out ones, the unknowns may still move by the u that minimises
+
+    |e - K u|^2 + |J u|^2,
+
+which is next to nothing in any direction that training knows.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.fitting import tangents
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.unknowns import unknowns
+from skin_ident.criticism.whitening import Whitener, stack
+from skin_models.model import Model
+
+
+def own_rows(model: Model, train: list[Session], sessions: list[Session]) -> list[np.ndarray]:
+    """What each unknown of the model fitted to `train` changes in `sessions`, (U, C, n) each."""
+    return tangents(model, sessions, unknowns(model, train[0]))
+
+
+def known(model: Model, train: list[Session], noise: Whitener) -> np.ndarray:
+    """R (U, U) with |R u| = |J u|: how surely training knows each combination of the unknowns."""
+    return np.linalg.qr(stack(own_rows(model, train, train), train, noise), mode="r")
+
+
+def beside_uncertainty(
+    e: list[np.ndarray], model: Model, train: list[Session], held: list[Session], noise: Whitener
+) -> list[np.ndarray]:
+    """Residuals (C, n) of the held-out sessions less what training leaves open."""
+    own = own_rows(model, train, held)
+    R = known(model, train, noise)
+    A = np.concatenate([stack(own, held, noise), R])
+    u = np.linalg.lstsq(A, np.concatenate([stack(e, held, noise), np.zeros(len(R))]), rcond=None)[0]
+    return [x - np.tensordot(u, k, 1) for x, k in zip(e, own, strict=True)]

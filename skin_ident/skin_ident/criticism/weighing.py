@@ -1,0 +1,39 @@
+"""The mass of the dispersion model, where it is not that of the skin.
+
+A mass m under the plunger takes m g from the force while they touch, and nothing in the air. The skin's own weighs next to nothing (0.4 g,
+thesis 4.3.1), so it is set; but fits with a free mass, as those of Tables 4-1 to 4-4, find some 0.2 kg, which is 2 N. A record of such a
+model, or of a plunger that really leans on the skin, would be told as three faults of sensors. So when something is wrong the mass is
+tried beside all causes, and where it accounts for the record better than any of them it belongs to the baseline.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.fitting import Fit, fit
+from skin_ident.criticism.rivals import reach
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.whitening import Whitener
+from skin_models.signals import GRAVITY
+
+
+def weighed(sessions: list[Session]) -> list[Session]:
+    """The sessions with the mass among their model's unknowns."""
+    return [replace(s, free_mass=True) for s in sessions]
+
+
+def with_mass(present: Fit, sessions: list[Session], noise: Whitener, best: float) -> Fit | None:
+    """The fit with the mass free, where that explains clearly more than the `best` of all causes does (squared whitened units)."""
+    if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
+        return None
+    free = fit(present.model, weighed(sessions), noise)
+    return free if best < reach(present.cost - free.cost - float(np.log(free.count))) else None
+
+
+def said_of(mass: float, assumed: float) -> str:
+    """The warning that the mass was fitted."""
+    return (
+        f"the model's mass was fitted, {mass:.3g} kg: with that of the skin ({1e3 * assumed:.2g} g) the record cannot be explained. It "
+        f"stands for a force of {mass * GRAVITY:.3g} N that is missing while the plunger touches; weigh what moves with the skin "
+        "(moving_mass_kg in rig.yaml), or look for what else takes that force"
+    )
