@@ -10,7 +10,7 @@ from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session, meeting, prepare
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.telemetry.clock import find_clock_faults
-from skin_ident.criticism.telemetry.copied import find_copies
+from skin_ident.criticism.telemetry.copied import copies_among, emptied, find_copies
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.encoder import find_encoder_faults
 from skin_ident.criticism.telemetry.excursions import runs
@@ -69,7 +69,8 @@ def inspect(recordings: list) -> Inspected:
         *find_encoder_faults(recordings),
         *_in_the_drive(recordings),
     ]
-    mended = [_mended(r, early) for r in recordings]
+    copies = copies_among(early, recordings[0])
+    mended = [_mended(emptied(r, copies), early) for r in recordings]
     sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
     late = _in_residuals(mended, sessions)
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
@@ -78,9 +79,10 @@ def inspect(recordings: list) -> Inspected:
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
     clipped = [s for s in symptoms if s.cause == "saturation"]
     whole = [prepare(r, _bad_samples(r, [s for s in symptoms if s not in clipped])) for r in mended]
-    if not clipped and not _stuck(symptoms):
+    stuck = _stuck(symptoms) | dict.fromkeys(copies, 0.0)
+    if not clipped and not stuck:
         return Inspected(symptoms, whole, whole)
-    searched = [replace(prepare(r, _bad_samples(r, symptoms)), stuck=_stuck(symptoms)) for r in mended]
+    searched = [replace(prepare(r, _bad_samples(r, symptoms)), stuck=stuck) for r in mended]
     return Inspected(symptoms, searched, whole)
 
 

@@ -5,8 +5,8 @@ encoder says beside it; so was a channel that equals another one all the time. W
 gives the same numbers for a while by itself: how often short windows recur in these very recordings tells how long chance can last.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
 CHANCE = 0.01  # recurrences of the length found that chance may bring at most
 VALUES = 12  # different values that a column must hold
 EQUAL = 0.98  # of its samples
+COLUMN = "copied column"
 
 
 def find_copies(recordings: list) -> list[Symptom]:
@@ -125,10 +126,25 @@ def _columns(recordings: list) -> list[Symptom]:
         if same:
             share = float(np.mean(rows[1] == rows[0]))
             hold = f"{', '.join(same[:8])} {'holds' if len(same) == 1 else 'hold'}"
-            why = f"{hold} the same numbers as {names[0]} in {100 * share:.3g} % of {rows[0].size} samples"
+            why = f"{hold} the same numbers as {names[0]} in {100 * share:.3g} % of {rows[0].size} samples, and "
+            why += "is judged no further" if len(same) == 1 else "are judged no further"
             where = place_of(same[0], len(recordings[0].taxels))
-            found.append(Symptom("data_error", where, (names[0], *same), {}, {"why": why, "kind": "copied column", "copies": len(same)}))
+            found.append(Symptom("data_error", where, (names[0], *same), {}, {"why": why, "kind": COLUMN, "copies": len(same)}))
     return found
+
+
+def copies_among(symptoms: Iterable[Symptom], recording) -> tuple[str, ...]:
+    """The taxels that only repeat another channel, digit for digit: they say nothing of what they are called after. A force that drives a
+    test without depth is no channel to be judged, and without any taxel nothing would be left."""
+    copies = tuple(c for s in symptoms if s.evidence.get("kind") == COLUMN for c in s.channels[1:])
+    return copies if recording.depth is not None or len(copies) < len(recording.taxels) else ()
+
+
+def emptied(recording, copies: tuple[str, ...]):
+    """The recording with zeros in these taxels, so that nothing is criticised or learnt twice."""
+    taxels = recording.taxels.copy()
+    taxels[[int(c.partition("_")[2]) for c in copies]] = 0.0
+    return replace(recording, taxels=taxels) if copies else recording
 
 
 def _fingerprint(y: np.ndarray) -> bytes:

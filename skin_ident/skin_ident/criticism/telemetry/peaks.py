@@ -1,7 +1,7 @@
 """Peaks that were clipped: pieces of a record that all lie at its greatest readings, on one level, below what the model says.
 
-A converter or an amplifier that clips before noise is added leaves no pile of samples at one value, and a few quick peaks no more than a few
-short pieces. Accidents do not come at the greatest loads alone, and do not end at one level.
+A converter or an amplifier that clips before noise is added leaves no pile of samples at one value, and of a few quick peaks no more than a
+few short pieces. Accidents do not come at the greatest loads alone, and do not end at one level.
 """
 
 from dataclasses import dataclass
@@ -45,10 +45,10 @@ def clipped_peaks(own: list[Piece], sessions: list[Session], rest: list[np.ndarr
         return None
     bad = {(name, channel): simulated > level for name, (_, _, simulated) in at.items() if np.any(simulated > level)}
     where = place_of(channel, sessions[0].n_taxels)
-    seconds = max(p.seconds for p in own)
+    seconds, beyond = max(p.seconds for p in own), max(p.size for p in own)
     why = (
-        f"{channel} stays at {level:.4g} N, its greatest reading, in {len(own)} peaks of up to {seconds:.2g} s, while the other channels go "
-        f"on by up to {max(p.size for p in own):.3g} N"
+        f"{channel} stays at {level:.4g} N, its greatest reading, in {len(own)} peaks of up to {seconds:.2g} s, while what the others "
+        f"say goes on by up to {beyond:.3g} N"
     )
     evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": float(p.seconds)} for p in own]}
     parameters = {"level": quantity(level, "N")}
