@@ -48,6 +48,7 @@ SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
 KNOT_S = 20.0
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
+SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
 AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
@@ -81,7 +82,7 @@ class Course:
 @dataclass(frozen=True)
 class Run:
     """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
-    values (C, N) N and its words by session."""
+    values (C, N) N and its words by session, and the period of their samples, s."""
 
     course: Course
     score: float
@@ -89,10 +90,12 @@ class Run:
     largest: float
     values: dict[str, np.ndarray]
     said: dict[str, str]
+    period: float
 
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains anything, and is more than what a good stage does at rest or its encoder can tell."""
-        return self.score > LEAST and not (self.course.carrier == DEPTH and self.largest < max(AT_REST, 0.5 * encoder_step))
+        least = {DEPTH: max(AT_REST, 0.5 * encoder_step), DELAY: SLIP * self.period}
+        return self.score > LEAST and self.largest >= least.get(self.course.carrier, 0.0)
 
 
 def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
@@ -245,7 +248,8 @@ def _run(course: Course, g: _Ground) -> Run:
         z = {name: row[row != 0.0] for name, row in z.items()}
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, moments[s.name], z[s.name]) for s in g.sessions}
-    return Run(course, score, charge, max(float(np.abs(row).max(initial=0.0)) for row in z.values()), values, said)
+    largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
+    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt)
 
 
 def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -27,6 +27,7 @@ MOST_FINDINGS = 5
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
 WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
+ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 SHORTER = 20.0  # twice nats by which a cause must shorten the description: a hundred of them were asked
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
@@ -243,7 +244,8 @@ class Search:
             return False
         said = ", ".join(s.name for s in self.held)
         gain = course_gain(run.course, self.present.model, self.present.model, self.held, self.noise, said)
-        if not (believed(gain) and gain.shows_at(run.course.where) and self._resolved(gain, run.course.cause)):
+        much = gain.after < ALONE * gain.before
+        if not (much and believed(gain) and gain.shows_at(run.course.where) and self._resolved(gain, run.course.cause)):
             return False
         self.runs.append(run)
         self.held, self.alone = added(self.held, run.values), True

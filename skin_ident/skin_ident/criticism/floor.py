@@ -94,7 +94,7 @@ def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str,
 
 
 def left_beside(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float]) -> dict[str, float]:
-    """What is `left` (N, held out, by channel), where that is clearly above the floor beside what training leaves uncertain of the model."""
+    """What is `left` (N, held out, by channel); where that is clearly above the floor, beside what training leaves uncertain."""
     if not c.held or all(rms <= WELL_ABOVE * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
         return left
     tested, noise = list(c.held), c.last.noise

@@ -66,8 +66,8 @@ def _more_than_noise(above: dict[str, float], left: dict[str, float]) -> list[st
 
 def _never_loaded(certain: dict[str, float], left: dict[str, float]) -> list[str]:
     return [
-        f"{channel}: the sessions that were fitted hardly tell what it reads where the others press, so its error there ({left[channel]:.3g} "
-        "N) says nothing about the model; fit a session that loads it, too"
+        f"{channel}: the sessions that were fitted hardly tell what it reads where the others press, so its error there "
+        f"({left[channel]:.3g} N) says nothing about the model; fit a session that loads it, too"
         for channel, rms in certain.items()
         if left[channel] > UNSURE * rms
     ]

@@ -8,15 +8,23 @@ next cell, before it leaves: straight on a ramp, level where the plunger rests. 
 a parabola: with the cell r times as long as its neighbours, which are q wide, the top is beyond the border by
 
     e = q / ((1 + 2 / r)^2 - 1),        and where that is more than q, the plunger has rested in the middle.
+
+An encoder with noise of its own flickers: while the plunger rests single readings fall into the next cell. Hundreds of such steps would be
+most of all the speed in a record of holds. Where a reading flickers and keeps to two cells for a while, it is averaged over that while.
 """
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d, uniform_filter1d
+
+FLICKS = 20  # single readings in another cell than those before and after, from which a record flickers
+RESTING = 25  # samples
 
 
 def drawn_again(x: np.ndarray) -> np.ndarray:
     """Depth (N,) m without its staircase; itself where no two samples are alike.
 
-    Never further from what was read than half a step, which is the smallest change from one reading to the next, or than a sample's change.
+    Never further from what was read than half a step, which is the smallest change from one reading to the next, or than a sample's change;
+    or than a step where the reading flickers.
     """
     change = np.flatnonzero(np.diff(x) != 0.0) + 1
     if change.size == 0 or change.size == x.size - 1:
@@ -39,7 +47,16 @@ def drawn_again(x: np.ndarray) -> np.ndarray:
     again = np.interp(np.arange(x.size), when[order], where[order])
     jumps = np.abs(np.diff(x))
     allowed = np.maximum(0.5 * jumps[jumps > 0.0].min(), np.abs(np.gradient(x)))
-    return np.clip(again, x - allowed, x + allowed)
+    again = np.clip(again, x - allowed, x + allowed)
+    flicks = (x[1:-1] != x[:-2]) & (x[:-2] == x[2:])
+    return _steady(x, again, 2.0 * allowed.min()) if np.count_nonzero(flicks) >= FLICKS else again
+
+
+def _steady(x: np.ndarray, again: np.ndarray, step: float) -> np.ndarray:
+    """`again`, but the mean of the readings where these keep to two cells, single ones left aside."""
+    calm = median_filter(x, 5)
+    rests = maximum_filter1d(calm, RESTING) - minimum_filter1d(calm, RESTING) < 1.5 * step
+    return np.where(rests, uniform_filter1d(x, RESTING), again)
 
 
 def _rise(cell: np.ndarray, length: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
