@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
+from skin_ident.criticism.array.exchanged import put_right as columns_put_right
 from skin_ident.criticism.array.extending import told
 from skin_ident.criticism.array.joining import array_criticism, joined
 from skin_ident.criticism.array.layout import layout_of
@@ -80,7 +81,8 @@ def diagnose(
     something_moves(every[: len(recordings)])
     every, odd = put_right([doubted(r) for r in every])
     layout = layout_of(every, model)
-    every = with_spread(every, layout)
+    every, exchanged = columns_put_right(every, layout)
+    odd, every = (*odd, *exchanged), with_spread(every, layout)
     if len(every[0].taxels) > FEW:
         if twins:
             raise DiagnosisError(f"a twin of {len(every[0].taxels)} taxels cannot be compared at once: name {FEW} or fewer with --taxels")
