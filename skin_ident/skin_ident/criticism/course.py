@@ -25,6 +25,7 @@ from skin_ident.criticism.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZE
 from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
 from skin_ident.criticism.noise import pursue
 from skin_ident.criticism.residual import residual, simulated
+from skin_ident.criticism.said import Said
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.steps import sharpest
 from skin_ident.criticism.telemetry.symptom import place_of
@@ -43,6 +44,7 @@ CAUSES = {
     (DRIVEN, CONSTANT): "gain_error",
 }
 SIZES = {SLOPE: ("{:+.1f} %", 1e2), DEPTH: ("{:+.1f} µm", 1e6), DELAY: ("{:+.2f} ms", 1e3)}  # of steps, and how many to a unit
+UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # of values, all others in N
 MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
@@ -311,8 +313,13 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
     return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
 
 
-def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
-    """A session's course in words."""
+def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> Said:
+    """A session's course in words and numbers: steps are added up, a bend is read between its knots."""
+    unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
+    return Said.of(_words(course, moments, z), values, unit, None if course.shape == CONSTANT else moments)
+
+
+def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
     if course.carrier == DRIVE:
         return f"{-z[0]:+.3g} N"  # what the load cell reads too much
     if course.carrier == DRIVEN:

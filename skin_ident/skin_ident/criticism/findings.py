@@ -91,7 +91,9 @@ def _of_each_session(named: Named) -> dict[str, Any]:
     if not named.courses:
         return {}
     said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())
-    return {"why": f"each session has its own ({said}), which no parameter that they share could be", "of_each_session": named.courses}
+    why = f"each session has its own ({said}), which no parameter that they share could be"
+    sizes = {session: list(getattr(course, "sizes", ())) for session, course in named.courses.items()}
+    return {"why": why, "of_each_session": named.courses, "sessions": sizes}
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
 from skin_ident.report.words import EVIDENCE, SHARES, capital, cause_at, channel, meaning, sentence, signal, spoken
 
-UNTOLD = ("why", "unlike_simulated", "stuck", "count", "excursions")  # said elsewhere, or for programs
+UNTOLD = ("why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std", "sessions")  # said elsewhere, or for programs
 
 
 def evidence(outcome: Outcome, v: View) -> Safe | None:

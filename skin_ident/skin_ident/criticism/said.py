@@ -1,0 +1,18 @@
+"""Words for a person that carry their numbers for programs."""
+
+from collections.abc import Iterable
+from typing import Any
+
+
+class Said(str):
+    """A text; `sizes` are its numbers: {"value", "unit"}, with "at_s" for what begins or is met at a moment."""
+
+    sizes: tuple[dict[str, Any], ...] = ()
+
+    @classmethod
+    def of(cls, words: str, values: Iterable[float], unit: str, moments: Iterable[float] | None = None) -> "Said":
+        """`values` in `unit` (SI), each at its moment, s, unless it is there all the time."""
+        said = cls(words)
+        sizes = [{"value": float(v), "unit": unit} for v in values]
+        said.sizes = tuple(sizes if moments is None else ({**q, "at_s": float(m)} for q, m in zip(sizes, moments, strict=True)))
+        return said
