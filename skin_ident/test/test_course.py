@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hide_and_seek import seek
 from world import make_sessions, write_case
@@ -41,3 +42,18 @@ def test_a_gain_that_is_off_in_the_held_out_session_alone_is_named(tmp_path, see
     recordings = load(tmp_path)
     (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     assert (found["cause"], found["where"]) == ("gain_error", "taxel") and set(found["evidence"]["of_each_session"]) == {"session_2.tsv"}
+
+
+@pytest.mark.parametrize("seed", [51, 52])
+def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed):
+    made, _ = make_sessions(None, seed=seed, n_sessions=3, noise="white")
+
+    def slipped(s):
+        late = 0.0137 * (s.t > np.quantile(s.t, 0.6))
+        return replace(s, force=np.interp(s.t - late, s.t, s.force))
+
+    write_case([slipped(s) for s in made], tmp_path)
+    recordings = load(tmp_path)
+    (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert (found["cause"], found["where"]) == ("time_shift", "clock")
+    assert all("ms at" in words for words in found["evidence"]["of_each_session"].values())

@@ -57,3 +57,16 @@ def test_a_coarse_encoder_hides_little_damping_from_a_fit(step):
     noisy = [y + 0.05 * rng.standard_normal(y.shape) for y in (r.force, r.taxels)]
     fitted = fit_dispersion([Recording("coarse", t, np.round(path / step) * step, *noisy)], mass=0.0).model.dispersion
     assert fitted.b1 == pytest.approx(skin.b1, rel=0.03) and fitted.k1 == pytest.approx(skin.k1, rel=0.01)
+
+
+def test_an_encoder_that_flickers_at_rest_does_not_hide_damping():
+    """A quarter of a step of noise before the rounding: most of the speed in a record of holds is then the encoder's."""
+    rng, step = np.random.default_rng(4), 5e-6
+    t = np.arange(0.0, 300.0, 1.0 / RATE)
+    path = np.interp(t, np.arange(0.0, 301.0, 1.0), 1e-4 * np.repeat(rng.integers(1, 10, 26), 12)[:301])
+    skin = Dispersion(m=0.0, b1=982.5, k1=10156.0, b2=683.7, k2=3127.0)
+    r = Model(skin, shares=(1.0,)).simulate(motion(t, path))
+    noisy = [y + 0.05 * rng.standard_normal(y.shape) for y in (r.force, r.taxels)]
+    read_so = np.round((path + 0.25 * step * rng.standard_normal(t.size)) / step) * step
+    fitted = fit_dispersion([Recording("flickering", t, read_so, *noisy)], mass=0.0).model.dispersion
+    assert fitted.b1 == pytest.approx(skin.b1, rel=0.03) and fitted.b2 == pytest.approx(skin.b2, rel=0.04)

@@ -241,6 +241,15 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener) -> np.
 
 
 def _run(course: Course, g: _Ground) -> Run:
+    run = _linear_run(course, g)
+    if course.carrier != DELAY or run.score <= 0.0:
+        return run
+    # y(t - d) - y(t) = -d y'(t - d / 2) to the second order: once more, with the slopes half way.
+    halfway = {name: plain + 0.5 * run.values[name] for name, plain in g.plain.items()}
+    return max(run, _linear_run(course, replace(g, plain=halfway)), key=lambda r: r.score)
+
+
+def _linear_run(course: Course, g: _Ground) -> Run:
     moments = {s.name: _moments(course, g, s) for s in g.sessions}
     z, score, charge = _solve(course, g, moments)
     if course.shape == STEPS and score > 0.0:

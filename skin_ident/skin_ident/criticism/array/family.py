@@ -21,6 +21,7 @@ from skin_ident.criticism.array.layout import Layout
 from skin_models.spread.footprint import Places
 
 HALF_SPACE = 1.5
+NEAR = 1e-18  # m^2: a contact exactly over a taxel, of which any power can be taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +46,7 @@ class Family:
         x, y = np.moveaxis(layout.places - shift, -1, 0)
         ratio = p.get("ratio", 0.0)
         square = np.exp(-ratio) * x**2 + np.exp(ratio) * y**2 - 2.0 * p.get("turn", 0.0) * x * y
-        u = np.maximum(square, 0.0) / (layout.width * np.exp(p.get("width", 0.0))) ** 2
+        u = np.maximum(square, NEAR) / (layout.width * np.exp(p.get("width", 0.0))) ** 2
         gain = np.array([p.get(f"gain_{i}", 0.0) for i in range(len(layout.taxels))])
         tail, fall = p.get("tail", 0.0), HALF_SPACE * np.exp(p.get("fall", 0.0))
         own = (1.0 + gain) * ((1.0 - tail) * np.exp(-(u ** (1.0 + 0.5 * p.get("power", 0.0)))) + tail * (1.0 + u) ** -fall)

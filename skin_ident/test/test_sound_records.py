@@ -1,0 +1,90 @@
+"""Records in which nothing is wrong but that something is not known: a mass, a taxel's share, slow noise of short sessions. Written out as
+forces here, not simulated by the model that is fitted."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.recording import Recording
+
+RATE = 100.0
+K1, B1, K2, B2 = 9619.0, 939.5, 2766.0, 629.2  # thesis, Table 4-2, silicone of 4 mm
+GRAVITY = 9.81
+TAXELS_MM = ((0.0, 0.0), (7.0, 0.0), (14.0, 0.0))
+WIDTH_MM = 5.25
+
+
+def presses(seed: int, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+    """Presses to many depths, in and out of the skin, with holds: time (s) and depth (m)."""
+    rng = np.random.default_rng([seed, 1])
+    corners, when = [-2e-4], [0.0]
+    while when[-1] < seconds:
+        deep = corners[-1] <= 0.0
+        corners += 2 * [rng.uniform(0.3e-3, 1.2e-3) if deep else -2e-4]
+        when += [when[-1] + rng.uniform(0.5, 1.5), when[-1] + rng.uniform(2.0, 3.0)]
+    t = np.arange(0.0, seconds, 1.0 / RATE)
+    x = np.interp(t, when, corners)
+    soft = np.hanning(2 * int(0.1 * RATE) + 1)
+    return t, np.convolve(np.pad(x, soft.size // 2, mode="edge"), soft / soft.sum(), "valid")
+
+
+def branches(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sensed and dispersed force, N, and where plunger and skin touch."""
+    v = np.gradient(x, 1.0 / RATE)
+    touched = (x > 0.0) & (K1 * x + B1 * v + K2 * x + B2 * v > 0.0)
+    return touched * (K1 * x + B1 * v), touched * (K2 * x + B2 * v), touched
+
+
+def noise(rng: np.random.Generator, n: int, size: float, colour: float) -> np.ndarray:
+    return size * np.sqrt(1.0 - colour**2) * lfilter([1.0], [1.0, -colour], rng.standard_normal(n))
+
+
+def heavy(seed: int, mass: float, declared: Declared) -> Recording:
+    t, x = presses(seed, 60.0)
+    rng, (sensed, dispersed, touched) = np.random.default_rng([seed, 2]), branches(x)
+    weight = touched * mass * (np.gradient(np.gradient(x, t), t) - GRAVITY)
+    force = sensed + dispersed + weight + noise(rng, t.size, 0.04, 0.8)
+    return Recording(f"session_{seed}", t, x, force, (sensed + noise(rng, t.size, 0.03, 0.8))[None], declared=declared)
+
+
+@pytest.mark.parametrize("mass", [0.1, 0.243])
+def test_a_mass_that_nobody_declared_is_no_fault_of_a_sensor(mass):
+    """0.243 kg: thesis, Table 4-4."""
+    outcome = diagnose([heavy(1, mass, Declared()), heavy(2, mass, Declared())], [heavy(3, mass, Declared())])
+    assert outcome.findings["findings"] == [] and outcome.findings["verdict"] == "nothing_wrong"
+    assert outcome.baseline.dispersion.m == pytest.approx(mass, rel=0.05)
+    assert outcome.baseline.dispersion.k2 == pytest.approx(K2, rel=0.03)
+    assert any("mass was fitted" in w for w in outcome.findings["warnings"])
+
+
+def test_a_declared_mass_stays_as_it_is_and_a_light_skin_is_not_weighed():
+    said = Declared(moving_mass_kg=0.243)
+    sessions = [heavy(i, 0.243, said) for i in (1, 2, 3)]
+    for recordings, mass in ((sessions, 0.243), ([heavy(i, 0.000432, Declared()) for i in (1, 2, 3)], 0.000432)):
+        outcome = diagnose(recordings[:2], recordings[2:])
+        assert outcome.findings["findings"] == [] and outcome.baseline.dispersion.m == pytest.approx(mass)
+        assert not any("mass was fitted" in w for w in outcome.findings["warnings"])
+
+
+def in_a_row(seed: int, place_mm: float, seconds: float = 60.0, size: float = 0.02, colour: float = 0.8) -> Recording:
+    t, x = presses(seed, seconds)
+    rng, (sensed, dispersed, _) = np.random.default_rng([seed, 3]), branches(x)
+    shares = np.exp(-0.5 * ((np.array(TAXELS_MM)[:, 0] - place_mm) / WIDTH_MM) ** 2)
+    taxels = np.array([share * sensed + noise(rng, t.size, size, colour) for share in shares])
+    said = Declared(taxel_positions_mm=TAXELS_MM, contact_position_mm={"": (place_mm, 0.0)})
+    return Recording(f"session_{seed}", t, x, sensed + dispersed + noise(rng, t.size, size, colour), taxels, declared=said)
+
+
+@pytest.mark.parametrize("seed", [10, 20])
+def test_a_taxel_that_only_the_held_out_session_loads_has_no_error(seed):
+    """Training knows next to nothing of its share; what it reads is then news, and no fault."""
+    outcome = diagnose([in_a_row(seed, 0.0), in_a_row(seed + 1, -4.0)], [in_a_row(seed + 2, 14.0)])
+    assert outcome.findings["findings"] == [] and outcome.findings["verdict"] == "nothing_wrong"
+
+
+@pytest.mark.parametrize("seed", [30, 40, 50, 60])
+def test_noise_that_wanders_through_half_a_minute_has_no_name(seed):
+    outcome = diagnose([in_a_row(seed, 7.0, 35.0, 0.07, 0.97), in_a_row(seed + 1, 7.0, 35.0, 0.07, 0.97)])
+    assert outcome.findings["findings"] == []
