@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_faults import session
+from test_faults import SKIN, session
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.odd_session import put_right
 from skin_ident.criticism.telemetry.more_than_applied import KIND, find_more_than_applied
+from skin_models.signals import motion
 
+SHALLOW, DEEP = 4.0, 8.0  # of the usual strokes, of which nearly half is in the air
 RIVALS = {("gain_error", "load_cell"), ("gain_error", "taxel"), ("data_error", "taxel")}
 
 
@@ -77,3 +79,19 @@ def test_steps_of_a_converter_prove_the_unit_which_is_then_put_right():
     right, (symptom,) = put_right(sessions(rounded))
     assert symptom.parameters["factor"]["value"] == pytest.approx(1.0 / 9.80665) and "judged divided" in symptom.evidence["why"]
     assert np.allclose(right[0].force, session(0).force, atol=0.026) and not find_more_than_applied(right)
+
+
+def test_a_mass_that_weighs_on_the_load_cell_in_contact_alone_is_none_of_it():
+    skin = replace(SKIN, dispersion=replace(SKIN.dispersion, m=0.25, k1=2619.0, k2=1346.0), shares=(1.0,))
+
+    def heavy(scale):
+        def pressed(r):
+            depth = scale * (r.depth - 0.45e-3)
+            out = skin.simulate(motion(r.t, depth))
+            return replace(r, depth=depth, force=out.force, taxels=out.taxels)
+
+        return pressed
+
+    recordings = [*sessions(heavy(DEEP)), replace(sessions(heavy(SHALLOW))[0], name="shallow")]
+    assert recordings[0].force.min() < -1.0  # as heavy as much of the load
+    assert not find_more_than_applied(recordings[3:]) and not put_right(recordings)[1]

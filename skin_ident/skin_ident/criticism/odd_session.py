@@ -19,7 +19,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
-from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of
+from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of, pressed
 
 ODD = 0.15  # distance of two unit vectors of shares from which a session is asked for another order
 MENDS = 0.25  # of that distance, what the other order may leave
@@ -106,10 +106,10 @@ def _fault(group: list) -> _Fault | None:
 
 
 def _slope(recording, channel: str) -> float:
-    """By least squares, N per metre (per newton, where force drives the test)."""
-    x, y = load_of(recording, channel), recording.channels[channel]
+    """By least squares in contact, N per metre (per newton, where force drives the test)."""
+    x, y = (row[pressed(recording)] for row in (load_of(recording, channel), recording.channels[channel]))
     x = x - x.mean()
-    return float(x @ (y - y.mean()) / (x @ x))
+    return float(x @ (y - y.mean()) / max(x @ x, 1e-300))
 
 
 def _follows(recording, channel: str) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
-from skin_ident.criticism.telemetry.units import FOLLOWS, declared_step, load_of
+from skin_ident.criticism.telemetry.units import FOLLOWS, declared_step, load_of, pressed
 
 KIND = "more than applied"
 MORE, SURE = 1.1, 3.0  # a ratio from which it is said, and standard errors above one
@@ -60,8 +60,10 @@ def _in_newtons(recordings: list, i: int) -> bool:
 def _ratio(r, i: int) -> Ratio | None:
     """None where force or taxel do not follow the load."""
     x = r.force if r.depth is None else load_of(r, "force")
-    rows = np.array([r.force, r.taxels[i]])
-    if x is None or np.any(np.ptp(rows, axis=1) == 0.0) or min(np.corrcoef(x, y)[0, 1] for y in rows) < FOLLOWS:
+    if x is None:
+        return None
+    x, *rows = (row[pressed(r)] for row in (x, r.force, r.taxels[i]))
+    if np.any(np.ptp(rows, axis=1) == 0.0) or min(np.corrcoef(x, y)[0, 1] for y in rows) < FOLLOWS:
         return None
     x = x - x.mean()
     force, taxel = (np.array([b.sum() for b in np.array_split(x * (y - y.mean()), BLOCKS)]) for y in rows)

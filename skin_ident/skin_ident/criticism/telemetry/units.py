@@ -12,6 +12,7 @@ FACTORS = (4.44822, 1 / 4.44822, 9.80665, 1 / 9.80665, 0.0980665, 1 / 0.0980665,
 NEAR = 0.06  # relative, how close a ratio of slopes must come to such a factor
 PIECES = 12  # of a session, each asked for its grid
 FOLLOWS = 0.5  # correlation with the load, without which a slope means nothing
+WITHIN, ENOUGH = 0.3, 0.1  # of the greatest depth, from which on contact is sure, and of the samples, which must be there
 AGAINST = -0.6  # correlation with the load by which a channel is upside down
 
 
@@ -106,6 +107,15 @@ def load_of(recording, channel: str) -> np.ndarray | None:
     """What a channel answers to: the depth (N,) m, or the force that drives a test without one, N; None where it does not move."""
     load = recording.depth if recording.depth is not None else recording.force if channel != "force" else None
     return load if load is not None and np.ptp(load) > 0.0 else None
+
+
+def pressed(recording) -> np.ndarray:
+    """Mask (N,) of the samples well within contact: a mass that is pushed along weighs on the load cell there, and in the air not. All
+    samples, where force drives the test or contact is hardly made."""
+    if recording.depth is None:
+        return np.ones(len(recording), bool)
+    deep = recording.depth > WITHIN * np.percentile(recording.depth, 99.0)
+    return deep if np.mean(deep) > ENOUGH else np.ones(len(recording), bool)
 
 
 def _slope(recording, channel: str) -> float:
