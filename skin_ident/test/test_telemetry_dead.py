@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 
+import array_making
 import numpy as np
 import pytest
 from world import make_sessions, write_case
 
+from skin_ident.criticism.array.layout import layout_of
+from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.record import inspect
 from skin_ident.recordings.load import load
 
@@ -68,3 +71,20 @@ def test_one_that_comes_and_goes_is_dead_for_so_long(tmp_path, taxels):
 def test_a_stuck_taxel_says_nothing_of_the_encoder(tmp_path):
     sessions = make_sessions("dead_taxel", "taxel_0", "stuck", seed=2108696762, n_sessions=3, n_taxels=3)[0]
     assert {(s.cause, s.where) for s in named(tmp_path, sessions)} == {("dead_taxel", "taxel_0")}
+
+
+@pytest.mark.parametrize("spoil", ["on and off", "dies"])
+def test_its_share_at_every_place_is_that_of_the_samples_in_which_it_lives(tmp_path, spoil):
+    rng = np.random.default_rng(4)
+    clean = array_making.record_at(tmp_path, [(0, 0), (5, 0), (-5, 0)], taxels=3, layout="row_5mm", noise="white")
+    broken = []
+    for i, r in enumerate(clean):
+        taxels = r.taxels.copy()
+        alive = np.arange(len(r)) < (0.4 if i == 1 else 1.0) * len(r)
+        taxels[1] = on_and_off(taxels[1], rng) if spoil == "on and off" else np.where(alive, taxels[1], 0.3)
+        broken.append(replace(r, taxels=taxels))
+    true, raw = (np.array([r.spread for r in with_spread(rs, layout_of(clean))]) for rs in (clean, broken))
+    looked = inspect(with_spread(broken, layout_of(broken)))
+    assert [(s.cause, s.where) for s in looked.symptoms] == [("dead_taxel", "taxel_1")]
+    found = np.array([s.spread for s in looked.sessions])
+    assert np.abs(found / true - 1.0).max() < 0.02 < np.abs(raw / true - 1.0).max()

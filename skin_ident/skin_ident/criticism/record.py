@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import median_filter
 
+from skin_ident.criticism.believed_spread import with_believed_spread
 from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session, meeting, prepare
@@ -71,12 +72,14 @@ def inspect(recordings: list) -> Inspected:
     ]
     copies = copies_among(early, recordings[0])
     mended = [_mended(emptied(r, copies), early) for r in recordings]
+    mended = _spread_again(mended, early)
     sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
     late = _in_residuals(mended, sessions)
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
     dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
+    mended = _spread_again(mended, symptoms)
     clipped = [s for s in symptoms if s.cause == "saturation"]
     whole = [prepare(r, _bad_samples(r, [s for s in symptoms if s not in clipped])) for r in mended]
     stuck = _stuck(symptoms) | dict.fromkeys(copies, 0.0)
@@ -84,6 +87,10 @@ def inspect(recordings: list) -> Inspected:
         return Inspected(symptoms, whole, whole)
     searched = [replace(prepare(r, _bad_samples(r, symptoms)), stuck=stuck) for r in mended]
     return Inspected(symptoms, searched, whole)
+
+
+def _spread_again(recordings: list, symptoms) -> list:
+    return with_believed_spread(recordings, [_bad_samples(r, symptoms) for r in recordings])
 
 
 def _stuck(symptoms) -> dict[str, float]:
