@@ -80,6 +80,22 @@ def test_a_given_model_is_taken_as_it_is():
     assert names(findings) == ["parameters"] and rivals(findings) == ["gain_error"]
 
 
+def test_a_declared_width_is_held_against_the_scans():
+    def found(width_mm, scans):
+        said = Declared(spread_width_mm=width_mm)
+        return diagnose_scans([SpreadScan(s.depth, s.distance, s.force, s.name, declared=said) for s in scans]).findings
+
+    scans = [scan_of(5.9e-3, 9e3, 1, "a.csv"), scan_of(5.9e-3, 9e3, 2, "b.csv")]
+    findings = found(5.25, scans)
+    assert names(findings) == ["spread_width"] and not rivals(findings)
+    assert findings["findings"][0]["parameters"]["width"]["value"] == pytest.approx(5.9e-3, rel=0.02)
+    assert findings["baseline"]["parameters"]["width"] == {"value": 5.25e-3, "unit": "m", "std": None}
+    findings = found(5.9, scans)
+    assert findings["verdict"] == "nothing_wrong" and "spread_width" in [e["cause"] for e in findings["excluded"]]
+    silent = diagnose_scans(scans).findings["untestable"]
+    assert "spread_width_mm" in next(e["because"] for e in silent if e["cause"] == "spread_width")
+
+
 def test_held_out_scans_are_the_gate_when_there_are_some():
     train, held = scan_of(5e-3, 9e3, 1, "a.csv"), scan_of(5e-3, 8e3, 2, "b.csv")
     findings = diagnose_scans([train], [held]).findings

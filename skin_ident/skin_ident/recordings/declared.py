@@ -7,7 +7,7 @@
     plunger_diameter_mm: 9.53
     taxel_positions_mm: [[0, 0], [14, 0]]
     contact_position_mm: [0, 0]   # where the plunger presses, in the same frame; or by recording: {session_0: [0, 0], session_1: [5, 0]}
-    spread_width_mm: 5.25         # c of exp(-(r / c)^2), where a lateral scan of this skin has told it
+    spread_width_mm: 5.25         # c of exp(-(r / c)^2), where a lateral scan of this skin has told it; new scans are held against it
     taxel_gain_uncertainty: 0.03  # relative standard error of every taxel's calibration
     skin_thickness_mm: 4
     moving_mass_kg: 0.000432

@@ -62,7 +62,7 @@ class Excited:
     def why_not(self, cause: str) -> str:
         """Why a cause cannot be tested; empty where it can."""
         if cause == "spread_width" and not self.given_width:
-            return "no width was given to compare with: the baseline's own is fitted"
+            return "no width was given to compare with (spread_width_mm in rig.yaml): the baseline's own is fitted"
         if cause == "parameters" and not self.given_level:
             return "no model was given to compare with"
         if cause == "anisotropy" and not self.both_directions:
@@ -83,6 +83,11 @@ def excited(cells: Cells, given_width: bool, given_level: bool) -> Excited:
     reach = np.abs(cells.r).max()
     both = any(min(-cells.r[cells.scan == s].min(), cells.r[cells.scan == s].max()) > 0.25 * reach for s in cells.scans)
     return Excited(depths, distances, both, np.unique(cells.along[cells.along != 0.0]).size > 1, given_width, given_level)
+
+
+def excited_beside(cells: Cells, start: Member) -> Excited:
+    """The same where a search sets out from `start`: what is not free in it was given."""
+    return excited(cells, "width" not in start.free, not start.k_free)
 
 
 def able(x: Excited) -> tuple[Candidate, ...]:

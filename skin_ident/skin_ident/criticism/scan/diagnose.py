@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.outcome import Outcome, Round, ScanTrace
-from skin_ident.criticism.scan.candidates import able, excited, rich
+from skin_ident.criticism.scan.candidates import able, excited_beside, rich
 from skin_ident.criticism.scan.cells import Cells, as_tables, cells_of
 from skin_ident.criticism.scan.declared_noise import declared_noise
 from skin_ident.criticism.scan.extended import baseline_of, model_of
@@ -18,9 +18,10 @@ from skin_ident.criticism.scan.fitting import Member
 from skin_ident.criticism.scan.gate import Test
 from skin_ident.criticism.scan.leftover import systematic_rest
 from skin_ident.criticism.scan.search import Search, search
-from skin_ident.criticism.scan.start import given_start, plain_start
+from skin_ident.criticism.scan.start import declared_start, given_start, plain_start
 from skin_ident.criticism.scan.trials import Setting, Trial
 from skin_ident.criticism.scan.unreadable import unreadable
+from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model import Model
 
@@ -35,7 +36,8 @@ def diagnose_scans(
 ) -> Outcome:
     """Criticise the thesis's spread model, or that of `model`, on static scans; `hold_out` are scans never used to fit.
 
-    The baseline is what the simulated skin does: force = k depth exp(-(r / c)^2), one stiffness per scan and one width for all. Raises
+    The baseline is what the simulated skin does: force = k depth exp(-(r / c)^2), one stiffness per scan and one width for all: that of
+    `spread_width_mm` in rig.yaml, or the fitted one. Raises
     `DiagnosisError` where pressing makes the readings negative.
     """
     if not scans:
@@ -46,7 +48,7 @@ def diagnose_scans(
     looked = look(scans, [direction(s) for s in scans], declared)
     if not looked.enough:
         return unreadable(scans, held, looked)
-    setting = _setting(looked, _held(held, declared), model)
+    setting = _setting(looked, _held(held, declared), _start(looked.cells, model, declared))
     found = search(setting.test.start, setting, progress)
     progress("asking what is left")
     rest = systematic_rest(found, setting)
@@ -81,10 +83,16 @@ def _held(held: list[SpreadScan], declared) -> Cells | None:
     return cells
 
 
-def _setting(looked: Looked, held: Cells | None, model: Model | None) -> Setting:
+def _start(cells: Cells, model: Model | None, declared: Declared) -> Member:
+    """A given model says its own width; else that in rig.yaml is criticised, where there is one."""
+    if model is not None:
+        return given_start(cells, model)
+    return declared_start(cells, 1e-3 * declared.spread_width_mm) if declared.spread_width_mm else plain_start(cells)
+
+
+def _setting(looked: Looked, held: Cells | None, start: Member) -> Setting:
     cells = looked.cells
-    start = given_start(cells, model) if model else plain_start(cells)
-    x = excited(cells, model is not None, model is not None)
+    x = excited_beside(cells, start)
     if held is not None:
         held = replace(held, scan=np.zeros(len(held), int))
     return Setting(cells, able(x), rich(x), looked.floor, Test(start, held), x.both_sides)

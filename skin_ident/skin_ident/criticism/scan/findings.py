@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.findings import NOT_MEASURED
-from skin_ident.criticism.scan.candidates import Candidate, excited
+from skin_ident.criticism.scan.candidates import Candidate, excited_beside
 from skin_ident.criticism.scan.extended import surface_width
 from skin_ident.criticism.scan.family import QUANTITIES
 from skin_ident.criticism.scan.fault import Fault
@@ -29,10 +29,10 @@ def as_findings(
     found: Search, looked: Looked, s: Setting, rest: Rest, scans: list[SpreadScan], held: set[str], verdict: str, given: str
 ) -> dict[str, Any]:
     """The whole of findings.json. `given` is the name of a given model, or empty."""
-    baseline, extended = described(found.baseline, found, s, _name(given)), described(found.extended, found, s, _name(given, found))
+    baseline, extended = described(found.baseline, found, s, _name(given, s)), described(found.extended, found, s, _name(given, s, found))
     entries = [seen(f) for f in together(looked.faults)] + [entry(n, found, s) for n in found.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
-    x = excited(s.cells, bool(given), bool(given))
+    x = excited_beside(s.cells, s.test.start)
     excluded, untestable = limits(found.extended.member, s.cells, found.noise.noise.whitener(), x, named, looked.known)
     return {
         "schema": 1,
@@ -65,8 +65,9 @@ def recordings(scans: list[SpreadScan], held: set[str]) -> list[dict[str, Any]]:
     ]
 
 
-def _name(given: str, found: Search | None = None) -> str:
-    first = f"{given} with its spread" if given else "linear skin with a Gaussian spread"
+def _name(given: str, s: Setting, found: Search | None = None) -> str:
+    own = "" if "width" in s.test.start.free else " of the declared width"
+    first = f"{given} with its spread" if given else f"linear skin with a Gaussian spread{own}"
     forms = [n.candidate.cause.replace("_", " ") for n in found.named] if found else []
     return " + ".join([first, *forms])
 

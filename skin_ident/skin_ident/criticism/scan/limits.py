@@ -37,7 +37,7 @@ NEVER = {
 }
 NEEDS = {
     "off_centre": "a scan across the taxel, to both sides",
-    "spread_width": "a given model (--model) with a width to compare with",
+    "spread_width": "spread_width_mm in rig.yaml, or a given model (--model) with a width to compare with",
     "drift": "scans at three or more depths, best not in the order of depth",
 }
 PLAINEST = {"spread_shape": "power", "spread_depth": "growth", "nonlinear_stiffness": "square"}  # the parameter that a limit is given in

@@ -195,7 +195,7 @@ def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Set
     misfit = max(present.cost - 1.5 * len(s.cells), CLEAR)  # a rival may miss what the cause itself misses, whatever both gain
     reach = min(REACH * own, misfit)
     best: dict[str, tuple[Candidate, float]] = {}
-    for c in (c for c in s.able if c.cause not in others):
+    for c in (c for c in s.able if c.cause not in others and not _brings(c, n.candidate)):
         t = trial(base, c, j, s)
         short = own - _explained(base, t.fit, s)
         twin = {c.cause, n.candidate.cause} == twins and (t.score > 0.0 or c.cause == "spread_shape")
@@ -203,6 +203,11 @@ def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Set
         if (near or twin) and short < best.get(c.cause, (c, np.inf))[1]:
             best[c.cause] = (c, float(short))
     return tuple(sorted(best.values(), key=lambda b: b[1]))
+
+
+def _brings(c: Candidate, other: Candidate) -> bool:
+    """Whether a cause explains whatever another one does because it frees the same and more: a shape with a width of its own."""
+    return c.cause != other.cause and bool(other.names) and set(other.names) < set(c.names)
 
 
 def _explained(before: Fit, after: Fit, s: Setting) -> float:

@@ -31,6 +31,8 @@ def why(cause: str, before: Member, after: Member, cells: Cells) -> str:
         return _law(before, after)
     if cause == "spread_shape":
         return _shape(before, after, cells)
+    if cause == "spread_width":
+        return f"the force falls off over {mm(after.values['width'])} instead of {mm(before.values['width'])}"
     if cause == "spread_depth":
         return _depth(after, cells)
     if cause == "off_centre":

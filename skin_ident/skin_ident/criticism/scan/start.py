@@ -1,4 +1,4 @@
-"""Where a search sets out: the thesis's model fitted to the cells, or a given model as it is."""
+"""Where a search sets out: the thesis's model fitted to the cells, with a declared width, or a given model as it is."""
 
 from collections.abc import Callable
 
@@ -25,6 +25,13 @@ def plain_start(cells: Cells) -> Member:
     best = min((_linear(cells, d, c) for c in np.geomspace(reach / 50.0, 5.0 * reach, WIDTHS)), key=lambda found: found[0])
     width = best[1]
     m = Member(plain(width), best[2], ("width",), Scale(mean, deepest), _steps(cells, width))
+    return fit(m, cells, white(cells).whitener()).member
+
+
+def declared_start(cells: Cells, width: float) -> Member:
+    """k z exp(-(r / c)^2) of a declared width c (m), taken as it is; one k per scan by least squares."""
+    mean, deepest = cells.depth_span
+    m = Member(plain(width), _linear(cells, cells.z / deepest, width)[2], (), Scale(mean, deepest), _steps(cells, width))
     return fit(m, cells, white(cells).whitener()).member
 
 
