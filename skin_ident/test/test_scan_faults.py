@@ -60,6 +60,24 @@ def test_clean_tables_have_no_faults(noise):
         assert not look(scans, ["x", "y"][: len(scans)], Declared()).faults
 
 
+def test_single_readings_far_off_are_outliers_and_left_out():
+    """Two readings that a description good to 3 % of the force would forgive, and that alone double the scatter of the table."""
+    rng = np.random.default_rng(3)
+    depth, distance = np.arange(1, 11) * 1e-4, np.arange(13) * 1e-3
+    clean = making.plain(depth[:, None], distance, 9619.0, 5.25e-3)
+    force = clean + 0.04 * rng.normal(size=clean.shape)
+    force[4, 3] += 1.0
+    force[7, 8] -= 1.0
+    outcome = diagnose_scans([SpreadScan(depth, distance, np.round(force / 0.098) * 0.098, name="scan.csv")])
+    (found,) = outcome.findings["findings"]
+    assert (found["cause"], found["where"]) == ("outliers", "taxel")
+    told = sorted([c[key]["value"] for key in ("depth", "distance", "expected")] for c in found["evidence"]["cells"])
+    assert np.allclose([t[:2] for t in told], [(depth[4], distance[3]), (depth[7], distance[8])])
+    assert np.allclose([t[2] for t in told], [clean[4, 3], clean[7, 8]], atol=0.1)
+    assert outcome.findings["noise_floor"]["taxel_0"]["rms"] < 1.3 * np.hypot(0.04, 0.098 / np.sqrt(12.0))
+    assert outcome.findings["verdict"] == "explained"
+
+
 def test_a_slip_does_not_spoil_the_rest():
     scan, *_ = spoilt("copied row", 4)
     findings = diagnose_scans([scan]).findings

@@ -69,16 +69,9 @@ def _in_the_record(cells: Cells, answering: np.ndarray, scans: list[SpreadScan],
     rest = believed.only(~copied)
     if len(rest) >= FEWEST and np.unique(rest.row).size >= 3:
         table = rough(rest, (step or resolution(rest.y)) / np.sqrt(12.0))
-        found += [_widened(f, ~copied) for f in find_slips(rest, table, scans)]
-        found += [_widened(f, ~copied) for f in _other_units(rest, scans)]
-    return [_widened(f, answering) for f in found]
-
-
-def _widened(f: Fault, mask: np.ndarray) -> Fault:
-    """A fault of the cells of a mask as one of all cells."""
-    bad = np.zeros(mask.size, bool)
-    bad[mask] = f.bad
-    return Fault(f.cause, f.where, f.why, bad, f.parameters, f.alternatives)
+        found += [f.among(~copied) for f in find_slips(rest, table, scans)]
+        found += [f.among(~copied) for f in _other_units(rest, scans)]
+    return [f.among(answering) for f in found]
 
 
 def _silent(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:

@@ -187,8 +187,11 @@ def _merged(group: list[Fault]) -> Fault:
     if len(group) == 1:
         return first
     alternatives = tuple(dict.fromkeys(a for f in group for a in f.alternatives))
+    cells = tuple(cell for f in group for cell in f.cells)
     count = {"faults": {"value": float(len(group)), "unit": "1"}}
-    return Fault(first.cause, first.where, "; ".join(f.why for f in group), np.any([f.bad for f in group], axis=0), count, alternatives)
+    return Fault(
+        first.cause, first.where, "; ".join(f.why for f in group), np.any([f.bad for f in group], axis=0), count, alternatives, cells
+    )
 
 
 def seen(f: Fault) -> dict[str, Any]:
@@ -198,7 +201,7 @@ def seen(f: Fault) -> dict[str, Any]:
         "where": f.where,
         "channels": [CHANNEL],
         "parameters": f.parameters,
-        "evidence": {"why": f.why},
+        "evidence": {"why": f.why, **({"cells": list(f.cells)} if f.cells else {})},
         "gain": {**NOT_MEASURED, "channel": CHANNEL},
         "alternatives": [{"cause": c, "where": w, "explains_less_by": 0.0} for c, w in f.alternatives],
         "separating_experiment": separating([f.cause, *(c for c, _ in f.alternatives)]),

@@ -22,15 +22,21 @@ class Rough:
     member: Member
     expected: np.ndarray
     sigma: float
+    relative: float = 0.03  # of the force, for what a rough description does not describe
+    floor: float = 0.0  # least sigma that readings on levels can have, N
 
     def strangeness(self, cells: Cells) -> np.ndarray:
         """Residual over its standard deviation, (N,)."""
         return (cells.y - self.expected) / self.tolerance
 
+    def only(self, keep: np.ndarray) -> "Rough":
+        """The same for the cells of a mask (N,)."""
+        return replace(self, expected=self.expected[keep])
+
     @property
     def tolerance(self) -> np.ndarray:
-        """Standard deviation that a rough description deserves, N: the noise, and 3 % of the force for what it does not describe."""
-        return np.hypot(self.sigma, 0.03 * np.abs(self.expected))
+        """Standard deviation that a rough description deserves, N: the noise, and a share of the force."""
+        return np.hypot(self.sigma, self.relative * np.abs(self.expected))
 
 
 def rough(cells: Cells, floor: float) -> Rough:
@@ -50,7 +56,7 @@ def rough(cells: Cells, floor: float) -> Rough:
         sigma = max(1.4826 * float(np.median(np.abs(e))), floor, 1e-9)
         allowed = np.hypot(sigma, 0.03 * np.abs(m.through(believed)))
         weight = np.maximum(1.0 - (e / (TUKEY * allowed)) ** 2, 0.0) ** 2 + 1e-6
-    return Rough(m, m.predict(cells), sigma)
+    return Rough(m, m.predict(cells), sigma, floor=floor)
 
 
 def replace_sizes_for(m: Member, cells: Cells) -> Member:

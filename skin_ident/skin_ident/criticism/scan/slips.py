@@ -1,6 +1,7 @@
 """Slips of a record: a row, column or reading in another unit, two that were exchanged, single readings far off."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -8,24 +9,38 @@ import numpy as np
 from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fault import Fault, mm, quantity
 from skin_ident.criticism.scan.rough import Rough
+from skin_ident.criticism.scan.sharp import sharpened
 from skin_ident.spread_scan import SpreadScan
 
 _WORDS = {10.0: "a decimal point, or kgf and N", 100.0: "a decimal point, or gf and N", 1e3: "mN and N", 4.44822: "lbf and N"}
 FACTORS = _WORDS | {1.0 / factor: words for factor, words in _WORDS.items()} | {-1.0: "the sign"}
 NEAR = 0.08  # relative, how close a ratio must come to such a factor
 CLEAR = 6.0  # standard deviations by which a line must miss a factor of 1
-FAR = 15.0  # standard deviations from which a single reading is called an outlier
 ALONE = 2.5  # times the strangest of all other readings
-TAILED = 4.0  # standard deviations; where more than a few readings are beyond, the noise has heavy tails and nothing stands out
+FEWEST = 40  # readings that a sharp description needs
 EXCHANGE = 50.0  # fall of the squared strangeness that an exchange must bring
 MOST = 0.7  # of everything strange that an exchange must explain
+
+
+@dataclass(frozen=True)
+class Marks:
+    """A single reading is an outlier from `far` standard deviations on; where more than a `share` of the others is beyond `tailed`, the
+    noise has heavy tails and nothing stands out."""
+
+    far: float
+    tailed: float
+    share: float
+
+
+ROUGHLY = Marks(15.0, 4.0, 1.0 / 200.0)
+SHARPLY = Marks(12.0, 3.0, 1.0 / 100.0)  # where the standard deviation is that of the other readings
 
 
 def find_slips(cells: Cells, table: Rough, scans: list[SpreadScan]) -> list[Fault]:
     """Faults, the gravest kind first; each takes its cells out of the sight of the next."""
     found: list[Fault] = []
     clean = np.ones(len(cells), bool)
-    for look in (_units_of_rows, _units_of_columns, _exchanged_columns, _exchanged_rows, _exchanged_cells, _strays):
+    for look in (_units_of_rows, _units_of_columns, _exchanged_columns, _exchanged_rows, _exchanged_cells, _strays, _faint_strays):
         for fault in look(cells, table, scans, clean):
             if np.any(fault.bad & clean):
                 found.append(fault)
@@ -118,14 +133,14 @@ def _exchanged_cells(cells: Cells, table: Rough, scans: list[SpreadScan], clean:
             yield Fault("data_error", "rig", why, bad, {"depth": quantity(cells.z[i], "m")})
 
 
-def _strays(cells: Cells, table: Rough, scans: list[SpreadScan], clean: np.ndarray) -> Iterator[Fault]:
+def _strays(cells: Cells, table: Rough, scans: list[SpreadScan], clean: np.ndarray, m: Marks = ROUGHLY) -> Iterator[Fault]:
     """Single readings far off, with nothing strange beside them."""
     t = table.strangeness(cells)
     e = np.where(clean, np.abs(t), 0.0)
-    if np.sum((e > TAILED) & (e < FAR)) > len(cells) / 200:
+    if np.sum((e > m.tailed) & (e < m.far)) > m.share * len(cells):
         return
     for i in np.argsort(-e)[:3]:
-        if e[i] < FAR:
+        if e[i] < m.far:
             return
         row, column = cells.row == cells.row[i], cells.column == cells.column[i]
         beside = (row & (np.abs(cells.column - cells.column[i]) == 1)) | (column & (np.abs(cells.row - cells.row[i]) == 1))
@@ -135,6 +150,13 @@ def _strays(cells: Cells, table: Rough, scans: list[SpreadScan], clean: np.ndarr
         yield _stray(cells, table, scans, i)
 
 
+def _faint_strays(cells: Cells, table: Rough, scans: list[SpreadScan], clean: np.ndarray) -> Iterator[Fault]:
+    """The same for what a rough description forgives."""
+    sharp = sharpened(cells.only(clean), table.only(clean)) if clean.sum() >= FEWEST else None
+    for fault in () if sharp is None else _strays(cells.only(clean), sharp, scans, np.ones(int(clean.sum()), bool), SHARPLY):
+        yield fault.among(clean)
+
+
 def _stray(cells: Cells, table: Rough, scans: list[SpreadScan], i: int) -> Fault:
     bad = np.zeros(len(cells), bool)
     bad[i] = True
@@ -142,8 +164,9 @@ def _stray(cells: Cells, table: Rough, scans: list[SpreadScan], i: int) -> Fault
     expected = table.expected[i]
     factor = factor_near(cells.y[i] / expected, table.tolerance[i] / max(abs(expected), 1e-12)) if expected else None
     parameters = {"depth": quantity(cells.z[i], "m"), "distance": quantity(cells.r[i], "m"), "expected": quantity(expected, "N")}
+    cell = {"recording": scans[int(cells.scan[i])].name, "read": quantity(cells.y[i], "N"), **parameters}
     if factor is not None:
         why = f"{place} is {cells.y[i] / expected:.4g} times what its neighbours say: {FACTORS[factor]}"
-        return Fault("data_error", "rig", why, bad, parameters, (("outliers", "taxel"),))
+        return Fault("data_error", "rig", why, bad, parameters, (("outliers", "taxel"),), (cell,))
     why = f"{place} is {cells.y[i]:.3g} N where its neighbours say {expected:.3g} N"
-    return Fault("outliers", "taxel", why, bad, parameters, (("data_error", "rig"),))
+    return Fault("outliers", "taxel", why, bad, parameters, (("data_error", "rig"),), (cell,))

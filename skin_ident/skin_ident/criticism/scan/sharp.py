@@ -1,0 +1,39 @@
+"""A description of a table that is as sharp as its readings: for single readings that a rough one would forgive.
+
+All directions in which the family can bend are fitted with Tukey's weights, and the tolerance of a reading is what the other readings
+scatter by: sigma from the smaller half of the forces, and a share of the force from the larger half.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.scan.candidates import excited, rich
+from skin_ident.criticism.scan.cells import Cells
+from skin_ident.criticism.scan.fitting import fit
+from skin_ident.criticism.scan.rough import ROUNDS, TUKEY, Rough
+from skin_ident.criticism.scan.whitening import Whitener
+
+SPARE = 3  # cells per unknown, below which the fit follows single readings and their scatter says nothing
+
+
+def sharpened(cells: Cells, table: Rough) -> Rough | None:
+    """The sharper description, starting from the rough one; None where there are too few cells."""
+    m = table.member.freeing(*rich(excited(cells, False, False)))
+    if len(cells) < SPARE * m.unknowns.size:
+        return None
+    found = Rough(m, table.expected, table.sigma, table.relative, table.floor)
+    for _ in range(ROUNDS):
+        weight = np.maximum(1.0 - (found.strangeness(cells) / TUKEY) ** 2, 0.0) ** 2 + 1e-6
+        m = fit(m, cells, Whitener(1.0 / np.sqrt(weight)), 15, 1e-4).member
+        expected = m.predict(cells)
+        found = Rough(m, expected, *_scatter(cells.y - expected, expected, table.floor, m.unknowns.size), table.floor)
+    return found
+
+
+def _scatter(e: np.ndarray, expected: np.ndarray, floor: float, unknowns: int) -> tuple[float, float]:
+    """Standard deviation (N) of residuals (N,) whatever the force, and what grows with it, relative."""
+    size = np.abs(expected)
+    large = size > np.median(size)
+    inflated = 1.4826 * np.sqrt(e.size / (e.size - unknowns))
+    sigma = max(inflated * float(np.median(np.abs(e[~large]))), floor, 1e-9)
+    above = inflated * float(np.median(np.abs(e[large]))) if large.any() else 0.0
+    return sigma, float(np.sqrt(max(above**2 - sigma**2, 0.0)) / max(np.median(size[large]), 1e-12)) if large.any() else 0.0
