@@ -107,6 +107,31 @@ def test_held_out_scans_are_the_gate_when_there_are_some():
     assert "spread_shape" in names(findings) and "held out" in findings["findings"][0]["evidence"]["held_out"]
 
 
+ONE = Declared(skin_thickness_mm=4.0)
+PLACED = Declared(skin_thickness_mm=4.0, contact_position_mm={"a.csv": (0.0, 0.0), "b.csv": (20.0, 0.0)})
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_one_taxel_that_reads_more_in_a_second_scan_has_another_gain_or_another_skin(held):
+    def found(k, declared=ONE, late=0.0):
+        a, b = scan_of(5e-3, 9e3, 1), scan_of(5e-3, k, 2)
+        scans = [SpreadScan(a.depth, a.distance, a.force, "a.csv", declared=declared.of("a.csv"))]
+        scans += [SpreadScan(b.depth + late, b.distance, b.force, "b.csv", declared=declared.of("b.csv"))]
+        return diagnose_scans(scans[:1], scans[1:]).findings if held else diagnose_scans(scans).findings
+
+    findings = found(1.06 * 9e3)
+    assert names(findings) == ["gain_error"] and rivals(findings) == ["parameters"]
+    entry = findings["findings"][0]
+    size = entry["parameters"]["change_b.csv"]
+    assert entry["where"] == "taxel" and abs(size["value"] - 0.06) < 3.0 * size["std"] < 0.03
+    assert "known load" in entry["separating_experiment"]
+    for unsure in (Declared(), PLACED):  # of which nobody says that they are of one taxel under one skin
+        findings = found(1.06 * 9e3, unsure)
+        assert findings["verdict"] == "nothing_wrong" and any("more than a.csv" in w for w in findings["warnings"])
+    for same in (found(9e3), found(1.01 * 9e3), found(9e3, late=2e-5)):  # as it repeats, and with another zero of depth
+        assert "gain_error" not in names(same) and not any("a.csv" in w for w in same["warnings"])
+
+
 def test_noise_is_held_against_what_is_declared():
     scan = scan_of(5e-3, 9e3)
     said = SpreadScan(scan.depth, scan.distance, scan.force, declared=Declared(taxel_noise_n=(0.02,), taxel_step_n=(0.1,)))

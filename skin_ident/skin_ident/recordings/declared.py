@@ -17,6 +17,8 @@
       ai0: {channel: force, slope_n_per_v: -4.1448, zero_v: -0.072}
       taxel_0: {slope_n_per_v: 9.4}
 
+Static scans beside one `rig.yaml` are taken to be of one taxel under one skin, unless `contact_position_mm` gives them different places.
+
 Keys that are not known here are passed over with a warning: the file may serve other programs too.
 """
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.outcome import Outcome, Round, ScanTrace
+from skin_ident.criticism.scan.between import between_scans
 from skin_ident.criticism.scan.candidates import able, excited_beside, rich
 from skin_ident.criticism.scan.cells import Cells, as_tables, cells_of
 from skin_ident.criticism.scan.declared_noise import declared_noise
@@ -48,11 +49,12 @@ def diagnose_scans(
     looked = look(scans, [direction(s) for s in scans], declared)
     if not looked.enough:
         return unreadable(scans, held, looked)
-    setting = _setting(looked, _held(held, declared), _start(looked.cells, model, declared))
+    apart = _held(held, declared)
+    setting = _setting(looked, apart, _start(looked.cells, model, declared))
     found = search(setting.test.start, setting, progress)
     progress("asking what is left")
     rest = systematic_rest(found, setting)
-    looked = declared_noise(looked, found, declared)
+    looked = between_scans(declared_noise(looked, found, declared), found, scans, held, apart)
     verdict = _verdict(bool(found.named or looked.faults), rest.is_systematic)
     names = {s.name for s in held}
     content = as_findings(found, looked, setting, rest, [*scans, *held], names, verdict, model.name if model else "")
