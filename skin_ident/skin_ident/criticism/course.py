@@ -80,6 +80,10 @@ class Course:
         """Its own, and those under which the same signal goes: a force read too small is all taxels reading too much."""
         return (self.key, (self.cause, "taxel")) if self.carrier == DRIVEN else (self.key,)
 
+    def shows(self, gain: Gain) -> bool:
+        """Whether a gain is where the course is; what is wrong with the force that drives a test shows in the taxels."""
+        return self.carrier in (DRIVE, DRIVEN) or gain.shows_at(self.where)
+
 
 @dataclass(frozen=True)
 class Run:
@@ -96,7 +100,7 @@ class Run:
 
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains anything, and is more than what a good stage does at rest or its encoder can tell."""
-        least = {DEPTH: max(AT_REST, 0.5 * encoder_step), DELAY: SLIP * self.period}
+        least = {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period}
         return self.score > LEAST and self.largest >= least.get(self.course.carrier, 0.0)
 
 

@@ -6,10 +6,11 @@ from itertools import islice
 
 import numpy as np
 
+from skin_ident.criticism.carriers import DELAY
 from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, believed, beside_the_rest, course_gain, fitted, worthwhile
 from skin_ident.criticism.description import description_length
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
-from skin_ident.criticism.gate import MATERIAL, Gain, held_out_gain
+from skin_ident.criticism.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
@@ -153,13 +154,15 @@ class Search:
         one cause at one place that form is taken which explains more.
 
         Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named for
-        it.
+        it. A clock that slips wherever it helps is no noise: where it predicts nothing, it is passed over.
         """
         best = trials[0].score if trials else 0.0
         plain = runs and runs[0].course.shape == CONSTANT  # a zero is but one number for each session
         first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
         same = trials and runs and trials[0].key == runs[0].course.key
         own = self._own_course(runs, trials) if first or (same and self._refitted(runs[0]) > best) else None
+        if first and not own and runs[0].course.carrier == DELAY:
+            return self._choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
         shared = None if own or first else self._first_believed(trials, runs)
         if not (own or shared or first) and runs and runs[0].score > BEHIND * best:
             own = self._own_course(runs, trials)
@@ -229,7 +232,7 @@ class Search:
         gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > reach(run.score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
-        if not (believed(gain) and gain.shows_at(run.course.where) and self._resolved(gain, run.course.cause)):
+        if not (believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
             return None
         return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
 
@@ -245,7 +248,7 @@ class Search:
         said = ", ".join(s.name for s in self.held)
         gain = course_gain(run.course, self.present.model, self.present.model, self.held, self.noise, said)
         much = gain.after < ALONE * gain.before
-        if not (much and believed(gain) and gain.shows_at(run.course.where) and self._resolved(gain, run.course.cause)):
+        if not (much and believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
             return False
         self.runs.append(run)
         self.held, self.alone = added(self.held, run.values), True
@@ -309,4 +312,5 @@ class Search:
             self.present = frozen
 
     def _gain(self, before: Model, after: Model, refit_before: Callable = fit) -> Gain:
-        return held_out_gain(before, after, self.train, self.held, self.noise, refit_before)
+        held = [] if self.held and deaf(before, after, self.train, self.held) else self.held
+        return held_out_gain(before, after, self.train, held, self.noise, refit_before)

@@ -14,6 +14,7 @@ import numpy as np
 from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session
+from skin_ident.criticism.uncertain import beside_uncertainty
 from skin_ident.criticism.whitening import Whitener
 from skin_models.model import Model
 
@@ -22,6 +23,7 @@ RESAMPLES = 1000
 MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming
 MUCH = 0.25  # the same from which the plain error is asked no further
 MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
+HEARD, LOUD = 0.28, 0.35  # of what is left in a channel: what a change of that size can lower its error by, at most, is 4 and 6 %
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
 FOLD_ITERATIONS = 3
 
@@ -67,6 +69,21 @@ class Gain:
         return self.before**2 - self.after**2
 
 
+def deaf(before: Model, after: Model, train: list[Session], held: list[Session]) -> bool:
+    """Whether `held` cannot be asked: what `after` changes there is too little to pass the gate, true or not, but much in `train`."""
+    return len(train) > 1 and _felt(before, after, held) < HEARD < LOUD < _felt(before, after, train)
+
+
+def _felt(before: Model, after: Model, sessions: list[Session]) -> float:
+    """By how much `after` differs from `before`, over what `before` leaves, in the channel where that is most."""
+    e = [residual(before, s) for s in sessions]
+    left, changed = (
+        sum((rows**2 * s.weight).sum(axis=1) for rows, s in zip(each, sessions, strict=True))
+        for each in (e, [residual(after, s) - row for s, row in zip(sessions, e, strict=True)])
+    )
+    return float(np.sqrt(np.max(changed / np.maximum(left, 1e-300))))
+
+
 def held_out_gain(
     before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener, refit_before: Callable = fit
 ) -> Gain:
@@ -75,9 +92,9 @@ def held_out_gain(
     `refit_before` fits `before` to the remaining sessions, where it may not change all that `fit` changes.
     """
     if held:
-        pairs = [(s, before, after) for s in held]
-        said = ", ".join(s.name for s in held)
-    elif len(train) > 1:
+        rests = [beside_uncertainty([residual(model, s) for s in held], model, train, held, noise) for model in (before, after)]
+        return gain_of_residuals(*rests, held, noise, ", ".join(s.name for s in held))
+    if len(train) > 1:
         pairs = [
             (s, *_refitted((before, refit_before), (after, fit), sessions=[o for o in train if o is not s], noise=noise)) for s in train
         ]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from skin_ident.criticism.course import CONSTANT, Run
 from skin_models.model import Model
 
+EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
 
@@ -42,4 +43,4 @@ def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tup
 def plainest_first(runs: list[Run]) -> list[Run]:
     """The courses, zeros before all others that explain no more."""
     best = runs[0].score if runs else 0.0
-    return sorted(runs, key=lambda r: (r.course.shape != CONSTANT or r.score < reach(best), -r.score))
+    return sorted(runs, key=lambda r: (r.course.shape != CONSTANT or r.score < best - max(10.0, EQUAL * best), -r.score))

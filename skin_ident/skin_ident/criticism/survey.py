@@ -36,10 +36,16 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     residuals = [residual(model, s) for s in sessions]
     own = tangents(model, sessions, unknowns(model, sessions[0]))
     bends = bank(model, which, sessions)
-    every = [np.concatenate(pair) for pair in zip(bends, of_each_session(model, sessions), strict=True)] if noise is None else bends
-    noise = noise or noise_model(residuals, own, every, sessions)
+    noise = noise or noise_model(residuals, own, _richest(model, bends, which, sessions), sessions)
     projected = project(which, stack(bends, sessions, noise), stack(own, sessions, noise), stack(residuals, sessions, noise))
     return Survey(model, noise, projected, tuple(rank(projected)))
+
+
+def _richest(model: Model, bends: list[np.ndarray], which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
+    """All that may explain more than noise (M, C, n): the courses of each session's own, and small amounts of every cause. Large ones of
+    the same would be asked twice."""
+    small = [d.probe < 1.0 for d in which]
+    return [np.concatenate([bend[small], own]) for bend, own in zip(bends, of_each_session(model, sessions), strict=True)]
 
 
 def detectable(p: Projected, z: float = 3.0) -> np.ndarray:

@@ -32,13 +32,19 @@ class Trial:
 
 
 def plausible(t: Trial, session: Session) -> bool:
-    """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell. And whether the
-    skin is no filter: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor."""
+    """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell, but for what the
+    skin hands round the taxels. Whether the skin is no filter: an arm of half its own stiffness or more that relaxes at once is the lag of
+    a sensor. Whether what leaks from one taxel into another is of one sign with it. And whether a spread grows with depth or shrinks, not
+    both."""
+    if t.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(t.fit.model, *t.key)):
+        return False
+    if len({np.sign(getattr(e, "growth", 0.0)) for e in instances(t.fit.model, "spread_depth", "skin")}) > 1:
+        return False
     skin, arms = t.fit.model.dispersion, instances(t.fit.model, "stress_relaxation", "skin")
     if any(getattr(a, "tau", np.inf) < AT_ONCE and 2.0 * (a.k_sensed + a.k_dispersed) > skin.k1 + skin.k2 for a in arms):
         return False
     channels = session.channels
-    if t.ranked.where != "skin" or t.ranked.cause.startswith("spread") or "force" not in channels or len(channels) == 1:
+    if t.ranked.where != "skin" or t.ranked.cause.startswith(("spread", "dead_zone")) or "force" not in channels or len(channels) == 1:
         return True
     without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
     felt = np.sqrt(np.mean((simulated(t.fit.model, session) - simulated(without, session)) ** 2, axis=1))

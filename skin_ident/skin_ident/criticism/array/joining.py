@@ -43,7 +43,8 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model) -> d
     named = {f["cause"] for f in entries} | {r["cause"] for f in entries for r in f["alternatives"]}
     reasons = [u for u in untestable(a) if u["cause"] not in named]
     bounds = [] if isinstance(a, str) else [e for e in excluded(a) if e["cause"] not in named]
-    able = [e for e in findings["excluded"] if e["cause"] not in named] + bounds
+    open_to = {u["cause"] for u in reasons}  # here, for a search that knows no layout has excluded forms of it that are no shift or leak
+    able = [e for e in findings["excluded"] if e["cause"] not in named | open_to] + bounds
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
     kept = [u for u in findings["untestable"] if u["cause"] not in named and _about(u) not in decided]
     verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]

@@ -67,7 +67,7 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
         replace(j, log_odds=j.log_odds - nothing.log_odds)
         for j in map(weighed, hypotheses(layout, suspects, _repeats(family, measured, nothing))[1:])
     ]
-    causes = _one_each(sorted(every, key=lambda j: -j.log_odds))
+    causes = _one_each(sorted(filter(_of_right_sign, every), key=lambda j: -j.log_odds))
     wrong = np.logaddexp.reduce([c.log_odds for c in causes])
     return Judgement(replace(nothing, log_odds=0.0), tuple(causes), float(1.0 / (1.0 + np.exp(-min(wrong, 700.0)))))
 
@@ -90,6 +90,11 @@ def _repeats(family: Family, measured: Gains, nothing: Judged) -> list[str]:
         d = root @ heard.ravel()
         falls[f"repeat_{i}_{j}"] = float(d @ left) ** 2 / max(float(d @ d), 1e-300)
     return sorted(falls, key=lambda name: -falls[name])[:MOST_REPEATS]
+
+
+def _of_right_sign(j: Judged) -> bool:
+    """Whether what leaks into a taxel comes from its neighbour with the sign that it has there."""
+    return j.hypothesis.cause != "crosstalk" or all(j.fit.member.get(name, 0.0) >= 0.0 for name in j.hypothesis.free)
 
 
 def _one_each(every: list[Judged]) -> list[Judged]:
