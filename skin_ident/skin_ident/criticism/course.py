@@ -139,7 +139,7 @@ def courses(session: Session) -> Iterator[Course]:
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. A depth that is
-    read in steps cannot show less than half of one."""
+    read in steps cannot show less than one."""
     Q, _ = np.linalg.qr(stack(own_rows(model, sessions, sessions), sessions, noise))
     return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 

@@ -30,7 +30,7 @@ WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
-SHORTER = 20.0  # twice nats by which a cause must shorten the description: a hundred of them were asked
+SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
 
 Progress = Callable[[str], None]
