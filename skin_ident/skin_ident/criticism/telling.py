@@ -41,7 +41,8 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
     warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above, left), *_never_loaded(certain, left)]
-    told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "warnings": warnings}
+    excluded = [_as_read(e, encoder_step) for e in findings["excluded"]]
+    told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "excluded": excluded, "warnings": warnings}
     return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
 
 
@@ -62,6 +63,11 @@ def _more_than_noise(above: dict[str, float], left: dict[str, float]) -> list[st
         "may bend every session by itself: more than noise, and no cause that could be named accounts for it"
         for channel, times in above.items()
     ]
+
+
+def _as_read(bound: dict[str, Any], encoder_step: float) -> dict[str, Any]:
+    """An entry of what is excluded; no length of the rig below the encoder's step is named, and so none is ruled out."""
+    return {**bound, "below": max(bound["below"], encoder_step)} if bound["unit"] == "m" and bound.get("where") == "rig" else bound
 
 
 def _never_loaded(certain: dict[str, float], left: dict[str, float]) -> list[str]:
