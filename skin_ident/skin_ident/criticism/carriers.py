@@ -12,6 +12,7 @@ from skin_models.signals import Motion
 
 ZERO, SLOPE, DELAY, DEPTH = "zero", "slope", "delay", "zero of depth"
 DRIVE, DRIVEN = "zero of the driving force", "slope of the driving force"
+LOADED = 0.2  # of what the taxel under the plunger feels
 PROBE, PUSH = 1e-6, 1e-3  # m, N
 
 
@@ -23,8 +24,16 @@ def carried(carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain
     if carrier in (DRIVE, DRIVEN):
         return pushed(model, s, plain, 1.0 if carrier == DRIVE else s.drive)
     own, out = plain[list(rows)], np.zeros_like(plain)
+    if carrier == SLOPE and not _loads(s, rows[0]):
+        return out
     out[list(rows)] = 1.0 if carrier == ZERO else own if carrier == SLOPE else -np.gradient(own, s.motion.dt, axis=1)
     return out
+
+
+def _loads(s: Session, row: int) -> bool:
+    """Whether the session loads a channel well enough to know its slope; not so a taxel far from where it presses."""
+    taxel = row - (len(s.channels) - s.n_taxels)
+    return s.spread is None or taxel < 0 or s.spread[taxel] > LOADED * s.spread.max()
 
 
 def deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:

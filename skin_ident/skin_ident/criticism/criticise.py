@@ -20,7 +20,7 @@ from skin_ident.criticism.session import Session, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
-from skin_ident.criticism.trial import Trial, all_alike, plausible, same_by_nature
+from skin_ident.criticism.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.weighing import weighed, with_mass
 from skin_models.model import Model
 
@@ -141,12 +141,15 @@ class Search:
                 return
 
     def _weigh(self, best: float) -> bool:
-        """Whether the mass accounts for the record better than the `best` of all causes; then it is fitted from now on."""
+        """Whether the mass accounts for the record better than the `best` of all causes; then it is fitted from now on, and what has been
+        named without it must be found again."""
         heavy = with_mass(self.present, self.train, self.noise, best) if self.weighable and best > 0.0 else None
         if heavy is None:
             return False
         self.progress("fitting the mass, too")
-        self.train, self.held, self.present = weighed(self.train), weighed(self.held), heavy
+        self.train, self.held = weighed(self.train), weighed(self.held)
+        self.present = fit(replace(heavy.model, effects=()), self.train, self.noise)
+        self.named, self._befores = [n for n in self.named if n.courses], {}
         return True
 
     def _choose(self, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
@@ -215,7 +218,7 @@ class Search:
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
             alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)}) + same_by_nature(trial, rivals)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
-            told = trial.score > MATERIAL * trial.fit.count  # what it was fitted to must gain by it, too
+            told = trial.score > MATERIAL * trial.fit.count and sized(trial)  # what it was fitted to must gain by it, too
             seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
             if told and gain.passed and gain.squares > shadow and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
                 return trial.fit, finding

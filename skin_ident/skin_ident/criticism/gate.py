@@ -24,6 +24,7 @@ MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effe
 MUCH = 0.25  # the same from which the plain error is asked no further
 MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
 HEARD, LOUD = 0.28, 0.35  # of what is left in a channel: what a change of that size can lower its error by, at most, is 4 and 6 %
+SPOILT = 1.25  # times what it was, to which no cause may let the error of a channel rise
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
 FOLD_ITERATIONS = 3
 
@@ -32,8 +33,8 @@ FOLD_ITERATIONS = 3
 class Gain:
     """Held-out error before and after, N, in `channel`, the one that gained most; `ci95` bounds the fall of the RMSE there.
 
-    `carried` are the channels whose error fell; `relative` and `lower` are the fall of the whitened mean square over all channels and its
-    lower 99 % bound: the gate itself.
+    `carried` are the channels whose error fell, `spoilt` those where it rose by much; `relative` and `lower` are the fall of the whitened
+    mean square over all channels and its lower 99 % bound: the gate itself.
     """
 
     channel: str
@@ -44,13 +45,14 @@ class Gain:
     relative: float
     lower: float
     held_out: str
+    spoilt: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
-        """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error; where
-        the likelihood gains little, the plain error must fall beyond doubt, too."""
+        """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error, of other channels
+        neither; where the likelihood gains little, the plain error must fall beyond doubt, too."""
         sure = self.lower > 0.0 and (self.ci95[0] > 0.0 or self.relative > MUCH)
-        return sure and self.relative > MATERIAL and self.after < (1.0 - MATERIAL_RMSE) * self.before
+        return sure and not self.spoilt and self.relative > MATERIAL and self.after < (1.0 - MATERIAL_RMSE) * self.before
 
     def shows_at(self, where: str) -> bool:
         """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""
@@ -144,8 +146,9 @@ def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], session
     c = int(np.argmax((rms[0] - rms[1]) / np.maximum(rms[0], 1e-300)))
     low, high = np.percentile(drawn[0, c] - drawn[1, c], [2.5, 97.5])
     carried = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if b - a > CARRIES * b)
+    spoilt = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if a > SPOILT * b)
     channel = sessions[0].channels[c]
-    return Gain(channel, carried or (channel,), float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said)
+    return Gain(channel, carried or (channel,), float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said, spoilt)
 
 
 def _block(s: Session) -> int:

@@ -29,7 +29,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         trial = _with_instance(present, ranked, sessions, noise)
         gained = present.cost - trial.cost
         first = first or gained
-        if gained < max(10.0, WORTH * first) or not (present is start or _determined(trial)):
+        if gained < max(10.0, WORTH * first) or not (present is start or determined(trial)):
             break
         present = _refined(trial, gained, sessions, noise)
         own = tuple(d for d in own if _adds(d, present.model))
@@ -49,8 +49,9 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
 
 
-def _determined(trial: Fit) -> bool:
-    """Whether the instance that came last has a size of its own: two that all but cancel have none."""
+def determined(trial: Fit) -> bool:
+    """Whether the instance that came last has a size of its own: two that all but cancel have none, nor has what the model's own numbers
+    may as well do."""
     last = trial.model.effects[-1]
     sizes = [p for p in parameters_of(last) if p.role == AMPLITUDE]
     return any(abs(p.value) > SURE * trial.std.get(f"{last.cause}.{last.where}.{p.name}", 0.0) for p in sizes)

@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.criticism.fitting import Fit
-from skin_ident.criticism.growing import instances
+from skin_ident.criticism.growing import determined, instances
 from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.rivals import Rival, reach
 from skin_ident.criticism.session import Session
+from skin_models.parameter import AMPLITUDE, parameters_of
 
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 AT_ONCE = 0.05  # s, what passes the common band as damping does
@@ -49,6 +50,13 @@ def plausible(t: Trial, session: Session) -> bool:
     without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
     felt = np.sqrt(np.mean((simulated(t.fit.model, session) - simulated(without, session)) ** 2, axis=1))
     return bool(felt[0] > FELT * felt[1:].max())
+
+
+def sized(t: Trial) -> bool:
+    """Whether a cause that has one size is surely not of none; several sizes of one cause may stand for each other."""
+    mine = instances(t.fit.model, *t.key)
+    several = len(mine) > 1 or any(sum(p.role == AMPLITUDE for p in parameters_of(e)) > 1 for e in mine)
+    return several or t.fit.model.effects[-1] not in mine or determined(t.fit)
 
 
 def same_by_nature(trial: Trial, rivals: list[Trial]) -> tuple[Rival, ...]:

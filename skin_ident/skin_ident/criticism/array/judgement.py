@@ -93,8 +93,9 @@ def _repeats(family: Family, measured: Gains, nothing: Judged) -> list[str]:
 
 
 def _of_right_sign(j: Judged) -> bool:
-    """Whether what leaks into a taxel comes from its neighbour with the sign that it has there."""
-    return j.hypothesis.cause != "crosstalk" or all(j.fit.member.get(name, 0.0) >= 0.0 for name in j.hypothesis.free)
+    """Whether what leaks into a taxel comes from its neighbour with the sign that it has there, and a tail adds to the spread."""
+    signed = j.hypothesis.free if j.hypothesis.cause == "crosstalk" else [name for name in j.hypothesis.free if name == "tail"]
+    return all(j.fit.member.get(name, 0.0) >= 0.0 for name in signed)
 
 
 def _one_each(every: list[Judged]) -> list[Judged]:
