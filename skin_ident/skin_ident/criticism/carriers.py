@@ -20,9 +20,9 @@ def carried(carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain
     """D in newtons for each unit of the carrier, where the session is simulated as `plain` (C, N); zero, slope (1) and delay (s) are those
     of the channels `rows` alone."""
     if carrier == DEPTH:
-        return deeper(model, s, plain)
+        return _deeper(model, s, plain)
     if carrier in (DRIVE, DRIVEN):
-        return pushed(model, s, plain, 1.0 if carrier == DRIVE else s.drive)
+        return _pushed(model, s, plain, 1.0 if carrier == DRIVE else s.drive)
     own, out = plain[list(rows)], np.zeros_like(plain)
     if carrier == SLOPE and not _loads(s, rows[0]):
         return out
@@ -36,12 +36,12 @@ def _loads(s: Session, row: int) -> bool:
     return s.spread is None or taxel < 0 or s.spread[taxel] > LOADED * s.spread.max()
 
 
-def deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
+def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
     """d(simulated)/d(zero of depth), (C, N) N/m."""
     return (simulated(model.extended(PositionOffset("rig", offset=PROBE)), s) - plain) / PROBE
 
 
-def pushed(model: Model, s: Session, plain: np.ndarray, by: np.ndarray | float = 1.0) -> np.ndarray:
+def _pushed(model: Model, s: Session, plain: np.ndarray, by: np.ndarray | float = 1.0) -> np.ndarray:
     """What a unit more of `by` (N) in the driving force changes, (C, N)."""
     return (simulated(model, replace(s, drive=s.drive + PUSH * by)) - plain) / PUSH
 

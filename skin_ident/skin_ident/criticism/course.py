@@ -29,7 +29,7 @@ from skin_ident.criticism.said import Said
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.steps import sharpest
 from skin_ident.criticism.telemetry.symptom import place_of
-from skin_ident.criticism.uncertain import known, own_rows
+from skin_ident.criticism.uncertain import beside_training, own_rows
 from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 
@@ -147,8 +147,7 @@ def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_s
 def beside_the_rest(model: Model, train: list[Session], held: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of sessions `held` which `model` was not fitted to: what is wrong in them alone. The model is free
     there as far as `train` leaves it: a taxel that nothing loaded so far may read anything."""
-    rows = np.concatenate([stack(own_rows(model, train, held), held, noise), known(model, train, noise)])
-    Q, _ = np.linalg.qr(rows)
+    Q, _ = np.linalg.qr(beside_training(own_rows(model, train, held), model, train, held, noise))
     return _worthwhile(_ground(model, held, noise, Q, alone=True), encoder_step)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import median_filter
 
-from skin_ident.criticism.believed_spread import with_believed_spread
+from skin_ident.criticism.array.spreading import with_believed_spread
 from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session, meeting, prepare

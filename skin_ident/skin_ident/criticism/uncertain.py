@@ -22,9 +22,11 @@ def own_rows(model: Model, train: list[Session], sessions: list[Session]) -> lis
     return tangents(model, sessions, unknowns(model, train[0]))
 
 
-def known(model: Model, train: list[Session], noise: Whitener) -> np.ndarray:
-    """R (U, U) with |R u| = |J u|: how surely training knows each combination of the unknowns."""
-    return np.linalg.qr(stack(own_rows(model, train, train), train, noise), mode="r")
+def beside_training(own: list[np.ndarray], model: Model, train: list[Session], held: list[Session], noise: Whitener) -> np.ndarray:
+    """K over J, (R + U, U): the `own_rows` of the held-out sessions, whitened, and under them how surely training knows each combination
+    of the unknowns: a triangle as good as J."""
+    known = np.linalg.qr(stack(own_rows(model, train, train), train, noise), mode="r")
+    return np.concatenate([stack(own, held, noise), known])
 
 
 def beside_uncertainty(
@@ -35,7 +37,6 @@ def beside_uncertainty(
     if held[0].spread is None:
         return e
     own = own_rows(model, train, held)
-    R = known(model, train, noise)
-    A = np.concatenate([stack(own, held, noise), R])
-    u = np.linalg.lstsq(A, np.concatenate([stack(e, held, noise), np.zeros(len(R))]), rcond=None)[0]
+    A, r = beside_training(own, model, train, held, noise), stack(e, held, noise)
+    u = np.linalg.lstsq(A, np.concatenate([r, np.zeros(len(A) - len(r))]), rcond=None)[0]
     return [x - np.tensordot(u, k, 1) for x, k in zip(e, own, strict=True)]

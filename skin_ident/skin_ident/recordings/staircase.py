@@ -46,10 +46,11 @@ def drawn_again(x: np.ndarray) -> np.ndarray:
     order = np.argsort(when, kind="stable")
     again = np.interp(np.arange(x.size), when[order], where[order])
     jumps = np.abs(np.diff(x))
-    allowed = np.maximum(0.5 * jumps[jumps > 0.0].min(), np.abs(np.gradient(x)))
+    step = jumps[jumps > 0.0].min()
+    allowed = np.maximum(0.5 * step, np.abs(np.gradient(x)))
     again = np.clip(again, x - allowed, x + allowed)
     flicks = (x[1:-1] != x[:-2]) & (x[:-2] == x[2:])
-    return _steady(x, again, 2.0 * allowed.min()) if np.count_nonzero(flicks) >= FLICKS else again
+    return _steady(x, again, step) if np.count_nonzero(flicks) >= FLICKS else again
 
 
 def _steady(x: np.ndarray, again: np.ndarray, step: float) -> np.ndarray:

@@ -17,6 +17,7 @@ from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.judgement import Judged, judge
 from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.spreading import loads
 from skin_ident.criticism.telemetry.symptom import Symptom
 
 NEARER = 0.7  # of that sum, from which an exchange is asked for
@@ -80,7 +81,7 @@ def _measured(recordings: list, declared: np.ndarray) -> Gains:
 
 def _slopes(r) -> tuple[np.ndarray, np.ndarray]:
     """Slopes (T,) on depth and speed in contact (on force, where that drives the test), and their covariance (T, T) from blocks."""
-    H = _loads(r)
+    H = loads(r)
     inverse = np.linalg.pinv(H.T @ H)
     slopes = inverse @ (H.T @ r.taxels.T)
     left = r.taxels.T - H @ slopes
@@ -88,13 +89,6 @@ def _slopes(r) -> tuple[np.ndarray, np.ndarray]:
     g = slopes[0]
     rough = (ROUGH * np.abs(g).max()) ** 2 * np.eye(g.size) + FREE**2 * np.outer(g, g)
     return g, scores.T @ scores * BLOCKS / (BLOCKS - 1) + rough
-
-
-def _loads(r) -> np.ndarray:
-    """What the taxels answer to, (N, 2) or (N, 1); the first column is what the slope is on."""
-    if r.depth is None:
-        return r.force[:, None]
-    return np.column_stack([r.depth, np.gradient(r.depth, r.dt)]) * (r.depth > 0.0)[:, None]
 
 
 def _order(n: int, pair: tuple[int, int]) -> np.ndarray:

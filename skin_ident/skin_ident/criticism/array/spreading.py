@@ -1,4 +1,9 @@
-"""Sessions that press at different places: each brings its own share of every taxel along, so that one model can be fitted to all."""
+"""Sessions that press at different places: each brings its own share of every taxel along, so that one model can be fitted to all.
+
+A share is a slope over the record. A taxel that dies part-way, or comes and goes, has a smaller one over the whole of it than its skin
+gives it: every session would then have a share that is wrong by another factor, and the search would name a change of gain, or worse, for
+it. So where something is ruled out the slopes are found again, from the samples that may be believed.
+"""
 
 from dataclasses import replace
 
@@ -12,14 +17,47 @@ def with_spread(recordings: list, layout: Layout | str) -> list:
     the test) over the largest slope of all."""
     if isinstance(layout, str) or not layout.several_contacts:
         return recordings
-    slopes = np.array([_slopes(r) for r in recordings])
-    return [replace(r, spread=row) for r, row in zip(recordings, np.maximum(slopes, 0.0) / slopes.max(), strict=True)]
+    slopes = np.array([np.linalg.lstsq(loads(r), r.taxels.T, rcond=None)[0][0] for r in recordings])
+    return _spread(recordings, slopes, slopes.max())
 
 
-def _slopes(recording) -> np.ndarray:
-    """Elastic slope of every taxel (T,), by least squares on depth and speed in contact."""
+def with_believed_spread(recordings: list, bad: list[np.ndarray]) -> list:
+    """The recordings with their `spread` found again where `bad`, masks (C, N) whose last rows are the taxels', rules samples out; zero
+    where a taxel has nothing to be believed. Recordings without a spread, or with nothing ruled out, come back as they are.
+    """
+    masks = [b[-len(r.taxels) :] for r, b in zip(recordings, bad, strict=True)]
+    if any(r.spread is None for r in recordings) or not any(m.any() for m in masks):
+        return recordings
+    slopes = np.array([[_slope(r, y, ~b) for y, b in zip(r.taxels, m, strict=True)] for r, m in zip(recordings, masks, strict=True)])
+    unit = _unit(slopes, np.array([r.spread for r in recordings]), np.array([m.any(axis=1) for m in masks]))
+    return _spread(recordings, slopes, unit) if unit > 0.0 else recordings
+
+
+def loads(recording) -> np.ndarray:
+    """What the taxels answer to, (N, 2): depth, and speed, in contact; (N, 1) force, where that drives the test. The elastic slope is that
+    on the first column."""
     if recording.depth is None:
-        return recording.taxels @ recording.force / (recording.force @ recording.force)
+        return recording.force[:, None]
     x = recording.depth
-    H = np.column_stack([x, np.gradient(x, recording.dt)]) * (x > 0.0)[:, None]
-    return np.linalg.lstsq(H, recording.taxels.T, rcond=None)[0][0]
+    return np.column_stack([x, np.gradient(x, recording.dt)]) * (x > 0.0)[:, None]
+
+
+def _spread(recordings: list, slopes: np.ndarray, unit: float) -> list:
+    return [replace(r, spread=row) for r, row in zip(recordings, np.maximum(slopes, 0.0) / unit, strict=True)]
+
+
+def _slope(recording, y: np.ndarray, kept: np.ndarray) -> float:
+    """Elastic slope of one taxel (N,) over the samples of a mask (N,)."""
+    return float(np.linalg.lstsq(loads(recording)[kept], y[kept], rcond=None)[0][0]) if kept.any() else 0.0
+
+
+def _unit(slopes: np.ndarray, spread: np.ndarray, touched: np.ndarray) -> float:
+    """The slope that counts as 1, from the largest share (S, T) in which nothing was ruled out; the largest slope where there is none.
+
+    Other taxels may have shares of the same recordings that are not looked at here.
+    """
+    whole = np.where(touched, 0.0, spread)
+    if whole.max() <= 0.0:
+        return float(slopes.max())
+    at = np.unravel_index(np.argmax(whole), whole.shape)
+    return float(slopes[at] / spread[at])

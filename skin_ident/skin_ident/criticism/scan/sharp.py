@@ -4,6 +4,8 @@ All directions in which the family can bend are fitted with Tukey's weights, and
 scatter by: sigma from the smaller half of the forces, and a share of the force from the larger half.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from skin_ident.criticism.scan.candidates import excited, rich
@@ -20,12 +22,13 @@ def sharpened(cells: Cells, table: Rough) -> Rough | None:
     m = table.member.freeing(*rich(excited(cells, False, False)))
     if len(cells) < SPARE * m.unknowns.size:
         return None
-    found = Rough(m, table.expected, table.sigma, table.relative, table.floor)
+    found = replace(table, member=m)
     for _ in range(ROUNDS):
         weight = np.maximum(1.0 - (found.strangeness(cells) / TUKEY) ** 2, 0.0) ** 2 + 1e-6
         m = fit(m, cells, Whitener(1.0 / np.sqrt(weight)), 15, 1e-4).member
         expected = m.predict(cells)
-        found = Rough(m, expected, *_scatter(cells.y - expected, expected, table.floor, m.unknowns.size), table.floor)
+        sigma, relative = _scatter(cells.y - expected, expected, table.floor, m.unknowns.size)
+        found = replace(table, member=m, expected=expected, sigma=sigma, relative=relative)
     return found
 
 
