@@ -92,6 +92,11 @@ class Bench:
         """Execute a goal; returns its result."""
         return self.end(self.give(profile, **more))[1]
 
+    def wait(self, process: Process, timeout: float = WAIT) -> int:
+        """Wait for the end of a process, and keep listening: what waits in a queue meanwhile would later pass for the present."""
+        self.until(lambda: process.status is not None, f"the end of {process.label}", timeout)
+        return process.status
+
     def moving(self, depth: float = 0.0) -> None:
         """Wait until the plunger is deeper than `depth` (m)."""
         self.until(lambda: self.depths and self.depth > depth, "motion")

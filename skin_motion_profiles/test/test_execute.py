@@ -28,8 +28,7 @@ def execute(bench, *arguments):
 
 def outcome(bench, *arguments):
     process = execute(bench, *arguments)
-    status = process.wait(60.0)
-    return status, process.output()
+    return bench.wait(process), process.output()
 
 
 def test_success_is_0_and_tells_every_profile(bench):
@@ -55,10 +54,23 @@ def test_interrupt_cancels_and_waits_for_the_retreat(bench):
     bench.depths.clear()
     bench.moving(0.0009)
     process.send(signal.SIGINT)
-    assert process.wait(20.0) == 1
+    assert bench.wait(process) == 1
     assert "CANCELLED: cancelled" in process.output()
     bench.spin(0.2)
     assert bench.depth == pytest.approx(-0.002, abs=1e-5)
+
+
+def test_whenever_it_is_interrupted_no_goal_runs_on(bench):
+    """The moments are spread over the start: discovery, the goal's acceptance, the approach."""
+    for k in range(6):
+        process = execute(bench, SLOW)
+        bench.until(lambda: "execute" in bench.node.get_node_names(), "the client")
+        bench.spin(0.02 * 3.0**k / 4.0)
+        process.send(signal.SIGINT)
+        assert bench.wait(process) == 1, process.output()
+        assert re.search(r"execute: (interrupted before|CANCELLED: cancelled)", process.output()), process.output()
+        assert "Traceback" not in process.output()
+        assert bench.run("{type: free_air, duration_s: 0.1}").error_code == 0
 
 
 def test_the_death_of_the_server_is_noticed():
@@ -67,7 +79,7 @@ def test_the_death_of_the_server_is_noticed():
         process = execute(bench, SLOW)
         bench.moving(0.0009)
         bench.server.kill()
-        assert process.wait(60.0) == 1
+        assert bench.wait(process) == 1
         assert "the profile server has gone" in process.output()
     finally:
         bench.close()

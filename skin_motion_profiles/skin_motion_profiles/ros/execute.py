@@ -21,7 +21,6 @@ from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 from skin_testbed_msgs.action import ExecuteProfile
 
@@ -37,24 +36,30 @@ _SILENCE = 3.0  # s without feedback after which a server that is no longer ther
 class Client(Node):
     """One goal and its end."""
 
-    def __init__(self, show: ProgressLine) -> None:
-        """`show` gets the feedback."""
+    def __init__(self, show: ProgressLine, interrupt: "Interrupt") -> None:
+        """`show` gets the feedback, `interrupt` tells whether the user wants the end."""
         super().__init__("execute")
         self.client = ActionClient(self, ExecuteProfile, "execute_profile")
-        self.show, self.heard, self.cancel_wanted = show, time.monotonic(), False
+        self.show, self.interrupt, self.heard = show, interrupt, time.monotonic()
         self.spinner = SingleThreadedExecutor()
         self.spinner.add_node(self)
 
     def execute(self, goal: ExecuteProfile.Goal) -> ExecuteProfile.Result:
         """Send the goal and wait for its result. Raises `SkinError` where there is no server, or no longer."""
-        self._until(self.client.server_is_ready, _PATIENCE, "there is no server of the action execute_profile: start profile_server")
-        handle = self._answer(self.client.send_goal_async(goal, feedback_callback=self._on_feedback))
+        ready = self.client.server_is_ready
+        self._until(lambda: ready() or self.interrupt.wanted, "there is no server of the action execute_profile: start profile_server")
+        if self.interrupt.wanted:
+            raise SkinError("interrupted before the goal was sent")
+        sent = self.client.send_goal_async(goal, feedback_callback=self._on_feedback)
+        # Once sent, only its handle can take a goal back: an interruption waits for that, or the plunger moves with nobody there.
+        self._until(sent.done, "the profile server does not answer")
+        handle = sent.result()
         if not handle.accepted:
             raise SkinError("the profile server did not accept the goal")
         result, cancelling = handle.get_result_async(), False
         while not result.done():
             self.spinner.spin_once(timeout_sec=0.1)
-            if self.cancel_wanted and not cancelling:
+            if self.interrupt.wanted and not cancelling:
                 cancelling = True
                 handle.cancel_goal_async()
             self._still_there()
@@ -66,15 +71,11 @@ class Client(Node):
         self.destroy_node()
         rclpy.try_shutdown()
 
-    def _answer(self, future: Future) -> Any:
-        self._until(future.done, _PATIENCE, "the profile server does not answer")
-        return future.result()
-
-    def _until(self, condition: Any, patience: float, complaint: str) -> None:
-        end = time.monotonic() + patience
+    def _until(self, condition: Callable[[], Any], complaint: str) -> None:
+        end = time.monotonic() + _PATIENCE
         while not condition():
-            if time.monotonic() > end or self.cancel_wanted:
-                raise SkinError(complaint if not self.cancel_wanted else "interrupted before the goal was accepted")
+            if time.monotonic() > end:
+                raise SkinError(complaint)
             self.spinner.spin_once(timeout_sec=0.1)
         self.heard = time.monotonic()
 
@@ -85,6 +86,21 @@ class Client(Node):
     def _on_feedback(self, message: Any) -> None:
         self.heard = time.monotonic()
         self.show.update(message.feedback)
+
+
+class Interrupt:
+    """Ctrl-C, or SIGTERM: the first asks for the end of the goal, the second does not wait for it."""
+
+    def __init__(self) -> None:
+        """From now on, for this process."""
+        self.wanted = False
+        signal.signal(signal.SIGINT, self._on_signal)
+        signal.signal(signal.SIGTERM, self._on_signal)
+
+    def _on_signal(self, *_: object) -> None:
+        if self.wanted:
+            sys.exit(1)
+        self.wanted = True
 
 
 def main() -> None:
@@ -102,11 +118,10 @@ def _status(argv: list[str]) -> int:
         )
     except SkinError as error:
         return _complain(error, 2)
+    interrupt = Interrupt()
     rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
     show = ProgressLine(sys.stdout)
-    client = Client(show)
-    signal.signal(signal.SIGINT, lambda *_: _interrupt(client))
-    signal.signal(signal.SIGTERM, lambda *_: _interrupt(client))
+    client = Client(show, interrupt)
     try:
         result = client.execute(goal)
     except SkinError as error:
@@ -116,12 +131,6 @@ def _status(argv: list[str]) -> int:
         client.close()
     show.close()
     return _report(result)
-
-
-def _interrupt(client: Client) -> None:
-    if client.cancel_wanted:
-        sys.exit(1)  # the second time: do not wait
-    client.cancel_wanted = True
 
 
 def _options(arguments: list[str]) -> argparse.Namespace:
