@@ -10,8 +10,7 @@ where D is what a zero (1 in one channel), a slope (one simulated channel), a de
 constant, steps at moments to be found, or straight lines between knots. Courses compete with the catalogue's causes by the same likelihood,
 each amplitude and each moment charged.
 
-The gate: in sessions that were held out the course is fitted to every other block of a few seconds, and must predict the blocks between. A
-slow drift is told from strongly coloured noise in this way only: knots and blocks are longer than the memory of noise.
+Whether sessions that were held out bear one out is asked in `course_gate`.
 """
 
 from collections.abc import Iterator
@@ -22,14 +21,14 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from skin_ident.criticism.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
-from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
+from skin_ident.criticism.gate import Gain
 from skin_ident.criticism.noise import pursue
-from skin_ident.criticism.residual import residual, simulated
+from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.steps import sharpest
 from skin_ident.criticism.telemetry.symptom import place_of
-from skin_ident.criticism.uncertain import beside_training, own_rows
+from skin_ident.criticism.uncertain import Open, own_rows
 from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 
@@ -49,12 +48,10 @@ MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
 KNOT_S = 20.0
-BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
 SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
 AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
-SURE = 0.3  # of the fall of the error, which its interval must exclude: seven courses are tried every time
 BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
 
 
@@ -147,8 +144,7 @@ def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_s
 def beside_the_rest(model: Model, train: list[Session], held: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of sessions `held` which `model` was not fitted to: what is wrong in them alone. The model is free
     there as far as `train` leaves it: a taxel that nothing loaded so far may read anything."""
-    Q, _ = np.linalg.qr(beside_training(own_rows(model, train, held), model, train, held, noise))
-    return _worthwhile(_ground(model, held, noise, Q, alone=True), encoder_step)
+    return _worthwhile(_held_ground(model, held, noise, Open.to(model, train, held, noise)), encoder_step)
 
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
@@ -161,9 +157,9 @@ def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Sessio
     return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
 
 
-def fitted(course: Course, model: Model, sessions: list[Session], noise: Whitener) -> Run:
-    """The course fitted to what `model` leaves."""
-    return _run(course, _ground(model, sessions, noise))
+def fitted(course: Course, model: Model, sessions: list[Session], noise: Whitener, free: Open | None = None) -> Run:
+    """The course fitted to what `model` leaves, beside what is `free` to change of it."""
+    return _run(course, _held_ground(model, sessions, noise, free) if free else _ground(model, sessions, noise))
 
 
 @dataclass(frozen=True)
@@ -219,28 +215,9 @@ def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarra
     return replace(ground, left=ground.beside(r))
 
 
-def believed(gain: Gain) -> bool:
-    """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
-    little too early or too late leaves a spike, which whitening would make the most of."""
-    return gain.ci95[0] > SURE * (gain.before - gain.after) and gain.after < (1.0 - MATERIAL_RMSE) * gain.before
-
-
-def course_gain(course: Course, before: Model, after: Model, held: list[Session], noise: Whitener, said: str) -> Gain:
-    """What the course gains in `held`, fitted to every other block and predicting the blocks between; the model is `before` or `after`."""
-    plain = [residual(before, s) for s in held]
-    return gain_of_residuals(plain, [_predicted(course, after, s, noise) for s in held], held, noise, said)
-
-
-def _predicted(course: Course, model: Model, s: Session, noise: Whitener) -> np.ndarray:
-    """Residual (C, n) with each block's course fitted to its neighbours."""
-    e = residual(model, s)
-    odd = ((s.t - s.t[0]) / BLOCK_S[course.shape]).astype(int) % 2
-    out = e.copy()
-    for side in (0, 1):
-        seen = replace(s, weight=s.weight * (odd == side))
-        run = fitted(course, model, [seen], noise)
-        out[:, odd != side] -= s.band.thin(run.values[s.name])[:, odd != side]
-    return out
+def _held_ground(model: Model, held: list[Session], noise: Whitener, free: Open) -> _Ground:
+    Q, _ = np.linalg.qr(free.rows(held, noise))
+    return _ground(model, held, noise, Q, alone=True)
 
 
 def _run(course: Course, g: _Ground) -> Run:

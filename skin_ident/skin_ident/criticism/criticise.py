@@ -7,13 +7,15 @@ from itertools import islice
 import numpy as np
 
 from skin_ident.criticism.carriers import DELAY
-from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, believed, beside_the_rest, course_gain, fitted, worthwhile
+from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, beside_the_rest, fitted, worthwhile
+from skin_ident.criticism.course_gate import believed, course_gain
 from skin_ident.criticism.description import description_length
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
+from skin_ident.criticism.residual import settled
 from skin_ident.criticism.resolution import readable, resolved
 from skin_ident.criticism.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.session import Session, without_parting
@@ -21,6 +23,7 @@ from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.trial import Trial, all_alike, plausible, same_by_nature, sized
+from skin_ident.criticism.uncertain import left_open
 from skin_ident.criticism.weighing import weighed, with_mass
 from skin_models.model import Model
 
@@ -213,7 +216,7 @@ class Search:
         for trial in (t for t in trials if t.score > 0.0):
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
-            gain = self._gain(self.present.model, trial.fit.model)
+            gain = self._gain(self.present.model, trial.fit.model, trial.key[1])
             rivals = [t for t in trials if t is not trial and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
             alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)}) + same_by_nature(trial, rivals)
@@ -229,10 +232,8 @@ class Search:
         """A finding from the first course of each session's own, where the blocks between support it."""
         run = runs[0]
         self.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
-        sessions = self.held or self.train
-        said = ", ".join(s.name for s in self.held) or "every other block of each session"
         after = fit(self.present.model, added(self.train, run.values), self.noise)
-        gain = course_gain(run.course, self.present.model, after.model, sessions, self.noise, said)
+        gain = course_gain(run.course, self.present.model, after.model, self.train, self.held, self.noise)
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > reach(run.score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         if not (believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
@@ -248,8 +249,7 @@ class Search:
         run = next((r for r in runs if r.course not in had), None)
         if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held):
             return False
-        said = ", ".join(s.name for s in self.held)
-        gain = course_gain(run.course, self.present.model, self.present.model, self.held, self.noise, said)
+        gain = course_gain(run.course, self.present.model, self.present.model, self.train, self.held, self.noise)
         much = gain.after < ALONE * gain.before
         if not (much and believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
             return False
@@ -265,7 +265,8 @@ class Search:
         self.runs.append(run)
         train = added(self.train, run.values)
         self.present = fit(self.present.model, train, self.noise)
-        other = fitted(run.course, self.present.model, self.held, self.noise) if self.held else None
+        free = left_open(self.present.model, train, self.held, self.noise)
+        other = fitted(run.course, self.present.model, self.held, self.noise, free) if self.held else None
         self.train, self.held = train, added(self.held, other.values) if other else self.held
         self.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
         self.progress(f"named {finding.cause} in the {finding.where}")
@@ -281,7 +282,9 @@ class Search:
         """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and more of what was held out."""
         if other.score > reach(best.score):
             return True
-        return other.score > (1.0 - WIDE) * best.score and self._gain(self.present.model, other.fit.model).relative >= gain.relative
+        if other.score <= (1.0 - WIDE) * best.score:
+            return False
+        return self._gain(self.present.model, other.fit.model, other.key[1]).relative >= gain.relative
 
     def _accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
@@ -291,9 +294,10 @@ class Search:
         if same is None:
             self.named.append(finding)
         else:
-            more = replace(same, gain=self._gain(start, after.model), explained=same.explained + finding.explained)
+            more = replace(same, gain=self._gain(start, after.model, finding.where), explained=same.explained + finding.explained)
             self.named = [more if n is same else n for n in self.named]
         self.present = after
+        self.train, self.held = ([settled(after.model, s) for s in sessions] for sessions in (self.train, self.held))
         self.progress(f"named {finding.cause} in the {finding.where}")
 
     def eliminate(self) -> None:
@@ -301,19 +305,19 @@ class Search:
         for finding in reversed([n for n in self.named[:-1] if not n.courses]):
             rest = tuple(e for e in self.present.model.effects if (e.cause, e.where) != (finding.cause, finding.where))
             without = fit(replace(self.present.model, effects=rest), self.train, self.noise)
-            if not self._gain(without.model, self.present.model).passed:
+            if not self._gain(without.model, self.present.model, finding.where).passed:
                 self.present, self.named = without, [n for n in self.named if n is not finding]
 
     def check_numbers(self, given: Model) -> None:
         """Whether the numbers of the given model are wrong once every named cause is in it; where they are not, they stay as given."""
         as_given = replace(self.present.model, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)
         frozen = fit_effects(as_given, self.train, self.noise)
-        gain = self._gain(frozen.model, self.present.model, fit_effects)
+        gain = self._gain(frozen.model, self.present.model, "skin", fit_effects)
         if gain.passed and gain.before - gain.after > NUMBERS * gain.before:
             self.named.insert(0, Named("parameters", "skin", gain, frozen.cost - self.present.cost, ()))
         else:
             self.present = frozen
 
-    def _gain(self, before: Model, after: Model, refit_before: Callable = fit) -> Gain:
-        held = [] if self.held and deaf(before, after, self.train, self.held) else self.held
+    def _gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
+        held = [] if self.held and deaf(before, after, self.train, self.held, where) else self.held
         return held_out_gain(before, after, self.train, held, self.noise, refit_before)

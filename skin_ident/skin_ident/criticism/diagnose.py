@@ -36,7 +36,7 @@ from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import Inspected, inspect
 from skin_ident.criticism.residual import simulated, stiffness
 from skin_ident.criticism.scan import diagnose_scans
-from skin_ident.criticism.session import Session, meeting, motion_under
+from skin_ident.criticism.session import Session, meeting, motion_under, with_reference
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.pull import find_pull
@@ -221,7 +221,7 @@ def _named_apart(recordings: list) -> list:
 
 def _split(sessions: list[Session], training: int) -> tuple[list[Session], list[Session]]:
     """Training and held-out sessions; a lone one is both, in blocks."""
-    return _blocks(sessions[0]) if len(sessions) == 1 else (sessions[:training], sessions[training:])
+    return _blocks(sessions[0]) if len(sessions) == 1 else (with_reference(sessions[:training]), sessions[training:])
 
 
 def _blocks(session: Session) -> tuple[list[Session], list[Session]]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.fitting import fit
-from skin_ident.criticism.residual import residual
+from skin_ident.criticism.residual import residual, settled
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.uncertain import beside_uncertainty
 from skin_ident.criticism.whitening import Whitener
@@ -56,8 +56,7 @@ class Gain:
 
     def shows_at(self, where: str) -> bool:
         """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""
-        own = {"load_cell": ("force",), "taxel": tuple(c for c in self.carried if c.startswith("taxel"))}.get(where, (where,))
-        return not where.startswith(("load_cell", "taxel")) or any(c in self.carried for c in own)
+        return any(c in self.carried for c in own_channels(where, self.carried))
 
     @property
     def entry(self) -> dict[str, Any]:
@@ -71,19 +70,27 @@ class Gain:
         return self.before**2 - self.after**2
 
 
-def deaf(before: Model, after: Model, train: list[Session], held: list[Session]) -> bool:
-    """Whether `held` cannot be asked: what `after` changes there is too little to pass the gate, true or not, but much in `train`."""
-    return len(train) > 1 and _felt(before, after, held) < HEARD < LOUD < _felt(before, after, train)
+def deaf(before: Model, after: Model, train: list[Session], held: list[Session], where: str) -> bool:
+    """Whether `held` cannot be asked: what `after` changes there is too little to pass the gate, true or not, but much in `train`. Of a
+    sensor's fault its own channels tell."""
+    own = [i for i, c in enumerate(train[0].channels) if c in own_channels(where, train[0].channels)]
+    return len(train) > 1 and _felt(before, after, held, own) < HEARD < LOUD < _felt(before, after, train, own)
 
 
-def _felt(before: Model, after: Model, sessions: list[Session]) -> float:
-    """By how much `after` differs from `before`, over what `before` leaves, in the channel where that is most."""
+def own_channels(where: str, channels: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of `channels` that show what is wrong at a place: a sensor's own, or all."""
+    taxels = tuple(c for c in channels if c.startswith("taxel"))
+    return {"load_cell": ("force",), "taxel": taxels}.get(where, (where,) if where.startswith("taxel_") else channels)
+
+
+def _felt(before: Model, after: Model, sessions: list[Session], own: list[int]) -> float:
+    """By how much `after` differs from `before`, over what `before` leaves, in that of the channels `own` where it is most."""
     e = [residual(before, s) for s in sessions]
     left, changed = (
         sum((rows**2 * s.weight).sum(axis=1) for rows, s in zip(each, sessions, strict=True))
         for each in (e, [residual(after, s) - row for s, row in zip(sessions, e, strict=True)])
     )
-    return float(np.sqrt(np.max(changed / np.maximum(left, 1e-300))))
+    return float(np.sqrt(np.max((changed / np.maximum(left, 1e-300))[own], initial=0.0)))
 
 
 def held_out_gain(
@@ -94,7 +101,7 @@ def held_out_gain(
     `refit_before` fits `before` to the remaining sessions, where it may not change all that `fit` changes.
     """
     if held:
-        rests = [beside_uncertainty([residual(model, s) for s in held], model, train, held, noise) for model in (before, after)]
+        rests = [beside_uncertainty([residual(m, settled(m, s)) for s in held], m, train, held, noise) for m in (before, after)]
         return gain_of_residuals(*rests, held, noise, ", ".join(s.name for s in held))
     if len(train) > 1:
         pairs = [
@@ -134,7 +141,7 @@ def rmse_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[
 
 def _gain(pairs: list[tuple[Session, Model, Model]], noise: Whitener, said: str) -> Gain:
     sessions = [s for s, _, _ in pairs]
-    before, after = ([residual(pair[i], pair[0]) for pair in pairs] for i in (1, 2))
+    before, after = ([residual(m, settled(m, s)) for s, m in ((pair[0], pair[i]) for pair in pairs)] for i in (1, 2))
     return gain_of_residuals(before, after, sessions, noise, said)
 
 

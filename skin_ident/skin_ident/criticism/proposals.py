@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.residual import placed, rows
+from skin_ident.criticism.residual import at_place, beside_shares, placed, rows
 from skin_ident.criticism.session import Session, motion_under
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
@@ -81,7 +81,8 @@ def _sign(p) -> int:
 
 
 def bank(model: Model, which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
-    """The change of every channel per unit of typical size, (directions, C, n) for each session, in the common band."""
+    """The change of every channel per unit of typical size, (directions, C, n) for each session, in the common band, beside what shares of
+    the session's own can follow."""
     return [_bank(model, which, s) for s in sessions]
 
 
@@ -92,8 +93,8 @@ def _bank(model: Model, which: tuple[Direction, ...], session: Session) -> np.nd
     out = np.zeros((len(which), *session.measured.shape))
     for i, d in enumerate(which):
         amount = d.probe if d.sign >= 0 else -d.probe
-        change = rows(model.bent(run, d.switched_on(amount)), session) - base
+        change = rows(model.bent(run, at_place(d.switched_on(amount), session)), session) - base
         for c, row in enumerate(change):
             if row.any():
                 out[i, c] = session.band.thin(row) / amount
-    return out
+    return beside_shares(out, base, session)

@@ -42,6 +42,8 @@ class Session:
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
     free_mass: bool = False  # whether the model's mass is fitted, too (see `weighing`)
+    pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `residual`)
+    reference: int | None = None  # the taxel whose share is so in any case
 
     @property
     def n_taxels(self) -> int:
@@ -60,6 +62,14 @@ def prepare(recording, bad: np.ndarray | None = None) -> Session:
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
     return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight, drive, recording.spread, contact)
+
+
+def with_reference(sessions: list[Session]) -> list[Session]:
+    """The sessions, the largest share of any taxel as the reference of all, where they bring shares of their own."""
+    if any(s.spread is None for s in sessions):
+        return sessions
+    first = max(range(len(sessions)), key=lambda i: sessions[i].spread.max())
+    return [replace(s, reference=int(np.argmax(s.spread)) if i == first else None) for i, s in enumerate(sessions)]
 
 
 def motion_under(session: Session, skin: Dispersion) -> Motion:

@@ -27,8 +27,10 @@ class Unknown:
 
 
 def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
-    """Everything that a fit of this model to sessions of this kind may change. The largest share is the reference and stays 1."""
-    return (*_of_dispersion(model, session), *_of_shares(model), *effect_unknowns(model))
+    """Everything that a fit of this model to sessions of this kind may change. The largest share is the reference and stays 1; sessions at
+    places of their own have shares of their own (see `residual`)."""
+    shares = _of_shares(model) if session.spread is None else ()
+    return (*_of_dispersion(model, session), *shares, *effect_unknowns(model))
 
 
 def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:

@@ -17,6 +17,7 @@ from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 
 PROBE = 0.01  # of the largest share, for the differences
+STEPS = 3  # to where taxels are that read nothing of small forces; where all are linear the first gets there
 MODEL = 3e-4  # of the largest share: what converter steps and the model's own form leave in a static share
 
 
@@ -39,6 +40,14 @@ def gains(model: Model, sessions: list[Session], noise: Whitener) -> Gains:
 
 
 def _of(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.ndarray]:
+    value = np.array(placed(model, s).shares)
+    for _ in range(STEPS):
+        value, covariance = _step(*with_shares(model, s, value), noise)
+    return value, covariance + np.diag(_swallowed(model, s, value) ** 2)
+
+
+def _step(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.ndarray]:
+    """Shares and their covariance by one step of Gauss and Newton from those of the session."""
     shares = np.array(placed(model, s).shares)
     others = tuple(u for u in unknowns(model, s) if u.part != "shares" and u.label != "k1")
     D = np.concatenate([_by_share(model, s), tangents(model, [s], others)[0]])
@@ -50,6 +59,13 @@ def _of(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.ndarr
     inflated = max(1.0, float(left @ left) / max(int(np.count_nonzero(r)) - len(D), 1))
     floor = (MODEL * shares.max()) ** 2 * np.eye(shares.size)
     return shares + change[: shares.size], inflated * inverse[: shares.size, : shares.size] + floor
+
+
+def _swallowed(model: Model, s: Session, value: np.ndarray) -> np.ndarray:
+    """What the shares (T,) may be wrong by where taxels read nothing of small forces, and these feel no more than that."""
+    threshold = sum(e.threshold for e in model.effects if e.cause == "dead_zone" and e.where.startswith("taxel"))
+    least = threshold / (model.dispersion.k1 * s.motion.x.max())
+    return np.where(value < 2.0 * least, least, 0.0)
 
 
 def _by_share(model: Model, s: Session) -> np.ndarray:
@@ -65,4 +81,4 @@ def with_shares(model: Model, s: Session, shares: np.ndarray) -> tuple[Model, Se
     shares = np.maximum(shares, 0.0)
     if s.spread is None:
         return replace(model, shares=tuple(shares.tolist())), s
-    return replace(model, shares=(1.0,) * shares.size), replace(s, spread=shares)
+    return replace(model, shares=(1.0,) * shares.size), replace(s, spread=shares, pinned=True)

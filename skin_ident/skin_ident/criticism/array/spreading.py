@@ -14,10 +14,11 @@ from skin_ident.criticism.array.layout import Layout
 
 def with_spread(recordings: list, layout: Layout | str) -> list:
     """The recordings, with `spread` set where they press at different places: slope of every taxel on depth (on force, where that drives
-    the test) over the largest slope of all."""
+    the test) over the largest slope of all. Each has a zero of its own in each recording, which would else be a slope of what it hardly
+    feels."""
     if isinstance(layout, str) or not layout.several_contacts:
         return recordings
-    slopes = np.array([np.linalg.lstsq(loads(r), r.taxels.T, rcond=None)[0][0] for r in recordings])
+    slopes = np.array([[_slope(r, y, np.ones(y.size, bool)) for y in r.taxels] for r in recordings])
     return _spread(recordings, slopes, slopes.max())
 
 
@@ -47,8 +48,9 @@ def _spread(recordings: list, slopes: np.ndarray, unit: float) -> list:
 
 
 def _slope(recording, y: np.ndarray, kept: np.ndarray) -> float:
-    """Elastic slope of one taxel (N,) over the samples of a mask (N,)."""
-    return float(np.linalg.lstsq(loads(recording)[kept], y[kept], rcond=None)[0][0]) if kept.any() else 0.0
+    """Elastic slope of one taxel (N,) over the samples of a mask (N,), beside its zero."""
+    rows = np.column_stack([loads(recording), np.ones(y.size)])
+    return float(np.linalg.lstsq(rows[kept], y[kept], rcond=None)[0][0]) if kept.any() else 0.0
 
 
 def _unit(slopes: np.ndarray, spread: np.ndarray, touched: np.ndarray) -> float:

@@ -1,0 +1,48 @@
+"""The gate of courses: in held-out sessions the course is fitted to every other block of a few seconds, and must predict the blocks
+between. A slow drift is told from strongly coloured noise in this way only: knots and blocks are longer than the memory of noise.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.course import BEND, CONSTANT, STEPS, Course, fitted
+from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
+from skin_ident.criticism.residual import residual
+from skin_ident.criticism.session import Session
+from skin_ident.criticism.uncertain import Open, beside_uncertainty, left_open
+from skin_ident.criticism.whitening import Whitener
+from skin_models.model import Model
+
+BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
+SURE = 0.3  # of the fall of the error, which its interval must exclude: seven courses are tried every time
+
+
+def believed(gain: Gain) -> bool:
+    """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
+    little too early or too late leaves a spike, which whitening would make the most of."""
+    return gain.ci95[0] > SURE * (gain.before - gain.after) and gain.after < (1.0 - MATERIAL_RMSE) * gain.before
+
+
+def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
+    """What the course gains in `held`, or in `train` where nothing is held out, fitted to every other block and predicting the blocks
+    between; the model is `before` or `after`, each free as far as training leaves it."""
+    free, sessions = left_open(after, train, held, noise), held or train
+    plain = [residual(before, s) for s in sessions]
+    predicted = [_predicted(course, after, s, noise, free and free.of(i)) for i, s in enumerate(sessions)]
+    if not held:
+        return gain_of_residuals(plain, predicted, train, noise, "every other block of each session")
+    rests = [beside_uncertainty(e, model, train, held, noise) for e, model in ((plain, before), (predicted, after))]
+    return gain_of_residuals(*rests, held, noise, ", ".join(s.name for s in held))
+
+
+def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:
+    """Residual (C, n) with each block's course fitted to its neighbours."""
+    e = residual(model, s)
+    odd = ((s.t - s.t[0]) / BLOCK_S[course.shape]).astype(int) % 2
+    out = e.copy()
+    for side in (0, 1):
+        seen = replace(s, weight=s.weight * (odd == side))
+        run = fitted(course, model, [seen], noise, free)
+        out[:, odd != side] -= s.band.thin(run.values[s.name])[:, odd != side]
+    return out
