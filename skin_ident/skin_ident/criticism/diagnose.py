@@ -235,8 +235,9 @@ def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
 
 def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
     """The sessions, each with what was found to be its own; a lone session was criticised under two other names."""
-    own = {s.name: s.beyond for s in (*c.train, *c.held)}
-    return [replace(s, beyond=own.get(s.name, c.train[0].beyond)) for s in sessions]
+    own = {s.name: s for s in (*c.train, *c.held)}
+    kept = [own.get(s.name, c.train[0]) for s in sessions]
+    return [replace(s, beyond=k.beyond, spread=k.spread, reference=k.reference) for s, k in zip(sessions, kept, strict=True)]
 
 
 def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> Model:

@@ -13,7 +13,7 @@ import numpy as np
 
 from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.residual import residual, settled
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.session import Session, without
 from skin_ident.criticism.uncertain import beside_uncertainty
 from skin_ident.criticism.whitening import Whitener
 from skin_models.model import Model
@@ -88,7 +88,7 @@ def _felt(before: Model, after: Model, sessions: list[Session], own: list[int]) 
     e = [residual(before, s) for s in sessions]
     left, changed = (
         sum((rows**2 * s.weight).sum(axis=1) for rows, s in zip(each, sessions, strict=True))
-        for each in (e, [residual(after, s) - row for s, row in zip(sessions, e, strict=True)])
+        for each in (e, [residual(after, settled(after, s)) - row for s, row in zip(sessions, e, strict=True)])
     )
     return float(np.sqrt(np.max((changed / np.maximum(left, 1e-300))[own], initial=0.0)))
 
@@ -104,9 +104,8 @@ def held_out_gain(
         rests = [beside_uncertainty([residual(m, settled(m, s)) for s in held], m, train, held, noise) for m in (before, after)]
         return gain_of_residuals(*rests, held, noise, ", ".join(s.name for s in held))
     if len(train) > 1:
-        pairs = [
-            (s, *_refitted((before, refit_before), (after, fit), sessions=[o for o in train if o is not s], noise=noise)) for s in train
-        ]
+        folds = [without(train, s) for s in train]
+        pairs = [(s, *_refitted((before, refit_before), (after, fit), sessions=rest, noise=noise)) for rest, s in folds]
         said = "each session in turn"
     else:
         pairs = [(s, before, after) for s in train]

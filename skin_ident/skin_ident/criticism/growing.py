@@ -5,6 +5,7 @@ from dataclasses import replace
 from skin_ident.criticism.fitting import Fit, fit
 from skin_ident.criticism.proposals import Direction
 from skin_ident.criticism.ranking import Ranked
+from skin_ident.criticism.residual import settled
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import survey
 from skin_ident.criticism.unknowns import unknowns
@@ -16,6 +17,7 @@ from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
 MOST = 3  # instances of one cause at one place
 AT_SHAPE = 3  # iterations
+IN_TURN = 3  # times that shares are settled and the rest fitted
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
 SURE = 2.0  # standard errors that a further instance must have for its size
 FINER = 0.002  # nor, which is the same name with one number more, a finer form of it
@@ -26,7 +28,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
     own = tuple(d for d in which if (d.cause, d.where) == (best.cause, best.where))
     present, ranked, first = start, best, 0.0
     for _ in range(MOST):
-        trial = _with_instance(present, ranked, sessions, noise)
+        trial, sessions = _settled(_with_instance(present, ranked, sessions, noise), sessions, noise)
         gained = present.cost - trial.cost
         first = first or gained
         if gained < max(10.0, WORTH * first) or not (present is start or determined(trial)):
@@ -47,6 +49,16 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     new = len(model.effects) - 1
     sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
     return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
+
+
+def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit, list[Session]]:
+    """The fit with the sessions' own shares settled under it, in turn: what bends the reading of a taxel acts on its share of the force."""
+    if sessions[0].spread is None or not trial.model.effects[-1].where.startswith("taxel"):
+        return trial, sessions
+    for _ in range(IN_TURN):
+        sessions = [settled(trial.model, s) for s in sessions]
+        trial = fit(trial.model, sessions, noise, AT_SHAPE)
+    return trial, sessions
 
 
 def determined(trial: Fit) -> bool:

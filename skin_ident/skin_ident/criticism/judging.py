@@ -16,7 +16,7 @@ from skin_ident.criticism.faults import PREDICTS, effect_of, effects_of, with_ef
 from skin_ident.criticism.fitting import ITERATIONS, Fit, fit
 from skin_ident.criticism.gate import FOLD_ITERATIONS, rmse_fall
 from skin_ident.criticism.residual import residual
-from skin_ident.criticism.session import Session, without_parting
+from skin_ident.criticism.session import Session, with_reference, without_parting
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.whitening import fit_whitener
@@ -55,7 +55,8 @@ def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Sess
     noise = fit_whitener([residual(start, s) for s in plain[0]], [s.weight for s in plain[0]])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
     train, held = (
-        [replace(s, beyond=own.beyond) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True)
+        [replace(s, beyond=own.beyond, spread=own.spread) for s, own in zip(*pair, strict=True)]
+        for pair in zip(plain, (c.train, c.held), strict=True)
     )
     model = with_effects(c.extended.model, effects)
     for e in (e for e in effects if e.cause == "quantization"):
@@ -109,10 +110,11 @@ def _folds(count: int) -> Iterator[list[int]]:
 def _fold(c: Criticism, whole: list[Session], fold: list[int], given: bool) -> Iterator[tuple[Session, np.ndarray, np.ndarray]]:
     """Both models fitted without the sessions of the fold, and tried on these."""
     rest = [i for i in range(len(c.train)) if i not in fold]
-    plain = [replace(c.train[i], beyond=whole[i].beyond) for i in rest]
+    others = with_reference([c.train[i] for i in rest])
+    plain = [replace(s, beyond=whole[i].beyond) for i, s in zip(rest, others, strict=True)]
     before = c.baseline.model if given else _refitted(c.baseline, plain)
-    after = _refitted(c.extended, [c.train[i] for i in rest])
-    yield from (_pair(before, after, c.train[i], whole[i]) for i in fold)
+    after = _refitted(c.extended, others)
+    yield from (_pair(before, after, replace(c.train[i], reference=None), whole[i]) for i in fold)
 
 
 def _refitted(known: Fit, sessions: list[Session]) -> Model:

@@ -72,6 +72,11 @@ def with_reference(sessions: list[Session]) -> list[Session]:
     return [replace(s, reference=int(np.argmax(s.spread)) if i == first else None) for i, s in enumerate(sessions)]
 
 
+def without(sessions: list[Session], one: Session) -> tuple[list[Session], Session]:
+    """The others, with a reference of their own, and this one without."""
+    return with_reference([s for s in sessions if s is not one]), replace(one, reference=None)
+
+
 def motion_under(session: Session, skin: Dispersion) -> Motion:
     """The depth of the session; in a force-to-force test the depth to which the applied force F presses this skin,
 
