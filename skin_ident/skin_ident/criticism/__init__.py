@@ -7,7 +7,8 @@ The method, in the order in which `diagnose` runs it:
     fit at pieces that one channel alone knows of.
 2.  `session` and `band` put measured and simulated channels through one and the same low-pass, at full rate, then thin them out. A depth
     in coarse steps is drawn again first (`recordings.staircase`). Moments when the plunger may have left the skin are not compared.
-3.  `fitting` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error.
+3.  `fitting` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error. Sessions that press at
+    different places have shares of their own for every taxel, fitted with whatever model stands beside them (`residual`).
 4.  `proposals` simulates every effect of the catalogue, at every shape of its grid, on top of the model: the change it makes to every
     channel is the direction in which that cause would bend the residual. With declared taxel positions `array` proposes what bends the
     spread over them.
@@ -21,7 +22,7 @@ The method, in the order in which `diagnose` runs it:
     What comes within reach of the best is reported beside it. Where the mass of the model explains more than any cause, it is fitted, too
     (`weighing`). `course` competes with all of them by what belongs to one session alone: a zero, a slope, a delay or a depth that changed
     before or during it (`steps` finds the moments). Where such courses explain most and predict nothing, the noise wanders more than its
-    model knows, and nothing is named. Last, what is wrong in held-out sessions alone.
+    model knows, and nothing is named. Last, what is wrong in held-out sessions alone (`course_gate` for both).
 8.  Repeat; then eliminate backwards (`criticise`); then ask whether a general model still predicts something of the residual on held-out
     data (`leftover`), and look at the moments that were left out for a pull (`telemetry.pull`).
 

@@ -32,6 +32,7 @@ SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and 
 WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
+WANDERING = 3.0  # times what noise alone has made of such courses in training, the least that one in held-out sessions alone must explain
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
@@ -117,6 +118,7 @@ class Search:
         self.runs: list[Run] = []
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
+        self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self._befores: dict[tuple[str, str], Model] = {}
 
     def run(self, fitted: Fit) -> None:
@@ -237,6 +239,7 @@ class Search:
         rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > reach(run.score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         if not (believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
+            self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
 
@@ -247,7 +250,8 @@ class Search:
         had = {r.course for r in self.runs}
         runs = plainest_first(beside_the_rest(self.present.model, self.train, self.held, self.noise, self.encoder_step))
         run = next((r for r in runs if r.course not in had), None)
-        if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held):
+        least = max(MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held), WANDERING * self.wandering)
+        if run is None or run.score < least:
             return False
         gain = course_gain(run.course, self.present.model, self.present.model, self.train, self.held, self.noise)
         much = gain.after < ALONE * gain.before
