@@ -17,6 +17,7 @@ from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
 MOST = 3  # instances of one cause at one place
 AT_SHAPE = 3  # iterations
+LITTLE = 0.05  # of an amount
 IN_TURN = 3  # times that shares are settled and the rest fitted
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
 SURE = 2.0  # standard errors that a further instance must have for its size
@@ -44,11 +45,16 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
 
 
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
-    """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away."""
-    model = present.model.extended(_ready(ranked.best, ranked.best_amount))
-    new = len(model.effects) - 1
-    sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
-    return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
+    """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
+    own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little."""
+    for share in (1.0, LITTLE):
+        model = present.model.extended(_ready(ranked.best, share * ranked.best_amount))
+        new = len(model.effects) - 1
+        sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
+        trial = fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
+        if trial.cost < present.cost:
+            break
+    return trial
 
 
 def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit, list[Session]]:
