@@ -8,8 +8,9 @@ from array_making import Spread, found, names, names_or_rivals, record_at
 
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.spreading import with_spread
-from skin_ident.criticism.residual import residual, settled
+from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import prepare, with_reference
+from skin_ident.criticism.settling import settled
 from skin_ident.criticism.start import dispersion_start
 from skin_models.catalogue import effects
 

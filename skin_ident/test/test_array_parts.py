@@ -153,8 +153,19 @@ def test_several_contacts_tell_a_wrong_place_from_a_wrong_calibration_and_from_c
     for key, shares in cases.items():
         judgement = judge(layout, measured(shares, seed))
         assert judgement.named is not None and judgement.named.key == key and not judgement.rivals
+        assert judgement.may_have_changed is None
     found = judge(layout, measured(moved, seed)).causes[0].fit
     assert found.member["shift_0"] * layout.axes[0, 0] == pytest.approx(2e-4, abs=4.0 * found.std["shift_0"])
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("since", [1, 2])
+def test_a_gain_that_changed_between_sessions_is_no_crosstalk_without_a_word_of_it(seed, since):
+    skin, layout = array(3, seed, 1e-3 * np.array([[0.0, 0.0], [4.0, 0.0], [-4.0, 0.0]]))
+    shares = np.array([skin.shares(q) for q in layout.contacts])
+    shares[since:, 1] *= 1.04
+    judgement = judge(layout, measured(shares, seed))
+    assert judgement.named is None or judgement.may_have_changed == "taxel_1"
 
 
 def test_one_contact_leaves_rivals_and_says_what_would_separate_them():

@@ -8,7 +8,7 @@ The method, in the order in which `diagnose` runs it:
 2.  `session` and `band` put measured and simulated channels through one and the same low-pass, at full rate, then thin them out. A depth
     in coarse steps is drawn again first (`recordings.staircase`). Moments when the plunger may have left the skin are not compared.
 3.  `fitting` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error. Sessions that press at
-    different places have shares of their own for every taxel, fitted with whatever model stands beside them (`residual`).
+    different places have shares of their own for every taxel, fitted with whatever model stands beside them (`own_shares`).
 4.  `proposals` simulates every effect of the catalogue, at every shape of its grid, on top of the model: the change it makes to every
     channel is the direction in which that cause would bend the residual. With declared taxel positions `array` proposes what bends the
     spread over them.

@@ -137,7 +137,7 @@ def courses(session: Session) -> Iterator[Course]:
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. A depth that is
     read in steps cannot show less than one."""
-    Q, _ = np.linalg.qr(stack(own_rows(model, sessions, sessions), sessions, noise))
+    Q = _basis(stack(own_rows(model, sessions, sessions), sessions, noise))
     return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 
 
@@ -216,8 +216,12 @@ def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarra
 
 
 def _held_ground(model: Model, held: list[Session], noise: Whitener, free: Open) -> _Ground:
-    Q, _ = np.linalg.qr(free.rows(held, noise))
-    return _ground(model, held, noise, Q, alone=True)
+    return _ground(model, held, noise, _basis(free.rows(held, noise)), alone=True)
+
+
+def _basis(A: np.ndarray) -> np.ndarray:
+    """Of the span of the columns of `A` that are not nothing: for one that is, QR would invent a direction."""
+    return np.linalg.qr(A[:, np.any(A != 0.0, axis=0)])[0]
 
 
 def _run(course: Course, g: _Ground) -> Run:

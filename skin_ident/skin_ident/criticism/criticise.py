@@ -15,10 +15,10 @@ from skin_ident.criticism.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.growing import grow, instances, negligible
 from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
-from skin_ident.criticism.residual import settled
 from skin_ident.criticism.resolution import readable, resolved
 from skin_ident.criticism.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.session import Session, without_parting
+from skin_ident.criticism.settling import settled
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.fitting import fit
-from skin_ident.criticism.residual import residual, settled
+from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session, without
+from skin_ident.criticism.settling import settled
 from skin_ident.criticism.uncertain import beside_uncertainty
 from skin_ident.criticism.whitening import Whitener
 from skin_models.model import Model

@@ -5,8 +5,8 @@ from dataclasses import replace
 from skin_ident.criticism.fitting import Fit, fit
 from skin_ident.criticism.proposals import Direction
 from skin_ident.criticism.ranking import Ranked
-from skin_ident.criticism.residual import settled
 from skin_ident.criticism.session import Session
+from skin_ident.criticism.settling import settled
 from skin_ident.criticism.survey import survey
 from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener

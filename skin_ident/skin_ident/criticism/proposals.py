@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.residual import at_place, beside_shares, placed, rows
+from skin_ident.criticism.own_shares import beside_shares
+from skin_ident.criticism.residual import at_place, placed, rows
 from skin_ident.criticism.session import Session, motion_under
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place

@@ -1,89 +1,21 @@
-"""Measured minus simulated, session by session, in the common band.
-
-Where sessions press at different places, each has a share of its own for every taxel, a factor of no interest to what goes on in time (the
-array's own criticism asks how shares follow from places). So it is not an unknown of the model: whatever the model, the taxels of such a
-session are scaled to fit it best, in the band and by plain least squares (G. Golub, V. Pereyra, The differentiation of pseudo-inverses and
-nonlinear least squares problems whose variables separate, SIAM Journal on Numerical Analysis 10 (1973) 413-432). One taxel in one training
-session is the reference, and stays as it is: by it the stiffness under the taxels is known.
-"""
+"""Measured minus simulated, session by session, in the common band."""
 
 from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.own_shares import has_own, own_shares
 from skin_ident.criticism.session import Session, motion_under
 from skin_models.effect import Effect
 from skin_models.model import Model, Response
 
-SHARE = (0.0, 3.0)  # times what was there
-SETTLING = 3  # steps of Gauss and Newton
-PROBE = 0.01  # of the largest share, for the differences
 
 def simulated(model: Model, session: Session) -> np.ndarray:
-    """Simulated channels (C, N) at full rate, rows as in `session.channels`."""
+    """Simulated channels (C, N) at full rate, rows as in `session.channels`, under the session's own shares where it has some."""
     y = rows(placed(model, session).simulate(motion_under(session, model.dispersion)), session)
-    if session.spread is not None and not session.pinned:
+    if has_own(session):
         y[-session.n_taxels :] *= own_shares(y, session)[:, None]
     return _beyond(session) + y
-
-
-def own_shares(y: np.ndarray, session: Session) -> np.ndarray:
-    """By what the simulated taxels among channels `y` (C, N) are multiplied to fit the session best, (T,), within `SHARE`."""
-    taxels = slice(-session.n_taxels, None)
-    Y = session.band.thin(y[taxels])
-    beyond = 0.0 if session.beyond is None else session.band.thin(session.beyond[taxels])
-    factor = _regression((session.measured[taxels] - beyond)[None], Y, session.weight[taxels])[0]
-    return np.where(_kept(session), 1.0, np.clip(factor, *SHARE))
-
-
-def beside_shares(changes: np.ndarray, y: np.ndarray, session: Session) -> np.ndarray:
-    """Changes (K, C, n) of a simulation `y` (C, N), less what shares of the session's own can follow."""
-    if session.spread is None or session.pinned:
-        return changes
-    taxels = slice(-session.n_taxels, None)
-    Y = session.band.thin(y[taxels])
-    factors = np.where(_kept(session), 0.0, _regression(changes[:, taxels], Y, session.weight[taxels]))
-    out = changes.copy()
-    out[:, taxels] -= factors[..., None] * Y
-    return out
-
-
-def _regression(rows: np.ndarray, Y: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """Slopes (K, T) of `rows` (K, T, n) on `Y` (T, n) with weights (T, n); zero on what is not there."""
-    power = np.sum(w * Y**2, axis=1)
-    return np.einsum("ktn,tn->kt", rows, w * Y) / np.where(power > 0.0, power, np.inf)
-
-
-def _kept(session: Session) -> np.ndarray:
-    """Which taxels (T,) have the share that `spread` says: the reference, and those that answer nothing."""
-    return np.array([i == session.reference or f"taxel_{i}" in session.stuck for i in range(session.n_taxels)])
-
-
-def settled(model: Model, session: Session) -> Session:
-    """The session with the shares that fit it best under `model`: a factor is not enough where taxels bend what they read."""
-    if session.spread is None or session.pinned:
-        return session
-    s, kept, taxels = replace(session, pinned=True), _kept(session), slice(-session.n_taxels, None)
-    for _ in range(SETTLING):
-        probe = PROBE * s.spread.max()
-        y, more = (s.band.thin(simulated(model, each)[taxels]) for each in (s, replace(s, spread=s.spread + probe)))
-        change = _regression((s.measured[taxels] - y)[None], (more - y) / probe, s.weight[taxels])[0]
-        s = replace(s, spread=np.maximum(s.spread + np.where(kept, 0.0, change), 0.0))
-    return replace(s, pinned=False)
-
-
-def share_rows(model: Model, sessions: list[Session]) -> list[np.ndarray]:
-    """d(simulated)/d(share) of every taxel in every session that has shares of its own, (S T, C, n) by session."""
-    if sessions[0].spread is None:
-        return [np.zeros((0, *s.measured.shape)) for s in sessions]
-    count = sessions[0].n_taxels
-    every = [np.zeros((len(sessions) * count, *s.measured.shape)) for s in sessions]
-    for i, (s, out) in enumerate(zip(sessions, every, strict=True)):
-        plain = s.band.thin(simulated(model, replace(s, beyond=None)))
-        for j, c in enumerate(range(len(s.channels) - count, len(s.channels))):
-            if j != s.reference:
-                out[i * count + j, c] = plain[c]
-    return every
 
 
 def placed(model: Model, session: Session) -> Model:

@@ -42,7 +42,7 @@ class Session:
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
     free_mass: bool = False  # whether the model's mass is fitted, too (see `weighing`)
-    pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `residual`)
+    pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
     reference: int | None = None  # the taxel whose share is so in any case
 
     @property

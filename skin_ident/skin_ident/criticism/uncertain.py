@@ -1,6 +1,6 @@
 """What training leaves uncertain of a model, and what held-out sessions show beside that.
 
-Where sessions press at different places, a held-out one has shares of its own (see `residual`), and loads what no training session may have
+Where sessions press at several places, a held-out one has shares of its own (see `own_shares`), and may load what no training session has
 loaded; what that changes is then no error of the model.
 With whitened tangents J of the training sessions and K of the held-out ones, the unknowns may still move by the u that minimises
 
@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.fitting import tangents
-from skin_ident.criticism.residual import share_rows
 from skin_ident.criticism.session import Session
+from skin_ident.criticism.settling import share_rows
 from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model

@@ -28,7 +28,7 @@ class Unknown:
 
 def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
     """Everything that a fit of this model to sessions of this kind may change. The largest share is the reference and stays 1; sessions at
-    places of their own have shares of their own (see `residual`)."""
+    places of their own have shares of their own (see `own_shares`)."""
     shares = _of_shares(model) if session.spread is None else ()
     return (*_of_dispersion(model, session), *shares, *effect_unknowns(model))
 

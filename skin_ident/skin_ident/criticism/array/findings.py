@@ -13,6 +13,7 @@ from skin_ident.criticism.array.sentences import SCAN, separating, shift_of, why
 from skin_ident.criticism.vocabulary import BY_NAME
 
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
+CHANGED = "; a gain of {} that is not the same in all sessions would explain as much"
 SILENT = 0.01  # of the largest share
 POSSIBLE = 0.5  # probability that something is wrong, below which causes are excluded
 
@@ -23,9 +24,12 @@ def entry(a: ArrayCriticism) -> dict[str, Any]:
     dead = [("dead_taxel", f"taxel_{i}") for i in silent(a)]
     cause, where = ("dead_taxel", best.key[1]) if best.key[0] == "gain_error" and ("dead_taxel", best.key[1]) in dead else best.key
     others = [(*r.key, float(2.0 * (best.log_odds - r.log_odds))) for r in rivals]
+    changed = a.judgement.may_have_changed
+    if changed:
+        others.append(("gain_error", changed, max(float(2.0 * (best.log_odds - a.judgement.changed[1])), 0.0)))
     others = [o for o in ((*best.key, 0.0), *others, *((*d, 0.0) for d in dead)) if o[:2] != (cause, where)]
     evidence = {
-        "why": why(best, a.layout),
+        "why": why(best, a.layout) + (CHANGED.format(changed) if changed else ""),
         "log_odds": best.log_odds,
         "held_out_fall_of_mean_square": gain.relative,
         "held_out": gain.held_out,

@@ -32,6 +32,12 @@ class Gains:
         """The same for some of the sessions."""
         return Gains(self.value[sessions], self.covariance[sessions])
 
+    def loosened(self, taxel: int, sessions: list[int], relative: float) -> "Gains":
+        """The same, where one taxel may have had another gain in some of the sessions, by a standard deviation of `relative`."""
+        covariance = self.covariance.copy()
+        covariance[sessions, taxel, taxel] += (relative * self.value[sessions, taxel]) ** 2
+        return Gains(self.value, covariance)
+
 
 def gains(model: Model, sessions: list[Session], noise: Whitener) -> Gains:
     """Shares of every taxel in every session, starting from those of the fitted `model`."""

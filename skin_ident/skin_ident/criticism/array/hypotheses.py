@@ -20,6 +20,7 @@ EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is know
 SHIFT, GAIN, LEAK, COMMON = 1e-3, 0.15, 0.03, 0.03
 REPEAT, WIDTH, POWER, RATIO = 0.06, 0.2, 0.5, 0.2
 TAIL, FALL = 0.2, 0.3
+CHANGE = 0.1  # prior probability that some taxel's gain is not the same in all sessions
 
 
 @dataclass(frozen=True)

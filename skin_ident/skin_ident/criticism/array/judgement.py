@@ -8,7 +8,7 @@ import numpy as np
 from skin_ident.criticism.array.evidence import Fitted, covariance_root, fitted
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains
-from skin_ident.criticism.array.hypotheses import Background, Hypothesis, backgrounds, hypotheses
+from skin_ident.criticism.array.hypotheses import CHANGE, GAIN, Background, Hypothesis, backgrounds, hypotheses
 from skin_ident.criticism.array.layout import Layout
 
 SURE = 0.95  # probability that something is wrong, from which it is said so
@@ -33,11 +33,13 @@ class Judged:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Nothing wrong, and every cause, the most probable first; `sure` is the probability that something is wrong."""
+    """Nothing wrong, and every cause, the most probable first; `sure` is the probability that something is wrong; `changed` is the taxel
+    whose gain has most probably changed between sessions, with the log odds of that."""
 
     nothing: Judged
     causes: tuple[Judged, ...]
     sure: float
+    changed: tuple[str, float] = ("", -np.inf)
 
     @property
     def named(self) -> Judged | None:
@@ -48,6 +50,12 @@ class Judgement:
     def rivals(self) -> tuple[Judged, ...]:
         """Causes that cannot be told from the best."""
         return tuple(c for c in self.causes[1:] if c.log_odds > self.causes[0].log_odds - REACH)
+
+    @property
+    def may_have_changed(self) -> str | None:
+        """The taxel, where the best cause cannot be told from a gain that is not the same in all sessions."""
+        taxel, log_odds = self.changed
+        return taxel if log_odds > self.causes[0].log_odds - REACH else None
 
 
 def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) -> Judgement:
@@ -69,7 +77,25 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     ]
     causes = _one_each(sorted(filter(_of_right_sign, every), key=lambda j: -j.log_odds))
     wrong = np.logaddexp.reduce([c.log_odds for c in causes])
-    return Judgement(replace(nothing, log_odds=0.0), tuple(causes), float(1.0 / (1.0 + np.exp(-min(wrong, 700.0)))))
+    sure = float(1.0 / (1.0 + np.exp(-min(wrong, 700.0))))
+    judgement = Judgement(replace(nothing, log_odds=0.0), tuple(causes), sure)
+    if not (judgement.named and layout.several_contacts):
+        return judgement
+    taxel, log = _changed(family, measured, mixture, suspects)
+    return replace(judgement, changed=(taxel, log - nothing.log_odds))
+
+
+def _changed(family: Family, measured: Gains, mixture: list[Background], suspects: list[int]) -> tuple[str, float]:
+    """The taxel whose gain was most probably another in one session, or from one session on, and log of prior times evidence."""
+    count, taxels = measured.value.shape
+    when = [*([s] for s in range(count)), *(list(range(s, count)) for s in range(1, count - 1))]
+
+    def weighed(taxel: int, sessions: list[int]) -> float:
+        loose = measured.loosened(taxel, sessions, GAIN)
+        return np.logaddexp.reduce([fitted(family, loose, b.scatter, {"width": b.width}).log_evidence + np.log(b.weight) for b in mixture])
+
+    log, taxel = max((weighed(i, sessions), i) for i in suspects for sessions in when)
+    return f"taxel_{taxel}", float(log + np.log(CHANGE / (taxels * len(when))))
 
 
 def _suspects(family: Family, measured: Gains, nothing: Fitted) -> list[int]:
