@@ -85,6 +85,7 @@ def draw(folder: Path, outcomes: dict[str, Outcome]) -> None:
     _before_and_after(axes[1, 1], outcomes["insole, 3 taxels"], "taxel_0", "insole taxel 34, held out", "counts")
     for ax in axes.flat:
         ax.grid(alpha=0.25)
+    folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / "measured.png", dpi=100)
 
 

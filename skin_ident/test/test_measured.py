@@ -78,3 +78,12 @@ def test_spikes_of_the_chamber_pressure_and_nothing_on_the_taxels(tmp_path):
         t, pressure, _ = insole_rows(name)
         spikes = t[np.abs(pressure - median_filter(pressure, 9)) > 0.03]  # a plain threshold sees them as well
         assert np.mean([np.min(np.abs(spikes - at)) < 0.1 for at in r.t[mask]]) > 0.8
+
+
+def test_what_the_pressure_of_the_second_insole_file_lacks_is_found(tmp_path):
+    insole(tmp_path)
+    files = ("experiment_Inf_15September_dynamic_1", "validation_dataset_3")
+    first, second = (only_taxels(load(tmp_path / f"{name}.csv"), ["34", "74", "36"])[0] for name in files)
+    counts = [r.taxels[:, r.force > 3.0].mean(axis=1) / r.force[r.force > 3.0].mean() for r in (first, second)]
+    assert np.all(counts[1] > 1.05 * counts[0])  # for the same pressure
+    assert ("gain_error", "load_cell") in said(diagnose([first], [second]).findings)

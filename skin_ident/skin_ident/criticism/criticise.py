@@ -33,7 +33,8 @@ WITHIN = 0.4  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
 FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted
-WANDERING = 3.0  # times what noise alone has made of such courses in training, the least that one in held-out sessions alone must explain
+WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
+PLAIN = 0.5  # if it leaves more than this of the error
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
@@ -251,12 +252,12 @@ class Search:
         had = {r.course for r in self.runs}
         runs = plainest_first(beside_the_rest(self.present.model, self.train, self.held, self.noise, self.encoder_step))
         run = next((r for r in runs if r.course not in had), None)
-        least = max(MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held), WANDERING * self.wandering)
-        if run is None or run.score < least:
+        if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held):
             return False
         gain = course_gain(run.course, self.present.model, self.present.model, self.train, self.held, self.noise)
         much = gain.after < ALONE * gain.before and gain.squares > FORM * max((n.gain.squares for n in self.named), default=0.0)
-        if not (much and believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
+        wanders = run.score < WANDERING * self.wandering and gain.after > PLAIN * gain.before
+        if not (much and not wanders and believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
             return False
         self.runs.append(run)
         self.held, self.alone = added(self.held, run.values), True
