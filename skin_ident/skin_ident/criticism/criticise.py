@@ -238,12 +238,13 @@ class Search:
         self.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
         after = fit(self.present.model, added(self.train, run.values), self.noise)
         gain = course_gain(run.course, self.present.model, after.model, self.train, self.held, self.noise)
-        rivals = tuple(Rival(*t.key, run.score - t.score) for t in trials if t.score > reach(run.score) and t.key[0] != run.course.cause)
+        score = max(run.score, self.present.cost - after.cost - run.charge)  # as that of a trial: with all else fitted again
+        rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         if not (believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
             self.wandering = max(self.wandering, run.score)
             return None
-        return run, Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said)
+        return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
 
     def _take_alone(self) -> bool:
         """Name one thing that is wrong in held-out sessions alone: an own course of theirs, where the blocks between support it."""
