@@ -32,8 +32,9 @@ def course_gain(course: Course, before: Model, after: Model, train: list[Session
     predicted = [_predicted(course, after, s, noise, free and free.of(i)) for i, s in enumerate(sessions)]
     if not held:
         return gain_of_residuals(plain, predicted, train, noise, "every other block of each session")
-    rests = [beside_uncertainty(e, model, train, held, noise) for e, model in ((plain, before), (predicted, after))]
-    return gain_of_residuals(*rests, held, noise, ", ".join(s.name for s in held))
+    if free:
+        plain, predicted = beside_uncertainty(plain, before, train, held, noise), free.beside(predicted, held, noise)
+    return gain_of_residuals(plain, predicted, held, noise, ", ".join(s.name for s in held))
 
 
 def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:

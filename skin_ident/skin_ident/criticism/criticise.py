@@ -170,7 +170,7 @@ class Search:
         plain = runs and runs[0].course.shape == CONSTANT  # a zero is but one number for each session
         first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
         same = trials and runs and trials[0].key == runs[0].course.key
-        own = self._own_course(runs, trials) if first or (same and self._refitted(runs[0]) > best) else None
+        own = self._own_course(runs, trials) if first or (same and self._refitted(runs[0])[1] > best) else None
         if first and not own and runs[0].course.carrier == DELAY:
             return self._choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
         shared = None if own or first else self._first_believed(trials, runs)
@@ -178,9 +178,10 @@ class Search:
             own = self._own_course(runs, trials)
         return own, shared
 
-    def _refitted(self, run: Run) -> float:
-        """The score of a course when the model is fitted again beside it, as that of a trial is."""
-        return self.present.cost - fit(self.present.model, added(self.train, run.values), self.noise).cost - run.charge
+    def _refitted(self, run: Run) -> tuple[Fit, float]:
+        """The model fitted again beside a course, and the score of the course with that, as a trial's is."""
+        after = fit(self.present.model, added(self.train, run.values), self.noise)
+        return after, self.present.cost - after.cost - run.charge
 
     def survey(self) -> Survey:
         """Every cause ranked against the present model; the last round's survey where the model has not changed since."""
@@ -236,9 +237,9 @@ class Search:
         """A finding from the first course of each session's own, where the blocks between support it."""
         run = runs[0]
         self.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
-        after = fit(self.present.model, added(self.train, run.values), self.noise)
+        after, score = self._refitted(run)
         gain = course_gain(run.course, self.present.model, after.model, self.train, self.held, self.noise)
-        score = max(run.score, self.present.cost - after.cost - run.charge)  # as that of a trial: with all else fitted again
+        score = max(run.score, score)
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         if not (believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):

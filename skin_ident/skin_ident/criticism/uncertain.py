@@ -51,6 +51,12 @@ class Open:
         rows = stack(self.own, held, noise)
         return np.concatenate([rows, np.pad(self.known, ((0, 0), (0, rows.shape[1] - self.known.shape[1])))])
 
+    def beside(self, e: list[np.ndarray], held: list[Session], noise: Whitener) -> list[np.ndarray]:
+        """Residuals (C, n) of the held-out sessions less what is open."""
+        A, r = self.rows(held, noise), stack(e, held, noise)
+        u = np.linalg.lstsq(A, np.concatenate([r, np.zeros(len(A) - len(r))]), rcond=None)[0]
+        return [x - np.tensordot(u, k, 1) for x, k in zip(e, self.own, strict=True)]
+
 
 def left_open(model: Model, train: list[Session], held: list[Session], noise: Whitener) -> Open | None:
     """None where all sessions press at one place: every one loads every taxel as the others do, and nothing to speak of is open."""
@@ -62,8 +68,4 @@ def beside_uncertainty(
 ) -> list[np.ndarray]:
     """Residuals (C, n) of the held-out sessions less what training leaves open."""
     free = left_open(model, train, held, noise)
-    if free is None:
-        return e
-    A, r = free.rows(held, noise), stack(e, held, noise)
-    u = np.linalg.lstsq(A, np.concatenate([r, np.zeros(len(A) - len(r))]), rcond=None)[0]
-    return [x - np.tensordot(u, k, 1) for x, k in zip(e, free.own, strict=True)]
+    return free.beside(e, held, noise) if free else e

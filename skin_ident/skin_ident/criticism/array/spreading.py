@@ -18,7 +18,7 @@ def with_spread(recordings: list, layout: Layout | str) -> list:
     feels."""
     if isinstance(layout, str) or not layout.several_contacts:
         return recordings
-    slopes = np.array([[_slope(r, y, np.ones(y.size, bool)) for y in r.taxels] for r in recordings])
+    slopes = np.array([np.linalg.lstsq(_beside_zero(r), r.taxels.T, rcond=None)[0][0] for r in recordings])
     return _spread(recordings, slopes, slopes.max())
 
 
@@ -29,7 +29,7 @@ def with_believed_spread(recordings: list, bad: list[np.ndarray]) -> list:
     masks = [b[-len(r.taxels) :] for r, b in zip(recordings, bad, strict=True)]
     if any(r.spread is None for r in recordings) or not any(m.any() for m in masks):
         return recordings
-    slopes = np.array([[_slope(r, y, ~b) for y, b in zip(r.taxels, m, strict=True)] for r, m in zip(recordings, masks, strict=True)])
+    slopes = np.array([_slopes(r, ~m) for r, m in zip(recordings, masks, strict=True)])
     unit = _unit(slopes, np.array([r.spread for r in recordings]), np.array([m.any(axis=1) for m in masks]))
     return _spread(recordings, slopes, unit) if unit > 0.0 else recordings
 
@@ -47,10 +47,16 @@ def _spread(recordings: list, slopes: np.ndarray, unit: float) -> list:
     return [replace(r, spread=row) for r, row in zip(recordings, np.maximum(slopes, 0.0) / unit, strict=True)]
 
 
-def _slope(recording, y: np.ndarray, kept: np.ndarray) -> float:
-    """Elastic slope of one taxel (N,) over the samples of a mask (N,), beside its zero."""
-    rows = np.column_stack([loads(recording), np.ones(y.size)])
-    return float(np.linalg.lstsq(rows[kept], y[kept], rcond=None)[0][0]) if kept.any() else 0.0
+def _beside_zero(recording) -> np.ndarray:
+    """What taxels answer to, and their zero, (N, 3) or (N, 2)."""
+    H = loads(recording)
+    return np.column_stack([H, np.ones(len(H))])
+
+
+def _slopes(recording, kept: np.ndarray) -> list[float]:
+    """Elastic slope of every taxel over its samples of a mask (T, N), beside its zero."""
+    H = _beside_zero(recording)
+    return [float(np.linalg.lstsq(H[k], y[k], rcond=None)[0][0]) if k.any() else 0.0 for y, k in zip(recording.taxels, kept, strict=True)]
 
 
 def _unit(slopes: np.ndarray, spread: np.ndarray, touched: np.ndarray) -> float:
