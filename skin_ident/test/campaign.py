@@ -2,8 +2,8 @@
 
 KIND is `null`, `single`, `pair` or `poor`. One line a case; at the end the rates with their counts, extra names, the held-out error over
 that of an oracle that knows the noise-free signal, and the time. A case is right when the hidden cause is named at its place; `admitted`
-when it is among the alternatives of a finding, or the name is one of the rivals that carry the same equations; `untestable` when nothing is
-named and the cause is listed as such.
+when it is among the alternatives of a finding, or the name is one of the rivals that carry the same equations; `untestable` when the cause
+is listed as such and nothing else is named than what is hidden.
 """
 
 import argparse
@@ -99,14 +99,19 @@ def run(case: Case, keep: Path | None = None) -> tuple[Judged, object]:
 def judge(outcome, truth, alike: list, seconds: float) -> Judged:
     """Hold the findings against the truth."""
     findings = outcome.findings
-    words = tuple(_word(h, findings, alike) for h in truth.hidden)
-    hidden = {c for h in truth.hidden for c in (h.cause, *h.rivals)}
+    words = tuple(_word(h, findings, alike, _meanings(truth.hidden)) for h in truth.hidden)
+    hidden = _meanings(truth.hidden)
     extra = tuple(f"{f['cause']}/{f['where']}" for f in findings["findings"] if not _meant(f, hidden))
     said = "; ".join(_line(f) for f in findings["findings"]) or findings["verdict"]
     return Judged(words, extra, _over_oracle(outcome, truth), seconds, said)
 
 
-def _word(hidden, findings, alike: list) -> str:
+def _meanings(hidden) -> set[str]:
+    """Everything that a finding may be called."""
+    return {c for h in hidden for c in (h.cause, *h.rivals)}
+
+
+def _word(hidden, findings, alike: list, meant: set[str]) -> str:
     here = [f for f in findings["findings"] if f["cause"] == hidden.cause]
     if any(_same_place(f["where"], hidden.where) for f in here):
         return "right"
@@ -119,9 +124,10 @@ def _word(hidden, findings, alike: list) -> str:
         return "admitted"
     if findings["findings"] and _passes_for(findings, alike):
         return "admitted"
-    if not findings["findings"] and any(u["cause"] == hidden.cause and _about(u, hidden) for u in findings["untestable"]):
+    strange = [f for f in findings["findings"] if not _meant(f, meant)]
+    if not strange and any(u["cause"] == hidden.cause and _about(u, hidden) for u in findings["untestable"]):
         return "untestable"
-    return "wrong" if findings["findings"] else "missed"
+    return "wrong" if strange else "missed"
 
 
 def _about(reason, hidden) -> bool:

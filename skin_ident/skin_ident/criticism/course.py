@@ -47,6 +47,7 @@ UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # of values, all othe
 MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
+LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
 KNOT_S = 20.0
 SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
 AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
@@ -239,12 +240,24 @@ def _linear_run(course: Course, g: _Ground) -> Run:
     if course.shape == STEPS and score > 0.0:
         moments = {s.name: _around(moments[s.name], z[s.name], s, g.first(course, s)) for s in g.sessions}
         z, score, charge = _solve(course, g, moments, exactly=True)
+        lasting = {name: _lasting(m, z[name]) for name, m in moments.items()}
+        if any(lasting[name].size < np.count_nonzero(row) for name, row in z.items()):
+            moments = lasting
+            z, score, charge = _solve(course, g, moments, exactly=True)
         moments = {name: m[z[name] != 0.0] for name, m in moments.items()}
         z = {name: row[row != 0.0] for name, row in z.items()}
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
     return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt)
+
+
+def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """The moments of steps that last; the first of all where none does. A step that is undone soon after is an accident, or noise."""
+    used, z = moments[z != 0.0], z[z != 0.0]
+    undone = (np.diff(used) < LASTING_S) & (np.abs(z[1:] + z[:-1]) < UNDONE * np.maximum(np.abs(z[1:]), np.abs(z[:-1])))
+    last = used[~(np.append(undone, False) | np.insert(undone, 0, False))] if used.size else used
+    return last if last.size else moments[:1]
 
 
 def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:

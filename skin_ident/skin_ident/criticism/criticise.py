@@ -35,6 +35,7 @@ ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in
 FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted
 WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
 PLAIN = 0.5  # if it leaves more than this of the error
+EXTRAORDINARY = 3.0  # times its amplitude in training sessions, which one in held-out sessions alone must have
 SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
@@ -78,15 +79,14 @@ def criticise(
     mass: float = 0.0,
     more: tuple[Direction, ...] = (),
     encoder_step: float = 0.0,
-    weighable: bool = False,
 ) -> Criticism:
-    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg, and
-    `weighable` whether it is only assumed; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m.
+    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg, as far
+    as is known; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m.
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
-    search = Search(train, held, (*directions(train[0]), *more), progress, encoder_step, weighable and given is None)
+    search = Search(train, held, (*directions(train[0]), *more), progress, encoder_step, given is None)
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
@@ -111,7 +111,7 @@ class Search:
     which: tuple[Direction, ...]
     progress: Progress
     encoder_step: float = 0.0
-    weighable: bool = False  # whether the mass of the skin is only assumed
+    weighable: bool = False  # whether the mass may be another than was assumed or declared
 
     def __post_init__(self) -> None:
         self.named: list[Named] = []
@@ -224,7 +224,8 @@ class Search:
             gain = self._gain(self.present.model, trial.fit.model, trial.key[1])
             rivals = [t for t in trials if t is not trial and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
-            alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)}) + same_by_nature(trial, rivals)
+            alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
+            alternatives += same_by_nature(trial, trials, {a.key for a in alternatives}, self.train)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > MATERIAL * trial.fit.count and sized(trial)  # what it was fitted to must gain by it, too
             seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
@@ -260,6 +261,8 @@ class Search:
         much = gain.after < ALONE * gain.before and gain.squares > FORM * max((n.gain.squares for n in self.named), default=0.0)
         wanders = run.score < WANDERING * self.wandering and gain.after > PLAIN * gain.before
         if not (much and not wanders and believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
+            return False
+        if run.largest < EXTRAORDINARY * fitted(run.course, self.present.model, self.train, self.noise).largest:
             return False
         self.runs.append(run)
         self.held, self.alone = added(self.held, run.values), True

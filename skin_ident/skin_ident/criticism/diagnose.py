@@ -115,11 +115,11 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
         every[0] = every[0].warned(*warnings) if warnings else every[0]
     train, held = _split(looked.sessions, training)
     step = _encoder_step(every)
-    mass, assumed = skin_mass(every[0]), not every[0].declared.moving_mass_kg
-    c = criticise(train, held, model, progress, mass, array_directions(layout, train[0]), step, assumed)
+    mass = skin_mass(every[0])
+    c = criticise(train, held, model, progress, mass, array_directions(layout, train[0]), step)
     if c.train[0].free_mass:
         looked = looked.weighed()
-        every[0] = every[0].warned(said_of(c.extended.model.dispersion.m, mass))
+        every[0] = every[0].warned(said_of(c.extended.model.dispersion.m, mass, bool(every[0].declared.moving_mass_kg)))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))

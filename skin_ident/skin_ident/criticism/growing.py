@@ -12,6 +12,7 @@ from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener
 from skin_models.catalogue import effects
 from skin_models.effect import Effect
+from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
@@ -22,6 +23,7 @@ IN_TURN = 3  # times that shares are settled and the rest fitted
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
 SURE = 2.0  # standard errors that a further instance must have for its size
 FINER = 0.002  # nor, which is the same name with one number more, a finer form of it
+AT_ONCE = 0.05  # s, what passes the common band as damping does
 
 
 def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> Fit:
@@ -32,7 +34,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         trial, sessions = _settled(_with_instance(present, ranked, sessions, noise), sessions, noise)
         gained = present.cost - trial.cost
         first = first or gained
-        if gained < max(10.0, WORTH * first) or not (present is start or determined(trial)):
+        if gained < max(10.0, WORTH * first) or not (present is start or (determined(trial) and not filters(trial.model))):
             break
         present = _refined(trial, gained, sessions, noise)
         own = tuple(d for d in own if _adds(d, present.model))
@@ -73,6 +75,12 @@ def determined(trial: Fit) -> bool:
     last = trial.model.effects[-1]
     sizes = [p for p in parameters_of(last) if p.role == AMPLITUDE]
     return any(abs(p.value) > SURE * trial.std.get(f"{last.cause}.{last.where}.{p.name}", 0.0) for p in sizes)
+
+
+def filters(model: Model) -> bool:
+    """Whether the skin would be a filter: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor."""
+    arms = (e for e in model.effects if isinstance(e, StressRelaxation) and e.where == "skin")
+    return any(a.tau < AT_ONCE and 2.0 * (a.k_sensed + a.k_dispersed) > model.dispersion.k1 + model.dispersion.k2 for a in arms)
 
 
 def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:

@@ -9,6 +9,7 @@ from skin_ident.criticism.criticise import Criticism, Named
 from skin_ident.criticism.faults import PREDICTS, UNLIKE, effect_of
 from skin_ident.criticism.floor import beyond_noise, floor_of_all, left_beside, noise_floor
 from skin_ident.criticism.judging import Judged
+from skin_ident.criticism.residual import stiffness
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.unknowns import unknowns, values
 from skin_models.model import Model
@@ -41,7 +42,7 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
     warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above, left), *_never_loaded(certain, left)]
-    excluded = [_as_read(e, encoder_step) for e in findings["excluded"]]
+    excluded = [_as_read(e, encoder_step, c.extended.model) for e in findings["excluded"]]
     told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "excluded": excluded, "warnings": warnings}
     return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
 
@@ -65,9 +66,15 @@ def _more_than_noise(above: dict[str, float], left: dict[str, float]) -> list[st
     ]
 
 
-def _as_read(bound: dict[str, Any], encoder_step: float) -> dict[str, Any]:
-    """An entry of what is excluded; no length of the rig below the encoder's step is named, and so none is ruled out."""
-    return {**bound, "below": max(bound["below"], encoder_step)} if bound["unit"] == "m" and bound.get("where") == "rig" else bound
+def _as_read(bound: dict[str, Any], encoder_step: float, model: Model) -> dict[str, Any]:
+    """An entry of what is excluded. No length of the rig below the encoder's step is named, and so none is ruled out; nor is a force that
+    skin under load swallows as if the surface were half a step further."""
+    if bound["unit"] == "m" and bound.get("where") == "rig":
+        return {**bound, "below": max(bound["below"], encoder_step)}
+    if bound["cause"] == "dead_zone" and bound["unit"] == "N":
+        channels = {"skin": ["force"], "taxel": [f"taxel_{i}" for i in range(len(model.shares))]}.get(bound["where"], [bound["where"]])
+        return {**bound, "below": max(bound["below"], 0.5 * encoder_step * max(stiffness(model, c) for c in channels))}
+    return bound
 
 
 def _never_loaded(certain: dict[str, float], left: dict[str, float]) -> list[str]:

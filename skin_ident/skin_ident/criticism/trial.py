@@ -5,17 +5,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.criticism.fitting import Fit
-from skin_ident.criticism.growing import determined, instances
+from skin_ident.criticism.growing import determined, filters, instances
+from skin_ident.criticism.one_rate import at_one_rate
 from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.rivals import Rival, reach
 from skin_ident.criticism.session import Session
+from skin_models.effects.mount_compliance import JointedMount
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
-AT_ONCE = 0.05  # s, what passes the common band as damping does
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
+HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
+MEMORY = ((HYSTERESIS, RELAXATION), (RELAXATION, HYSTERESIS))
 OFFSET, SWALLOWED = ("position_offset", "rig"), ("dead_zone", "skin")
+STIFFER = (("nonlinear_stiffness", "skin"), ("rate_dependence", "skin"))
 
 
 @dataclass(frozen=True)
@@ -34,15 +38,13 @@ class Trial:
 
 def plausible(t: Trial, session: Session) -> bool:
     """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell, but for what the
-    skin hands round the taxels. Whether the skin is no filter: an arm of half its own stiffness or more that relaxes at once is the lag of
-    a sensor. Whether what leaks from one taxel into another is of one sign with it. And whether a spread grows with depth or shrinks, not
-    both."""
+    skin hands round the taxels. Whether the skin is no filter. Whether what leaks from one taxel into another is of one sign with it. And
+    whether a spread grows with depth or shrinks, not both."""
     if t.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(t.fit.model, *t.key)):
         return False
     if len({np.sign(getattr(e, "growth", 0.0)) for e in instances(t.fit.model, "spread_depth", "skin")}) > 1:
         return False
-    skin, arms = t.fit.model.dispersion, instances(t.fit.model, "stress_relaxation", "skin")
-    if any(getattr(a, "tau", np.inf) < AT_ONCE and 2.0 * (a.k_sensed + a.k_dispersed) > skin.k1 + skin.k2 for a in arms):
+    if filters(t.fit.model):
         return False
     channels = session.channels
     if t.ranked.where != "skin" or t.ranked.cause.startswith(("spread", "dead_zone")) or "force" not in channels or len(channels) == 1:
@@ -59,14 +61,17 @@ def sized(t: Trial) -> bool:
     return several or t.fit.model.effects[-1] not in mine or determined(t.fit)
 
 
-def same_by_nature(trial: Trial, rivals: list[Trial]) -> tuple[Rival, ...]:
-    """Names at other places that are the same signal: a force below a threshold is swallowed by skin or taxels, and in contact a plunger
-    that has F / k less to go presses as if the skin swallowed F."""
-    said = {t.key for t in rivals}
-    others = [other for one, other in SAME if one == trial.key]
+def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]], sessions: list[Session]) -> tuple[Rival, ...]:
+    """Names, not `said` yet, that are the same signal: a force below a threshold is swallowed by skin or taxels; in contact a plunger that
+    has F / k less to go presses as if the skin swallowed F; a tip at g(x), as behind a joint, makes of a linear skin one whose spring
+    stiffens as g and whose damping grows as g' with depth; and at one speed memory of time is memory of the path."""
+    others = [other for one, other in (SAME + MEMORY if at_one_rate(sessions) else SAME) if one == trial.key]
     if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
         others.append(SWALLOWED)
-    return tuple(Rival(*other, 0.0) for other in others if other not in said)
+    if any(isinstance(e, JointedMount) for e in instances(trial.fit.model, *trial.key)):
+        others += STIFFER
+    tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
+    return tuple(tried.get(other) or Rival(*other, 0.0) for other in others if other not in said)
 
 
 def all_alike(trials: list[Trial]) -> list[Trial]:

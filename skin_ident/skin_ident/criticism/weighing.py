@@ -2,8 +2,9 @@
 
 A mass m under the plunger takes m g from the force while they touch, and nothing in the air. The skin's own weighs next to nothing (0.4 g,
 thesis 4.3.1), so it is set; but fits with a free mass, as those of Tables 4-1 to 4-4, find some 0.2 kg, which is 2 N. A record of such a
-model, or of a plunger that really leans on the skin, would be told as three faults of sensors. So when something is wrong the mass is
-tried beside all causes, and where it accounts for the record better than any of them it belongs to the baseline.
+model, or of a plunger that really leans on the skin, would be told as three faults of sensors; a declared mass that hangs on a load cell
+tared with it, as well. So when something is wrong the mass is tried beside all causes, and where it accounts for the record better than any
+of them it belongs to the baseline.
 """
 
 from dataclasses import replace
@@ -30,10 +31,18 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener, best: floa
     return free if best < reach(present.cost - free.cost - float(np.log(free.count))) else None
 
 
-def said_of(mass: float, assumed: float) -> str:
-    """The warning that the mass was fitted."""
+def said_of(mass: float, before: float, declared: bool) -> str:
+    """The warning that the mass was fitted, where it had been set to that of the skin, or as `declared`."""
+    force = abs(mass - before) * GRAVITY
+    if declared and mass < before:
+        return (
+            f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) the record cannot be explained, since "
+            f"its weight would take {force:.3g} N from the load cell while the plunger touches. If it hangs on the load cell and is tared "
+            "away, leave moving_mass_kg out of rig.yaml: it means what leans on the skin"
+        )
+    of = "the declared one" if declared else "that of the skin"
     return (
-        f"the model's mass was fitted, {mass:.3g} kg: with that of the skin ({1e3 * assumed:.2g} g) the record cannot be explained. It "
-        f"stands for a force of {mass * GRAVITY:.3g} N that is missing while the plunger touches; weigh what moves with the skin "
+        f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.2g} g) the record cannot be explained. It "
+        f"stands for a force of {force:.3g} N that is missing while the plunger touches; weigh what moves with the skin "
         "(moving_mass_kg in rig.yaml), or look for what else takes that force"
     )

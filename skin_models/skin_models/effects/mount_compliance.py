@@ -7,7 +7,10 @@
 
 What bends the mount is a linear skin of stiffness K and damping B, which are parameters because an effect sees motion, not force. Of the
 static part only the product C K matters, and from x and F alone it equals a softer skin; the damped part can be seen: the tip follows late
-by T while it presses. A mount under both is a static one behind a damped one, of T / (1 + C K).
+by T while it presses. A mount under both is a static one behind a damped one, of T / (1 + C K). One that has damping B' of its own follows in
+part at once, and in part late by the T in which skin and mount together come to rest:
+
+    yielding  tip depth = x + L / T (z - x), T z' + z = x, in contact    T = (B + B') C / (1 + C K), late by L for slow motion, 0 <= L <= T
 
 A joint, bolted or clamped, gives at first and closes up: rough faces are pressed together by a force that grows exponentially as they near
 each other, so that the joint gives by L ln(1 + F / F1). Under a linear skin that is X deep where F is F1,
@@ -101,3 +104,35 @@ class DampedMount(Dynamic):
 
     def _tip(self, tip, y):
         return np.where(y > 0.0, tip, y)[()] if self.late else y
+
+
+@dataclass(frozen=True)
+class YieldingMount(Dynamic):
+    """The same of a mount that has damping of its own. From x, F and one taxel it equals skin with a fast relaxing arm."""
+
+    cause: ClassVar[str] = "mount_compliance"
+    form: ClassVar[str] = "yielding"
+    places: ClassVar = {"rig": Place.DEPTH}
+    source: ClassVar[str] = "Oliver and Pharr 1992"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = DampedMount
+
+    late: float = quantity("s", 0.0, lower=0.0, upper=1.0, typical=0.01, doc="L, by which the tip is late in slow motion; at most T")
+    settling: float = quantity("s", 0.05, lower=1e-3, upper=0.2, role=SHAPE, typical=0.05, doc="T, in which skin and mount come to rest")
+
+    def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is the last z and the last depth below the surface, m."""
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """z[n] = e z[n-1] + (g - e) x[n-1] + (1 - g) x[n] with x not below 0; e and g as in `lag`, for T."""
+        state, z = lagged_step(state, np.maximum(y, 0.0), self.settling, dt)
+        return state, self._tip(z, y)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same recursion as a filter, at rest at x[0]."""
+        return self._tip(lagged(np.maximum(y, 0.0), self.settling, s.dt), y)
+
+    def _tip(self, z, y):
+        share = min(self.late / self.settling, 1.0)
+        return np.where(y > 0.0, y + share * (z - y), y)[()] if self.late else y

@@ -17,7 +17,7 @@ from skin_ident.criticism.array.layout import MEASURED_AT, Layout
 SCATTER = ((0.002, 0.9), (0.01, 0.05), (0.03, 0.05))
 EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is known, and of one that is only expected
 # What a cause is like: prior standard deviations, the shift in m, the others relative.
-SHIFT, GAIN, LEAK, COMMON = 1e-3, 0.15, 0.03, 0.03
+SHIFT, GAIN, LEAK, COMMON = 1e-3, 0.15, 0.05, 0.1
 REPEAT, WIDTH, POWER, RATIO = 0.06, 0.2, 0.5, 0.2
 TAIL, FALL = 0.2, 0.3
 CHANGE = 0.1  # prior probability that some taxel's gain is not the same in all sessions

@@ -12,7 +12,8 @@ from skin_ident.criticism.array.hypotheses import CHANGE, GAIN, Background, Hypo
 from skin_ident.criticism.array.layout import Layout
 
 SURE = 0.95  # probability that something is wrong, from which it is said so
-REACH = 3.0  # log odds within which a rival cannot be told from the best
+REACH = 3.0  # log odds within which a rival cannot be told from the best,
+AT_ONE_PLACE = 10.0  # and where all sessions press at one place: then causes differ by the very shape of spread and leak alone
 MOST_SUSPECTS = 6
 MOST_REPEATS = 4
 
@@ -34,12 +35,13 @@ class Judged:
 @dataclass(frozen=True, eq=False)
 class Judgement:
     """Nothing wrong, and every cause, the most probable first; `sure` is the probability that something is wrong; `changed` is the taxel
-    whose gain has most probably changed between sessions, with the log odds of that."""
+    whose gain has most probably changed between sessions, with the log odds of that; `reach` is how much less a rival's may be."""
 
     nothing: Judged
     causes: tuple[Judged, ...]
     sure: float
     changed: tuple[str, float] = ("", -np.inf)
+    reach: float = REACH
 
     @property
     def named(self) -> Judged | None:
@@ -49,13 +51,13 @@ class Judgement:
     @property
     def rivals(self) -> tuple[Judged, ...]:
         """Causes that cannot be told from the best."""
-        return tuple(c for c in self.causes[1:] if c.log_odds > self.causes[0].log_odds - REACH)
+        return tuple(c for c in self.causes[1:] if c.log_odds > self.causes[0].log_odds - self.reach)
 
     @property
     def may_have_changed(self) -> str | None:
         """The taxel, where the best cause cannot be told from a gain that is not the same in all sessions."""
         taxel, log_odds = self.changed
-        return taxel if log_odds > self.causes[0].log_odds - REACH else None
+        return taxel if log_odds > self.causes[0].log_odds - self.reach else None
 
 
 def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) -> Judgement:
@@ -78,7 +80,8 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     causes = _one_each(sorted(filter(_of_right_sign, every), key=lambda j: -j.log_odds))
     wrong = np.logaddexp.reduce([c.log_odds for c in causes])
     sure = float(1.0 / (1.0 + np.exp(-min(wrong, 700.0))))
-    judgement = Judgement(replace(nothing, log_odds=0.0), tuple(causes), sure)
+    reach = REACH if layout.several_contacts else AT_ONE_PLACE
+    judgement = Judgement(replace(nothing, log_odds=0.0), tuple(causes), sure, reach=reach)
     if not (judgement.named and layout.several_contacts):
         return judgement
     taxel, log = _changed(family, measured, mixture, suspects)

@@ -1,115 +1,91 @@
 """Copies: blocks that repeat digit for digit, sessions that are one and the same, columns that hold the same numbers.
 
-Noise does not repeat. A window of many changing samples that occurs twice in the measured channels was copied, whatever the clock or the
-encoder says beside it; so was a channel that equals another one all the time. Where a converter is coarse beside the noise, the same motion
-gives the same numbers for a while by itself: how often short windows recur in these very recordings tells how long chance can last.
+Noise does not repeat. A window of many changing samples that occurs twice in the measured channels, or in one of them, was copied, whatever
+the clock or the encoder says beside it (see `repeats`); so was a channel that equals another one all the time.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.telemetry.repeats import Repeat, repeats_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
-WINDOW = 32  # samples
-LIVELY = 12  # different rows that a window must hold, so that a quiet hold is not taken for a copy
-SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
-CHANCE = 0.01  # recurrences of the length found that chance may bring at most
 VALUES = 12  # different values that a column must hold
 EQUAL = 0.98  # of its samples
+ELSEWHERE = 0.05  # of its range, by which the depth must differ from that of a stretch which one channel repeats
 COLUMN = "copied column"
 
 
 def find_copies(recordings: list) -> list[Symptom]:
-    """The first block that occurs twice, within a session or in two sessions, and columns that repeat another."""
-    return [*_blocks(recordings), *_columns(recordings)]
+    """Blocks that occur twice, within a session or in two, in all channels or in one; and columns that repeat another."""
+    together = _blocks(recordings)
+    known = {r.name: np.zeros(len(r), bool) for r in recordings}
+    for symptom in together:
+        for (name, _), mask in symptom.bad.items():
+            known[name] |= mask
+    whole = any(s.evidence["kind"] == "copied session" for s in together)
+    alone = [] if whole or len(recordings[0].channels) < 2 else _channel_blocks(recordings, known)
+    return [*together, *alone, *_columns(recordings)]
 
 
 def _blocks(recordings: list) -> list[Symptom]:
-    """The longest stretch that has been there before, unless chance may have brought it."""
-    rows = [np.ascontiguousarray(np.array(list(r.channels.values())).T) for r in recordings]
-    repeats = list(_repeats(rows))
-    again = max(repeats, key=lambda r: r.length, default=None)
-    return [_copy(recordings, again)] if again and _by_chance(rows, repeats, again.length) < CHANCE else []
+    """The stretches that have been there before in all channels."""
+    again = repeats_of([np.array(list(r.channels.values())).T for r in recordings])
+    return [_copy(recordings, again, tuple(recordings[again[0].at].channels))] if again else []
 
 
-@dataclass(frozen=True)
-class Repeat:
-    """`length` samples from `start` of recording `at` on that were there before: from `origin` of recording `source` on."""
-
-    at: int
-    start: int
-    source: int
-    origin: int
-    length: int
+def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[Symptom]:
+    """The same in one channel alone, beside what is `known` to repeat in all."""
+    for channel in recordings[0].channels:
+        again = repeats_of([r.channels[channel][~known[r.name]][:, None] for r in recordings])
+        again = [r for r in _within(recordings, again, known) if _moved_otherwise(recordings, r, channel)]
+        if again:
+            yield _copy(recordings, again, (channel,))
 
 
-def _repeats(rows: list[np.ndarray]) -> Iterator[Repeat]:
-    seen: dict[bytes, tuple[int, int]] = {}
-    for k, row in enumerate(rows):
-        new: dict[bytes, tuple[int, int]] = {}
-        told = 0
-        for start in range(len(row) - WINDOW):
-            key = row[start : start + WINDOW].tobytes()
-            first = seen.get(key) or new.setdefault(key, (k, start))
-            apart = first[0] != k or start - first[1] >= WINDOW
-            if apart and start >= told and _lively(row[start : start + WINDOW]):
-                length = _common(rows[first[0]][first[1] :], row[start:])
-                told = start + length
-                yield Repeat(k, start, *first, length)
-        seen |= new
+def _within(recordings: list, again: list[Repeat], known: dict[str, np.ndarray]) -> list[Repeat]:
+    """Repeats found among samples that are not `known`, by the samples of the recordings."""
+    kept = [np.flatnonzero(~known[r.name]) for r in recordings]
+    return [replace(r, start=int(kept[r.at][r.start]), origin=int(kept[r.source][r.origin])) for r in again]
 
 
-def _lively(rows: np.ndarray) -> bool:
-    return np.unique(rows, axis=0).shape[0] >= LIVELY * len(rows) // WINDOW
+def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
+    """Whether the depth, or another channel, did not repeat: a converter coarse beside the noise reads the same of the same motion."""
+    at, source = recordings[again.at], recordings[again.source]
+    others = [c for c in at.channels if c != channel]
+    pairs = [(at.depth, source.depth)] if at.depth is not None else [(at.channels[c], source.channels[c]) for c in others]
+    here, there = (slice(start, start + again.length) for start in (again.start, again.origin))
+    return any(np.ptp(one[here] - other[there]) + abs(np.mean(one[here] - other[there])) > ELSEWHERE * np.ptp(one) for one, other in pairs)
 
 
-def _by_chance(rows: list[np.ndarray], repeats: list[Repeat], length: int) -> float:
-    """How many windows of `length` would recur by themselves: what recurs of short windows elsewhere, carried on geometrically."""
-    kept = [np.ones(len(row), bool) for row in rows]
-    for r in repeats:
-        kept[r.at][r.start : r.start + r.length] = False
-    many, few = (_recurring([row[k] for row, k in zip(rows, kept, strict=True)], n) for n in SHORT)
-    if few < 1:
-        return 0.0
-    return few * (few / max(many, few)) ** ((length - SHORT[1]) / (SHORT[1] - SHORT[0]))
-
-
-def _recurring(rows: list[np.ndarray], size: int) -> int:
-    """Lively windows of `size` samples that have been there before."""
-    seen, count = set(), 0
-    for r in rows:
-        for start in range(len(r) - size):
-            key = r[start : start + size].tobytes()
-            count += key in seen and _lively(r[start : start + size])
-            seen.add(key)
-    return count
-
-
-def _common(a: np.ndarray, b: np.ndarray) -> int:
-    """How many samples of two stretches are the same from their beginning on."""
-    n = min(len(a), len(b))
-    differs = np.any(a[:n] != b[:n], axis=1)
-    return int(np.argmax(differs)) if differs.any() else n
-
-
-def _copy(recordings: list, again: Repeat) -> Symptom:
-    r, source = recordings[again.at], recordings[again.source]
-    start, length = again.start, again.length
-    whole = length >= 0.9 * len(r)
+def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> Symptom:
+    """One symptom for all stretches, in words of the longest."""
+    first = again[0]
+    r, source = recordings[first.at], recordings[first.source]
+    whole = first.length >= 0.9 * len(r)
+    alone = f" in {channels[0]} alone" if len(channels) < len(r.channels) else ""
     if whole:
-        why = f"{r.name} is a copy of {source.name}: {length} of its {len(r)} samples are the same digit for digit"
+        why = f"{r.name} is a copy of {source.name}{alone}: {first.length} of its {len(r)} samples are the same digit for digit"
     else:
-        since = f"{length} samples of {r.name} from {start * r.dt:.2f} s on"
-        why = f"{since} repeat {source.name} from {again.origin * source.dt:.2f} s on, digit for digit"
-    parameters = {"from": quantity(start * r.dt, "s"), "length": quantity(length * r.dt, "s")}
-    channels = tuple(r.channels)
-    mask = np.zeros(len(r), bool)
-    mask[start : start + length] = not whole
-    bad = {} if whole else {(r.name, c): mask for c in channels}
+        since = f"{first.length} samples of {r.name} from {first.start * r.dt:.2f} s on"
+        why = f"{since} repeat {source.name} from {first.origin * source.dt:.2f} s on, digit for digit{alone}"
+        why += f"; so do {len(again) - 1} more" if len(again) > 2 else "; so does another stretch" if len(again) == 2 else ""
+    parameters = {"from": quantity(first.start * r.dt, "s"), "length": quantity(first.length * r.dt, "s")}
+    bad = {} if whole else {(r.name, c): _mask(r, k, again) for k, r in enumerate(recordings) for c in channels}
     evidence = {"why": why, "kind": "copied session" if whole else "repeated block", "session": r.name}
-    return Symptom("data_error", "load_cell" if "force" in channels else "taxel", channels, parameters, evidence, bad)
+    where = place_of(channels[0], len(r.taxels))
+    return Symptom("data_error", where, channels, parameters, evidence, {key: mask for key, mask in bad.items() if mask.any()})
+
+
+def _mask(recording, k: int, again: list[Repeat]) -> np.ndarray:
+    """The samples (N,) of recording `k` that were there before."""
+    mask = np.zeros(len(recording), bool)
+    for r in again:
+        if r.at == k:
+            mask[r.start : r.start + r.length] = True
+    return mask
 
 
 def _columns(recordings: list) -> list[Symptom]:

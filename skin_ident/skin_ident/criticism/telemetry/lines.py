@@ -2,7 +2,8 @@
 
 Each residual's periodogram is divided by its own smooth background (a running median); a line stands where the mean over sessions of the
 normalised power is beyond what exponential statistics allow (R. A. Fisher, Tests of significance in harmonic analysis, 1929). It is named
-where it goes on while the plunger rests, or where nothing in the motion accounts for it (see `motion_lines`).
+where it goes on while the plunger rests, or where nothing in the motion accounts for it (see `motion_lines`). A hump is no line, unless it
+is very tall and goes on at rest: a tone whose amplitude and phase wander looks like that.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from scipy.signal import zoom_fft
 from scipy.stats import gamma
 
 from skin_ident.criticism.telemetry.bursts import COMING, coming, envelope
-from skin_ident.criticism.telemetry.motion_lines import carried, goes_on_at_rest, over_background
+from skin_ident.criticism.telemetry.motion_lines import LONE, carried, goes_on_at_rest, over_background
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 CHANCE = 1e-4  # of one false line per channel
@@ -70,8 +71,8 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
         i += int(np.argmax(width[i : i + DRIFT]))
         line = _line(rows, frequency[i], tall, dt)
         alone = np.median(width[max(i - AROUND, 0) : i + AROUND + 1]) < LONELY * tall
-        if _narrow(each, i) or _in_bursts(rows, line.frequency, dt):
-            at_rest = goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
+        at_rest = goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
+        if (at_rest and tall > LONE) or _narrow(each, i) or _in_bursts(rows, line.frequency, dt):
             if at_rest or (alone and not doubtful and not carried(predicted, line.frequency, line.amplitude, tall, dt)):
                 lines.append(line)
             else:

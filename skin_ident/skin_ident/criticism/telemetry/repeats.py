@@ -1,0 +1,102 @@
+"""Stretches of a record that were there before, digit for digit, and how long they must be not to be chance.
+
+Noise does not repeat. But where a converter is coarse beside the noise, the same motion gives the same numbers for a while by itself: how
+often short windows recur in these very recordings tells how long chance can last.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+WINDOW = 32  # samples
+LIVELY = 12  # different readings that a window must hold, so that a quiet hold is not taken for a copy
+SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
+CHANCE = 0.01  # recurrences of the length found that chance may bring at most
+MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)  # odd, of the windows' polynomial hash
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """`length` samples from `start` of recording `at` on that were there before: from `origin` of recording `source` on."""
+
+    at: int
+    start: int
+    source: int
+    origin: int
+    length: int
+
+
+def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
+    """What no chance repeats in readings (N, C) of each recording, the longest first."""
+    codes = _codes(rows)
+    every = sorted(_repeats(codes), key=lambda r: -r.length)
+    if not every:
+        return []
+    expected = _by_chance(codes, every)
+    return [r for r in every if expected(r.length) < CHANCE]
+
+
+def _codes(rows: list[np.ndarray]) -> list[np.ndarray]:
+    """A number for every different reading."""
+    every = np.concatenate(rows)
+    codes = np.unique(every, axis=0, return_inverse=True)[1].ravel().astype(np.uint64)
+    return np.split(codes, np.cumsum([len(row) for row in rows])[:-1])
+
+
+def _repeats(codes: list[np.ndarray]) -> Iterator[Repeat]:
+    """The first window of every stretch that equals an earlier one elsewhere, and how far they go on together."""
+    at, start, first = _recurring(codes, WINDOW)
+    source, origin = at[first], start[first]
+    apart = (source != at) | (start - origin >= WINDOW)
+    told = dict.fromkeys(range(len(codes)), 0)
+    for i in np.flatnonzero(apart & (first != np.arange(at.size))):
+        k, s = int(at[i]), int(start[i])
+        if s >= told[k]:
+            j, o = int(source[i]), int(origin[i])
+            length = _common(codes[j][o:], codes[k][s:])
+            if length >= WINDOW:
+                before = _common(codes[j][:o][::-1], codes[k][told[k] : s][::-1])
+                told[k] = s + length
+                yield Repeat(k, s - before, j, o - before, length + before)
+
+
+def _recurring(codes: list[np.ndarray], size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Recording and start of every lively window of `size` samples, and which of them is the first that equals it."""
+    powers = np.cumprod(np.full(size, MULTIPLIER))
+    at, start, hashes = [], [], []
+    for k, row in enumerate(codes):
+        if row.size <= size:
+            continue
+        windows = sliding_window_view(row, size)
+        lively = np.flatnonzero(_different(windows) >= LIVELY * size // WINDOW)
+        at.append(np.full(lively.size, k))
+        start.append(lively)
+        hashes.append((windows[lively] * powers).sum(axis=1, dtype=np.uint64))
+    if not at:
+        return np.zeros(0, int), np.zeros(0, int), np.zeros(0, int)
+    _, first, which = np.unique(np.concatenate(hashes), return_index=True, return_inverse=True)
+    return np.concatenate(at), np.concatenate(start), first[which.ravel()]
+
+
+def _different(windows: np.ndarray) -> np.ndarray:
+    """How many different readings every window (…, n) holds."""
+    return 1 + np.count_nonzero(np.diff(np.sort(windows, axis=-1), axis=-1), axis=-1)
+
+
+def _by_chance(codes: list[np.ndarray], repeats: list[Repeat]):
+    """How many windows of a length would recur by themselves: what recurs of short windows elsewhere, carried on geometrically."""
+    kept = [np.ones(row.size, bool) for row in codes]
+    for r in repeats:
+        kept[r.at][r.start : r.start + r.length] = False
+    rest = [row[k] for row, k in zip(codes, kept, strict=True)]
+    many, few = (int(np.count_nonzero(first != np.arange(first.size))) for *_, first in (_recurring(rest, n) for n in SHORT))
+    return lambda length: few * (few / max(many, few, 1)) ** ((length - SHORT[1]) / (SHORT[1] - SHORT[0]))
+
+
+def _common(a: np.ndarray, b: np.ndarray) -> int:
+    """How many samples of two stretches are the same from their beginning on."""
+    n = min(a.size, b.size)
+    differs = a[:n] != b[:n]
+    return int(np.argmax(differs)) if differs.any() else n
