@@ -7,8 +7,8 @@
 
 What bends the mount is a linear skin of stiffness K and damping B, which are parameters because an effect sees motion, not force. Of the
 static part only the product C K matters, and from x and F alone it equals a softer skin; the damped part can be seen: the tip follows late
-by T while it presses. A mount under both is a static one behind a damped one, of T / (1 + C K). One that has damping B' of its own follows in
-part at once, and in part late by the T in which skin and mount together come to rest:
+by T while it presses. A mount under both is a static one behind a damped one, of T / (1 + C K). One that has damping B' of its own follows
+in part at once, and in part late by the T in which skin and mount together come to rest:
 
     yielding  tip depth = x + L / T (z - x), T z' + z = x, in contact    T = (B + B') C / (1 + C K), late by L for slow motion, 0 <= L <= T
 
