@@ -3,7 +3,8 @@
 KIND is `null`, `single`, `pair` or `poor`. One line a case; at the end the rates with their counts, extra names, the held-out error over
 that of an oracle that knows the noise-free signal, and the time. A case is right when the hidden cause is named at its place; `admitted`
 when it is among the alternatives of a finding, or the name is one of the rivals that carry the same equations; `untestable` when the cause
-is listed as such and nothing else is named than what is hidden.
+is listed as such and nothing else is named than what is hidden; `too small` when it is not found and the world could not make it nearly as
+large as was asked.
 """
 
 import argparse
@@ -33,6 +34,7 @@ from skin_models.signals import motion
 
 NOT_EFFECTS = ("noise", "data_error", "parameters", "unknown")
 HELD = 2
+LEAST = 0.3  # of the size asked for, below which nobody could have found it
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,9 @@ def _word(hidden, findings, alike: list, meant: set[str]) -> str:
     strange = [f for f in findings["findings"] if not _meant(f, meant)]
     if not strange and any(u["cause"] == hidden.cause and _about(u, hidden) for u in findings["untestable"]):
         return "untestable"
-    return "wrong" if strange else "missed"
+    if strange:
+        return "wrong"
+    return "missed" if np.max(hidden.visible) > LEAST * hidden.size else "too small"
 
 
 def _about(reason, hidden) -> bool:

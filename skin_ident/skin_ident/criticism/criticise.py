@@ -36,7 +36,7 @@ FORM = 0.25  # nor less than that of the largest fall so far: another form of th
 WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
 PLAIN = 0.5  # if it leaves more than this of the error
 EXTRAORDINARY = 3.0  # times its amplitude in training sessions, which one in held-out sessions alone must have
-SHADOW = 0.08  # of the largest fall of a mean square so far, below which a further cause is not named
+SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
 
@@ -214,10 +214,9 @@ class Search:
     def _first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support. What they do not support is kept in `refused`.
 
-        What is small beside the largest effect so far may be the imperfect form of that effect, and is not named. Where the best
-        explanation is what good hardware has anyway, a lesser one is not looked for.
+        What is small beside the largest effect so far in the same channel may be the imperfect form of that effect, and is not named. Where
+        the best explanation is what good hardware has anyway, a lesser one is not looked for.
         """
-        shadow = SHADOW * max((n.gain.squares for n in self.named), default=0.0)
         for trial in (t for t in trials if t.score > 0.0):
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
@@ -228,11 +227,16 @@ class Search:
             alternatives += same_by_nature(trial, trials, {a.key for a in alternatives}, self.train)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > MATERIAL * trial.fit.count and sized(trial)  # what it was fitted to must gain by it, too
+            much = gain.squares > SHADOW * self._fallen(gain.channel)
             seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
-            if told and gain.passed and gain.squares > shadow and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
+            if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
                 return trial.fit, finding
             self.refused.append(finding)
         return None
+
+    def _fallen(self, channel: str) -> float:
+        """The largest fall of the mean square, N^2, by what has been named and is carried by a channel."""
+        return max((n.gain.squares for n in self.named if channel in n.gain.carried), default=0.0)
 
     def _own_course(self, runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
         """A finding from the first course of each session's own, where the blocks between support it."""
@@ -258,7 +262,7 @@ class Search:
         if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in self.held):
             return False
         gain = course_gain(run.course, self.present.model, self.present.model, self.train, self.held, self.noise)
-        much = gain.after < ALONE * gain.before and gain.squares > FORM * max((n.gain.squares for n in self.named), default=0.0)
+        much = gain.after < ALONE * gain.before and gain.squares > FORM * self._fallen(gain.channel)
         wanders = run.score < WANDERING * self.wandering and gain.after > PLAIN * gain.before
         if not (much and not wanders and believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
             return False

@@ -84,14 +84,12 @@ def filters(model: Model) -> bool:
 
 
 def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:
-    """The same, the effect that came last in the form that equals it when it is small, where that explains more."""
+    """The same, the effect that came last in the form that equals it when it is small, where one explains more."""
     *others, last = present.model.effects
-    for finer in (cls for cls in effects() if cls.refines is type(last)):
-        model = replace(present.model, effects=(*others, finer.typical(last.where, **last.values)))
-        trial = fit(model, sessions, noise)
-        if present.cost - trial.cost > max(20.0, FINER * gained):
-            return trial
-    return present
+    finer = [cls.typical(last.where, **last.values) for cls in effects() if cls.refines is type(last)]
+    trials = [fit(replace(present.model, effects=(*others, e)), sessions, noise) for e in finer]
+    best = min(trials, key=lambda trial: trial.cost, default=present)
+    return best if present.cost - best.cost > max(20.0, FINER * gained) else present
 
 
 def _ready(d: Direction, amount: float) -> Effect:

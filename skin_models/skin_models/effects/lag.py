@@ -2,13 +2,15 @@
 
     first order      tau z' + z = y,                                    y' = z
     second order     (tau / 2 zeta)^2 z'' + tau z' + z = y,             y' = z        zeta = 1 / sqrt 2: Butterworth; 1: two equal poles
+    in part          T z' + z = y,                         y' = y + tau / T (z - y)   0 <= tau <= T: the rest of it is prompt
 
-Both start at rest, z(0) = y(0), and are late by tau for slow inputs; tau = 0 is the identity. The steps are exact for an input that is
+All start at rest, z(0) = y(0), and are late by tau for slow inputs; tau = 0 is the identity. The steps are exact for an input that is
 linear between samples (first-order hold). Of first order:
 
     z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n],        e = exp(-dt / tau),  g = (1 - e) tau / dt.
 
-Source: G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley 1998, section 6.3.2.
+Sources: G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley 1998, section 6.3.2;
+N. W. Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior, Springer 1989, ch. 3 (a soft layer over a sensor, which yields).
 """
 
 from dataclasses import dataclass
@@ -83,3 +85,36 @@ class SecondOrderLag(Dynamic):
         b, a = second_order_factors(self.tau, self.damping, s.dt).filter
         z, _ = lfilter(b, a, mine, zi=lfilter_zi(b, a) * mine[..., :1])
         return self.put_back(y, z)
+
+
+@dataclass(frozen=True)
+class PartialLag(Dynamic):
+    """Sensor lag of a part of the signal, as of a sensor under a soft layer that yields. What comes later than this is a drift: creep."""
+
+    cause: ClassVar[str] = "lag"
+    form: ClassVar[str] = "partial"
+    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
+    source: ClassVar[str] = "Tschoegl 1989, ch. 3"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = Lag
+
+    tau: float = quantity("s", 0.0, lower=0.0, upper=2.0, typical=0.05, doc="delay of slow inputs, at most T")
+    settling: float = quantity("s", 0.3, lower=1e-3, upper=2.0, role=SHAPE, typical=0.3, doc="time T in which the late part comes")
+
+    def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is z[n-1] and y[n-1], N."""
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n] for T."""
+        mine = self.mine(y)
+        state, z = lagged_step(state, mine, self.settling, dt)
+        return state, self.put_back(y, self._in_part(mine, z)) if self.tau else y
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same recursion as a filter, at rest at y[0]."""
+        mine = self.mine(y)
+        return self.put_back(y, self._in_part(mine, lagged(mine, self.settling, s.dt))) if self.tau else y
+
+    def _in_part(self, y, z):
+        return y + min(self.tau / self.settling, 1.0) * (z - y)
