@@ -68,6 +68,23 @@ def test_a_declared_mass_stays_as_it_is_and_a_light_skin_is_not_weighed():
         assert not any("mass was fitted" in w for w in outcome.findings["warnings"])
 
 
+def tared(seed: int, mass: float) -> Recording:
+    """A mass between load cell and skin, whose weight was tared away: its inertia alone is felt, in the air too."""
+    t, x = presses(seed, 60.0)
+    rng, (sensed, dispersed, _) = np.random.default_rng([seed, 4]), branches(x)
+    force = sensed + dispersed + mass * np.gradient(np.gradient(x, t), t) + noise(rng, t.size, 0.04, 0.8)
+    said = Declared(moving_mass_kg=mass)
+    return Recording(f"session_{seed}", t, x, force, (sensed + noise(rng, t.size, 0.03, 0.8))[None], declared=said)
+
+
+@pytest.mark.parametrize("mass", [0.02, 0.08])
+def test_a_declared_mass_that_hangs_on_the_load_cell_is_no_fault(mass):
+    outcome = diagnose([tared(1, mass), tared(2, mass)], [tared(3, mass)])
+    assert outcome.findings["findings"] == [] and outcome.findings["verdict"] == "nothing_wrong"
+    assert outcome.baseline.dispersion.m < 0.25 * mass
+    assert any("tared away" in w for w in outcome.findings["warnings"])
+
+
 def in_a_row(seed: int, place_mm: float, seconds: float = 60.0, size: float = 0.02, colour: float = 0.8) -> Recording:
     t, x = presses(seed, seconds)
     rng, (sensed, dispersed, _) = np.random.default_rng([seed, 3]), branches(x)

@@ -19,10 +19,11 @@ The method, in the order in which `diagnose` runs it:
 7.  The best few are refitted jointly, nonlinearly, with as many instances as have a size of their own, and in the finer form of an
     effect where that explains more (`growing`, `trial`); `gate` demands that held-out sessions are predicted better (block bootstrap),
     beside what training leaves uncertain (`uncertain`), and `description` that noise of another colour is no shorter account of the record.
-    What comes within reach of the best, or is the same signal by nature, is reported beside it. Where the mass of the model explains more than any cause, it is fitted, too
-    (`weighing`). `course` competes with all of them by what belongs to one session alone: a zero, a slope, a delay or a depth that changed
-    before or during it (`steps` finds the moments). Where such courses explain most and predict nothing, the noise wanders more than its
-    model knows, and nothing is named. Last, what is wrong in held-out sessions alone (`course_gate` for both).
+    What comes within reach of the best, or is the same signal by nature, is reported beside it. Where the mass of the model explains more
+    than any cause, it is fitted, too (`weighing`). `course` competes with all of them by what belongs to one session alone: a zero, a
+    slope, a delay or a depth that changed before or during it (`steps` finds the moments). Where such courses explain most and predict
+    nothing, the noise wanders more than its model knows, and nothing is named. Last, what is wrong in held-out sessions alone
+    (`course_gate` for both).
 8.  Repeat; then eliminate backwards (`criticise`); then ask whether a general model still predicts something of the residual on held-out
     data (`leftover`), and look at the moments that were left out for a pull (`telemetry.pull`).
 

@@ -38,6 +38,7 @@ from skin_ident.criticism.residual import simulated, stiffness
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.session import Session, meeting, motion_under, with_reference
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
+from skin_ident.criticism.telemetry.lines import remains
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import find_buried, step_of
@@ -194,7 +195,8 @@ def _encoder_step(recordings: list) -> float:
 
 
 def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known: tuple[Symptom, ...]) -> list[Symptom]:
-    """The `known` symptoms, and what else is in what the extended model leaves: noise that is not as declared, steps that bury it."""
+    """The `known` symptoms that are still in what the extended model leaves, and what else is: noise that is not as declared, steps that
+    bury it."""
     model, channels = c.extended.model, sessions[0].channels
     rest = [s.raw - simulated(model, s) for s in sessions]
     calm = [~meeting(motion_under(s, model.dispersion), model.dispersion) for s in sessions]
@@ -203,7 +205,8 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
         *find_noise(recordings, channels, rest, calm, [stiffness(model, c) for c in channels]),
     ]
-    told = [told_of_bursts(s, channels, rest, [r.dt for r in recordings]) for s in known]
+    dts = [r.dt for r in recordings]
+    told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, channels, rest, dts)]
     return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]
 
 

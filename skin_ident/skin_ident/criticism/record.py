@@ -74,7 +74,7 @@ def inspect(recordings: list) -> Inspected:
     mended = [_mended(emptied(r, copies), early) for r in recordings]
     mended = _spread_again(mended, early)
     sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
-    late = _in_residuals(mended, sessions)
+    late = _in_residuals(mended, sessions, [s for s in early if s.cause == "data_error"])
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
     dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
@@ -109,18 +109,19 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
     return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt)
 
 
-def _in_residuals(recordings: list, sessions: list[Session]) -> list[Symptom]:
-    """What shows in measured less simulated, at full rate; outliers are taken out before the rest is looked for."""
+def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom]) -> list[Symptom]:
+    """What shows in measured less simulated, at full rate, beside what is `known`; outliers are taken out before the rest is looked for."""
     first = _first_fit(sessions)
-    raw = [s.raw for s in sessions]
     predicted = [simulated(first, s) for s in sessions]
+    wrong = [_bad_samples(r, known) for r in recordings]
+    raw = [np.where(b, m, s.raw) for s, m, b in zip(sessions, predicted, wrong, strict=True)]
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
     channels, n, dt = sessions[0].channels, sessions[0].n_taxels, recordings[0].dt
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
     outliers = find_outliers(names, channels, rest, raw, jumps, n, dt)
-    known = {c for s in outliers for c in s.channels}
-    outliers += [s for s in find_pieces(first, sessions, rest) if s.channels[0] not in known]
+    spiky = {c for s in outliers for c in s.channels}
+    outliers += [s for s in find_pieces(first, sessions, rest) if s.channels[0] not in spiky]
     bad = [_bad_samples(r, outliers) for r in recordings]
     rest, raw = ([_bridged(y, b) for y, b in zip(rows, bad, strict=True)] for rows in (rest, raw))
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]

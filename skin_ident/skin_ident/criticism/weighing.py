@@ -17,6 +17,9 @@ from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener
 from skin_models.signals import GRAVITY
 
+LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
+LEAST = 10.0  # where it explains so much
+
 
 def weighed(sessions: list[Session]) -> list[Session]:
     """The sessions with the mass among their model's unknowns."""
@@ -24,11 +27,14 @@ def weighed(sessions: list[Session]) -> list[Session]:
 
 
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener, best: float) -> Fit | None:
-    """The fit with the mass free, where that explains clearly more than the `best` of all causes does (squared whitened units)."""
+    """The fit with the mass free, where that explains clearly more than the `best` of all causes does (squared whitened units); where it
+    takes from a mass that was declared, as much."""
     if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
         return None
     free = fit(present.model, weighed(sessions), noise)
-    return free if best < reach(present.cost - free.cost - float(np.log(free.count))) else None
+    score = present.cost - free.cost - float(np.log(free.count))
+    lighter = free.model.dispersion.m < LIGHTER * present.model.dispersion.m
+    return free if (score > max(LEAST, reach(best)) if lighter else best < reach(score)) else None
 
 
 def said_of(mass: float, before: float, declared: bool) -> str:

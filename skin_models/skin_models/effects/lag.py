@@ -10,7 +10,7 @@ linear between samples (first-order hold). Of first order:
     z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n],        e = exp(-dt / tau),  g = (1 - e) tau / dt.
 
 Sources: G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley 1998, section 6.3.2;
-N. W. Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior, Springer 1989, ch. 3 (a soft layer over a sensor, which yields).
+N. W. Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior, Springer 1989, ch. 3 (a soft layer over a sensor).
 """
 
 from dataclasses import dataclass

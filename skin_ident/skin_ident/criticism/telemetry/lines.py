@@ -26,6 +26,7 @@ FEWEST_CYCLES = 24  # in a session
 LOWEST_HZ = 0.3  # below, the motion itself leaves lines in a residual
 AROUND, LONELY = 30, 0.15  # a line that comes in bursts has sidebands; within so many bins the median must stay below this share of it
 MOST = 6  # lines per channel that are looked into, the tallest first
+LEFT = 0.5  # of its amplitude, which a line must keep in what the extended model leaves
 FINE = 101  # frequencies between DRIFT bins below and above
 
 
@@ -48,6 +49,22 @@ def find_interference(
         if lines:
             found.append(_symptom(channel, lines, len(residuals), n_taxels))
     return found
+
+
+def remains(symptom: Symptom, channels: tuple[str, ...], rests: list[np.ndarray], dts: list[float]) -> bool:
+    """Whether a symptom's line is still in measured less simulated (C, N) N, sampled every `dts` s, of a model that knows more. What named
+    causes account for was brought by the motion. Other symptoms remain."""
+    if symptom.cause != "interference" or symptom.channels[0] not in channels or "amplitude" not in symptom.parameters:
+        return True
+    row, frequency = channels.index(symptom.channels[0]), symptom.parameters["frequency"]["value"]
+    left = [_amplitude(e[row], frequency, dt) for e, dt in zip(rests, dts, strict=True)]
+    return float(np.median(left)) > LEFT * symptom.parameters["amplitude"]["value"]
+
+
+def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
+    """Amplitude of a line in e (N,), mean over the record."""
+    taper = np.hanning(e.size)
+    return 2.0 * float(np.abs(np.sum((e - e.mean()) * taper * np.exp(-2j * np.pi * frequency * dt * np.arange(e.size))))) / taper.sum()
 
 
 def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> list[Line]:

@@ -1,0 +1,87 @@
+"""Causes that are one and the same signal in these data are named together."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.one_rate import at_one_rate
+from skin_ident.criticism.proposals import directions
+from skin_ident.criticism.session import prepare
+from skin_ident.recordings.recording import Recording
+
+RATE = 100.0
+K, B, SHARE = 12_000.0, 1_400.0, 0.7  # N/m, N s/m, and what a taxel has of the force
+
+
+def through(corners: list[float], times: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    t = np.arange(0.0, times[-1], 1.0 / RATE)
+    soft = np.hanning(9)
+    return t, np.convolve(np.pad(np.interp(t, times, corners), 4, mode="edge"), soft / soft.sum(), "valid")
+
+
+def triangles(speeds: list[float], hold: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    corners, times = [-1e-4, -1e-4], [0.0, 2.0]
+    for i, v in enumerate(speeds):
+        deep = (0.4e-3, 0.7e-3, 1e-3)[i % 3]
+        corners += [deep, deep, -1e-4]
+        times += [times[-1] + (deep + 1e-4) / v, times[-1] + (deep + 1e-4) / v + hold, times[-1] + 2 * (deep + 1e-4) / v + hold]
+    return through(corners, times)
+
+
+def recorded(
+    name: str, t: np.ndarray, x: np.ndarray, tip: np.ndarray, arm: float = 0.0, tau: float = 1.0, noise: float = 0.02
+) -> Recording:
+    """Skin pressed to `tip` below the surface, with a Maxwell arm that is `arm` times as stiff; sampled with white noise."""
+    rng = np.random.default_rng(ord(name[-1]))
+    y = np.maximum(tip, 0.0)
+    stretch = np.zeros(t.size)
+    for n in range(1, t.size):
+        stretch[n] = np.exp(-1.0 / (RATE * tau)) * (stretch[n - 1] + y[n] - y[n - 1])
+    total = np.maximum((K * y + B * np.gradient(y, t) + arm * K * stretch) * (y > 0.0), 0.0)
+    taxel = SHARE * total
+    return Recording(name, t, x, total + noise * rng.standard_normal(t.size), (taxel + noise * rng.standard_normal(t.size))[None])
+
+
+def behind_a_mount(t: np.ndarray, x: np.ndarray, compliance: float, settling: float) -> np.ndarray:
+    """Depth of the tip behind a spring and a dashpot in parallel that carry the skin's force; settling is theirs, s."""
+    k, c = 1.0 / compliance, settling / compliance
+
+    def rate(time, tip):
+        at, v = np.interp(time, t, x), np.interp(time, t, np.gradient(x, t))
+        touched = tip[0] > 0.0
+        return [(k * (at - tip[0]) + c * v - touched * K * tip[0]) / (c + touched * B)]
+
+    return solve_ivp(rate, (t[0], t[-1]), [x[0]], t_eval=t, max_step=0.01, rtol=1e-6, atol=1e-9).y[0]
+
+
+@pytest.mark.parametrize(("speeds", "hold", "one"), [([2e-4] * 6, 0.0, True), ([2e-4, 1e-3] * 3, 0.0, False), ([2e-4] * 6, 2.0, False)])
+def test_a_record_at_one_rate_is_known(speeds, hold, one):
+    t, x = triangles(speeds, hold)
+    assert at_one_rate([prepare(recorded("a", t, x, x))]) is one
+
+
+@pytest.mark.parametrize("tau", [0.5, 2.0])
+def test_at_one_rate_relaxation_is_hysteresis_as_well(tau):
+    t, x = triangles([2e-4] * 9)
+    recordings = [recorded(f"session_{i}", t, x, x, arm=0.15, tau=tau) for i in range(3)]
+    (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    names = {(found["cause"], found["where"]), *((a["cause"], a["where"]) for a in found["alternatives"])}
+    assert {("stress_relaxation", "skin"), ("hysteresis", "skin")} <= names
+
+
+def test_skin_with_a_fast_arm_and_a_mount_that_yields_are_named_together():
+    recordings = []
+    for i in range(3):
+        t, x = triangles(list(np.random.default_rng(i).permutation([1e-4, 3e-4, 6e-4, 1e-3, 2e-3, 3e-3, 4e-3, 6e-3, 8e-3])), 1.0)
+        recordings.append(recorded(f"session_{i}", t, x, behind_a_mount(t, x, 8e-6, 0.06), noise=0.01))
+    (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    names = {(found["cause"], found["where"]), *((a["cause"], a["where"]) for a in found["alternatives"])}
+    assert ("mount_compliance", "rig") in names, names
+
+
+def test_a_tone_is_looked_for_at_full_rate_alone():
+    t, x = triangles([2e-4] * 3)
+    assert all(d.cause != "interference" for d in directions(prepare(replace(recorded("a", t, x, x), name="b"))))
