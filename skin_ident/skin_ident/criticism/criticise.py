@@ -166,7 +166,7 @@ class Search:
         Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named for
         it. A clock that slips wherever it helps is no noise: where it predicts nothing, it is passed over.
         """
-        best = trials[0].score if trials else 0.0
+        best = max((t.score for t in trials), default=0.0)
         plain = runs and runs[0].course.shape == CONSTANT  # a zero is but one number for each session
         first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
         same = trials and runs and trials[0].key == runs[0].course.key
@@ -191,7 +191,7 @@ class Search:
 
     def _trials(self, last: Survey) -> list[Trial]:
         """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, all
-        taxels alike before one of them, and one that the record itself has shown before all."""
+        taxels alike before one of them, and one that the record itself has shown before all that explain little more."""
         known = {(n.cause, n.where) for n in self.named}
         shown = [r for r in last.ranked if (r.cause, r.where) in self.suspected - known and r.score > 0.0]
         able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score) and r not in shown]
@@ -200,7 +200,8 @@ class Search:
             return (t for t in map(self._trial, causes) if plausible(t, self.train[0]))
 
         trials = [*tried(shown), *islice(tried(able[:LONGEST]), SHORTLIST)]
-        trials.sort(key=lambda t: (t.ranked not in shown, -t.score))
+        enough = WITHIN * max((t.score for t in trials), default=0.0)
+        trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
         again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
         first = again[:1] or all_alike(trials)
         return first + [t for t in trials if t not in first]

@@ -79,9 +79,10 @@ def deaf(before: Model, after: Model, train: list[Session], held: list[Session],
 
 
 def own_channels(where: str, channels: tuple[str, ...]) -> tuple[str, ...]:
-    """Those of `channels` that show what is wrong at a place: a sensor's own, or all."""
+    """Those of `channels` that show what is wrong at a place: a sensor's own, those on a clock, or all."""
     taxels = tuple(c for c in channels if c.startswith("taxel"))
-    return {"load_cell": ("force",), "taxel": taxels}.get(where, (where,) if where.startswith("taxel_") else channels)
+    own = {"load_cell": ("force",), "taxel": taxels, "clock": ("force",), "clock_taxels": taxels}
+    return own.get(where, (where,) if where.startswith("taxel_") else channels)
 
 
 def _felt(before: Model, after: Model, sessions: list[Session], own: list[int]) -> float:

@@ -24,6 +24,7 @@ WORTH = 0.02  # of what the first instance explained: less is not worth another 
 SURE = 2.0  # standard errors that a further instance must have for its size
 FINER = 0.002  # nor, which is the same name with one number more, a finer form of it
 AT_ONCE = 0.05  # s, what passes the common band as damping does
+SLIPPING = 3e-6  # m, a path that no skin is bent by before it slips
 
 
 def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> Fit:
@@ -34,7 +35,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         trial, sessions = _settled(_with_instance(present, ranked, sessions, noise), sessions, noise)
         gained = present.cost - trial.cost
         first = first or gained
-        if gained < max(10.0, WORTH * first) or not (present is start or (determined(trial) and not filters(trial.model))):
+        if gained < max(10.0, WORTH * first) or not (present is start or (determined(trial) and not unlike_skin(trial.model))):
             break
         present = _refined(trial, gained, sessions, noise)
         own = tuple(d for d in own if _adds(d, present.model))
@@ -77,10 +78,14 @@ def determined(trial: Fit) -> bool:
     return any(abs(p.value) > SURE * trial.std.get(f"{last.cause}.{last.where}.{p.name}", 0.0) for p in sizes)
 
 
-def filters(model: Model) -> bool:
-    """Whether the skin would be a filter: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor."""
-    arms = (e for e in model.effects if isinstance(e, StressRelaxation) and e.where == "skin")
-    return any(a.tau < AT_ONCE and 2.0 * (a.k_sensed + a.k_dispersed) > model.dispersion.k1 + model.dispersion.k2 for a in arms)
+def unlike_skin(model: Model) -> bool:
+    """Whether the skin would be a filter, or a brake: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor,
+    and what slips at once is friction."""
+    skin, own = model.dispersion, [e for e in model.effects if e.where == "skin"]
+    arms = [e for e in own if isinstance(e, StressRelaxation) and e.tau < AT_ONCE]
+    return any(2.0 * (a.k_sensed + a.k_dispersed) > skin.k1 + skin.k2 for a in arms) or any(
+        e.cause == "hysteresis" and e.threshold < SLIPPING for e in own
+    )
 
 
 def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:

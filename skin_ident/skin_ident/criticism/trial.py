@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.criticism.fitting import Fit
-from skin_ident.criticism.growing import determined, filters, instances
+from skin_ident.criticism.growing import determined, instances, unlike_skin
 from skin_ident.criticism.one_rate import at_one_rate
 from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.residual import simulated
@@ -38,13 +38,13 @@ class Trial:
 
 def plausible(t: Trial, session: Session) -> bool:
     """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell, but for what the
-    skin hands round the taxels. Whether the skin is no filter. Whether what leaks from one taxel into another is of one sign with it. And
-    whether a spread grows with depth or shrinks, not both."""
+    skin hands round the taxels. Whether the skin is no filter and no brake. Whether what leaks from one taxel into another is of one sign
+    with it. And whether a spread grows with depth or shrinks, not both."""
     if t.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(t.fit.model, *t.key)):
         return False
     if len({np.sign(getattr(e, "growth", 0.0)) for e in instances(t.fit.model, "spread_depth", "skin")}) > 1:
         return False
-    if filters(t.fit.model):
+    if unlike_skin(t.fit.model):
         return False
     channels = session.channels
     if t.ranked.where != "skin" or t.ranked.cause.startswith(("spread", "dead_zone")) or "force" not in channels or len(channels) == 1:
