@@ -248,7 +248,7 @@ class Search:
         score = max(run.score, score)
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
-        if not (believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
+        if not (believed(gain, run.course) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
@@ -265,7 +265,7 @@ class Search:
         gain = course_gain(run.course, self.present.model, self.present.model, self.train, self.held, self.noise)
         much = gain.after < ALONE * gain.before and gain.squares > FORM * self._fallen(gain.channel)
         wanders = run.score < WANDERING * self.wandering and gain.after > PLAIN * gain.before
-        if not (much and not wanders and believed(gain) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
+        if not (much and not wanders and believed(gain, run.course) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
             return False
         if run.largest < EXTRAORDINARY * fitted(run.course, self.present.model, self.train, self.noise).largest:
             return False
