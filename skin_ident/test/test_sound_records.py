@@ -82,7 +82,8 @@ def test_a_declared_mass_that_hangs_on_the_load_cell_is_no_fault(mass):
     outcome = diagnose([tared(1, mass), tared(2, mass)], [tared(3, mass)])
     assert outcome.findings["findings"] == [] and outcome.findings["verdict"] == "nothing_wrong"
     assert outcome.baseline.dispersion.m < 0.25 * mass
-    assert any("tared away" in w for w in outcome.findings["warnings"])
+    assert [type(e).__name__ for e in outcome.baseline.effects] == ["Inertia"]
+    assert any("tared with it" in w for w in outcome.findings["warnings"])
 
 
 def in_a_row(seed: int, place_mm: float, seconds: float = 60.0, size: float = 0.02, colour: float = 0.8) -> Recording:

@@ -24,7 +24,8 @@ from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.uncertain import left_open
-from skin_ident.criticism.weighing import weighed, with_mass
+from skin_ident.criticism.weighing import hanging, weighed, with_mass
+from skin_models.effect import Effect
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
@@ -97,7 +98,8 @@ def criticise(
     if given:
         baseline = fit(given, train, first.noise, 0)
     else:
-        baseline = fit(first.model, weighed(train), first.noise) if search.train[0].free_mass else fitted
+        weighted = replace(first.model, effects=search.hanging)
+        baseline = fit(weighted, weighed(train), first.noise) if search.train[0].free_mass else fitted
     told = (tuple(search.named), search.survey(), tuple(search.refused), tuple(search.rounds))
     return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held))
 
@@ -121,6 +123,7 @@ class Search:
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
+        self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
         self._befores: dict[tuple[str, str], Model] = {}
 
     def run(self, fitted: Fit) -> None:
@@ -155,7 +158,8 @@ class Search:
             return False
         self.progress("fitting the mass, too")
         self.train, self.held = weighed(self.train), weighed(self.held)
-        self.present = fit(replace(heavy.model, effects=()), self.train, self.noise)
+        self.hanging = hanging(self.present.model, heavy.model)
+        self.present = fit(replace(heavy.model, effects=self.hanging), self.train, self.noise)
         self.named, self._befores = [n for n in self.named if n.courses], {}
         return True
 

@@ -11,7 +11,7 @@ from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.rivals import Rival, reach
 from skin_ident.criticism.session import Session
-from skin_models.effects.mount_compliance import JointedMount
+from skin_models.effects.mount_compliance import DampedMount, JointedMount, YieldingMount
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
@@ -64,12 +64,16 @@ def sized(t: Trial) -> bool:
 def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]], sessions: list[Session]) -> tuple[Rival, ...]:
     """Names, not `said` yet, that are the same signal: a force below a threshold is swallowed by skin or taxels; in contact a plunger that
     has F / k less to go presses as if the skin swallowed F; a tip at g(x), as behind a joint, makes of a linear skin one whose spring
-    stiffens as g and whose damping grows as g' with depth; and at one speed memory of time is memory of the path."""
+    stiffens as g and whose damping grows as g' with depth; one that follows late makes of it one with an arm that relaxes fast; and at one
+    speed memory of time is memory of the path."""
     others = [other for one, other in (SAME + MEMORY if at_one_rate(sessions) else SAME) if one == trial.key]
     if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
         others.append(SWALLOWED)
-    if any(isinstance(e, JointedMount) for e in instances(trial.fit.model, *trial.key)):
+    mine = instances(trial.fit.model, *trial.key)
+    if any(isinstance(e, JointedMount) for e in mine):
         others += STIFFER
+    elif any(isinstance(e, (DampedMount, YieldingMount)) for e in mine):
+        others.append(RELAXATION)
     tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
     return tuple(tried.get(other) or Rival(*other, 0.0) for other in others if other not in said)
 

@@ -4,7 +4,7 @@ A mass m under the plunger takes m g from the force while they touch, and nothin
 thesis 4.3.1), so it is set; but fits with a free mass, as those of Tables 4-1 to 4-4, find some 0.2 kg, which is 2 N. A record of such a
 model, or of a plunger that really leans on the skin, would be told as three faults of sensors; a declared mass that hangs on a load cell
 tared with it, as well. So when something is wrong the mass is tried beside all causes, and where it accounts for the record better than any
-of them it belongs to the baseline.
+of them it belongs to the baseline; of a mass that hangs its inertia does.
 """
 
 from dataclasses import replace
@@ -15,6 +15,8 @@ from skin_ident.criticism.fitting import Fit, fit
 from skin_ident.criticism.rivals import reach
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener
+from skin_models.effects.inertia import Inertia
+from skin_models.model import Model
 from skin_models.signals import GRAVITY
 
 LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
@@ -37,14 +39,20 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener, best: floa
     return free if (score > max(LEAST, reach(best)) if lighter else best < reach(score)) else None
 
 
+def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
+    """What is left of a mass that was set and does not lean on the skin: its inertia."""
+    m = before.dispersion.m - after.dispersion.m
+    return (Inertia("rig", mass=m),) if after.dispersion.m < LIGHTER * before.dispersion.m else ()
+
+
 def said_of(mass: float, before: float, declared: bool) -> str:
     """The warning that the mass was fitted, where it had been set to that of the skin, or as `declared`."""
     force = abs(mass - before) * GRAVITY
     if declared and mass < before:
         return (
-            f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) the record cannot be explained, since "
-            f"its weight would take {force:.3g} N from the load cell while the plunger touches. If it hangs on the load cell and is tared "
-            "away, leave moving_mass_kg out of rig.yaml: it means what leans on the skin"
+            f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) leaning on the skin the record cannot be "
+            f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "
+            "load cell that was tared with it, and to be felt by its inertia alone"
         )
     of = "the declared one" if declared else "that of the skin"
     return (

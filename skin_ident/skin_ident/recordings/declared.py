@@ -10,7 +10,7 @@
     spread_width_mm: 5.25         # c of exp(-(r / c)^2), where a lateral scan of this skin has told it; new scans are held against it
     taxel_gain_uncertainty: 0.03  # relative standard error of every taxel's calibration
     skin_thickness_mm: 4
-    moving_mass_kg: 0.000432      # what leans on the skin and moves with it; not what hangs on the load cell and is tared away
+    moving_mass_kg: 0.000432      # what moves between load cell and skin
     force_noise_n: 0.03           # standard deviation that the load cell is said to have
     taxel_noise_n: 0.03
     calibration:                  # for columns or topics in volts: force = slope * (voltage - zero)
