@@ -160,6 +160,7 @@ class Search:
         self.train, self.held = weighed(self.train), weighed(self.held)
         self.hanging = hanging(self.present.model, heavy.model)
         self.present = fit(replace(heavy.model, effects=self.hanging), self.train, self.noise)
+        self.present = fit(self.present.model, self.train, self.survey().noise)  # that of the other mass was the noise of a wrong model
         self.named, self._befores = [n for n in self.named if n.courses], {}
         return True
 
