@@ -16,13 +16,17 @@ from skin_models.model import Model
 
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
 CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18}  # least relative fall: noise of long memory bends by itself
+PLAINLY = 0.15  # fall that needs no gain in likelihood
 SURE = 0.3  # of the fall of the error, which its interval must exclude: seven courses are tried every time
 
 
 def believed(gain: Gain, course: Course) -> bool:
     """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
-    little too early or too late leaves a spike, which whitening would make the most of."""
-    return gain.ci95[0] > SURE * (gain.before - gain.after) and gain.after < (1.0 - CLEARLY[course.shape]) * gain.before
+    little too early or too late leaves a spike, which whitening would make the most of. But where the plain error falls by little, the
+    likelihood must gain, too."""
+    fall = 1.0 - gain.after / max(gain.before, 1e-300)
+    sure = gain.ci95[0] > SURE * (gain.before - gain.after) and fall > CLEARLY[course.shape]
+    return sure and (gain.relative > 0.0 or fall > PLAINLY)
 
 
 def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
