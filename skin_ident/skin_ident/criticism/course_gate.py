@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.course import BEND, CONSTANT, STEPS, Course, fitted
+from skin_ident.criticism.course import BEND, CONSTANT, STEPS, Course, Run, fitted
 from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
-from skin_ident.criticism.residual import residual
+from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.uncertain import Open, beside_uncertainty, left_open
 from skin_ident.criticism.whitening import Whitener
@@ -17,7 +17,21 @@ from skin_models.model import Model
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
 CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18}  # least relative fall: noise of long memory bends by itself
 PLAINLY = 0.15  # fall that needs no gain in likelihood
+FAINT = 0.2  # of what is left at full rate, which a course must exceed
 SURE = 0.3  # of the fall of the error, which its interval must exclude: seven courses are tried every time
+
+
+def stands(run: Run, gain: Gain, model: Model, sessions: list[Session]) -> bool:
+    """Whether a course of `sessions` beside `model` is believed, where it shows, and more than faint: zeros of good hardware wander."""
+    return believed(gain, run.course) and run.course.shows(gain) and _share(run, model, sessions) > FAINT
+
+
+def _share(run: Run, model: Model, sessions: list[Session]) -> float:
+    """A course over what the model leaves at full rate, in its channels (RMS)."""
+    own = list(run.course.rows)
+    size = sum(np.sum(run.values[s.name][own] ** 2) for s in sessions)
+    left = sum(np.sum((s.raw - simulated(model, s))[own] ** 2) for s in sessions)
+    return float(np.sqrt(size / max(left, 1e-300)))
 
 
 def believed(gain: Gain, course: Course) -> bool:

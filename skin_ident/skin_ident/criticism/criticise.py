@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.carriers import DELAY
 from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, beside_the_rest, fitted, worthwhile
-from skin_ident.criticism.course_gate import believed, course_gain
+from skin_ident.criticism.course_gate import course_gain, stands
 from skin_ident.criticism.description import description_length
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import MATERIAL, Gain, deaf, held_out_gain
@@ -253,7 +253,7 @@ class Search:
         score = max(run.score, score)
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
-        if not (believed(gain, run.course) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
+        if not (stands(run, gain, self.present.model, self.train) and self._resolved(gain, run.course.cause)):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
@@ -270,7 +270,8 @@ class Search:
         gain = course_gain(run.course, self.present.model, self.present.model, self.train, self.held, self.noise)
         much = gain.after < ALONE * gain.before and gain.squares > FORM * self._fallen(gain.channel)
         wanders = run.score < WANDERING * self.wandering and gain.after > PLAIN * gain.before
-        if not (much and not wanders and believed(gain, run.course) and run.course.shows(gain) and self._resolved(gain, run.course.cause)):
+        stood = stands(run, gain, self.present.model, self.held) and self._resolved(gain, run.course.cause)
+        if not (much and stood and not wanders):
             return False
         if run.largest < EXTRAORDINARY * fitted(run.course, self.present.model, self.train, self.noise).largest:
             return False

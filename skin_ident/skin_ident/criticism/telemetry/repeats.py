@@ -14,6 +14,7 @@ WINDOW = 32  # samples
 LIVELY = 12  # different readings that a window must hold, so that a quiet hold is not taken for a copy
 SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
 CHANCE = 0.01  # recurrences of the length found that chance may bring at most
+PART = 100_000  # windows looked at in one go, which bounds the memory
 MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)  # odd, of the windows' polynomial hash
 
 
@@ -67,13 +68,12 @@ def _recurring(codes: list[np.ndarray], size: int) -> tuple[np.ndarray, np.ndarr
     powers = np.cumprod(np.full(size, MULTIPLIER))
     at, start, hashes = [], [], []
     for k, row in enumerate(codes):
-        if row.size <= size:
-            continue
-        windows = sliding_window_view(row, size)
-        lively = np.flatnonzero(_different(windows) >= LIVELY * size // WINDOW)
-        at.append(np.full(lively.size, k))
-        start.append(lively)
-        hashes.append((windows[lively] * powers).sum(axis=1, dtype=np.uint64))
+        for begin in range(0, row.size - size, PART):
+            windows = sliding_window_view(row[begin : begin + PART + size - 1], size)
+            lively = np.flatnonzero(_different(windows) >= LIVELY * size // WINDOW)
+            at.append(np.full(lively.size, k))
+            start.append(begin + lively)
+            hashes.append((windows[lively] * powers).sum(axis=1, dtype=np.uint64))
     if not at:
         return np.zeros(0, int), np.zeros(0, int), np.zeros(0, int)
     _, first, which = np.unique(np.concatenate(hashes), return_index=True, return_inverse=True)
