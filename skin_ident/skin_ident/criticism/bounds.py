@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.ranking import UNEXCITED, Projected
+from skin_ident.criticism.ranking import AT_FULL_RATE, UNEXCITED, Projected
 from skin_ident.criticism.survey import detectable
 from skin_ident.criticism.vocabulary import CAUSES, Cause
 from skin_models.parameter import SHAPE, parameters_of
@@ -51,7 +51,7 @@ def _excluded(p: Projected, cause: str) -> list[dict[str, Any]]:
     limits = detectable(p, CLEAR)
     places: dict[str, tuple[float, dict[str, Any]]] = {}
     for i, d in enumerate(p.which):
-        if d.cause != cause or limits[i] > 1.0 or p.left[i] <= UNEXCITED:
+        if d.cause != cause or cause == AT_FULL_RATE or limits[i] > 1.0 or p.left[i] <= UNEXCITED:
             continue
         bound = abs(p.product[i] / p.energies[i]) + 1.96 / np.sqrt(p.energies[i])
         unit = next(q.unit for q in parameters_of(d.effect) if q.name == d.parameter)

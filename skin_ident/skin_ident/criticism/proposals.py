@@ -19,7 +19,6 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of, scan_of
 
 PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
-AT_FULL_RATE = "interference"  # looked for in `telemetry.lines`: of a tone above the common band nothing is left here but its alias
 
 
 @dataclass(frozen=True)
@@ -47,8 +46,7 @@ class Direction:
 
 def directions(session: Session) -> tuple[Direction, ...]:
     """Every direction that the catalogue offers for the channels at hand."""
-    proposed = [cls for cls in effects() if cls.cause != AT_FULL_RATE]
-    return tuple(d for cls in proposed for where in _wheres(cls, session) for d in _directions(cls, where, session))
+    return tuple(d for cls in effects() for where in _wheres(cls, session) for d in _directions(cls, where, session))
 
 
 def _wheres(cls: type[Effect], session: Session) -> Iterator[str]:

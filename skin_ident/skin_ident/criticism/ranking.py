@@ -17,6 +17,8 @@ from skin_ident.criticism.proposals import Direction
 
 MOST_USED = 5
 UNEXCITED = 1e-6  # of a direction's own size: what is left after projection when the model can imitate it entirely
+AT_FULL_RATE = "interference"  # a tone may be part of what is no noise, but is looked for at full rate (`telemetry.lines`) and not named
+# here: of one above the common band its alias is left, a slow wave or a constant
 
 
 @dataclass(frozen=True)

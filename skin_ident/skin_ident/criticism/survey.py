@@ -8,7 +8,7 @@ from skin_ident.criticism.course import own as of_each_session
 from skin_ident.criticism.fitting import tangents
 from skin_ident.criticism.noise import noise_model
 from skin_ident.criticism.proposals import Direction, bank
-from skin_ident.criticism.ranking import Projected, Ranked, project, rank
+from skin_ident.criticism.ranking import AT_FULL_RATE, Projected, Ranked, project, rank
 from skin_ident.criticism.residual import residual
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.unknowns import unknowns
@@ -38,7 +38,7 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     bends = bank(model, which, sessions)
     noise = noise or noise_model(residuals, own, _richest(model, bends, which, sessions), sessions)
     projected = project(which, stack(bends, sessions, noise), stack(own, sessions, noise), stack(residuals, sessions, noise))
-    return Survey(model, noise, projected, tuple(rank(projected)))
+    return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE))
 
 
 def _richest(model: Model, bends: list[np.ndarray], which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
