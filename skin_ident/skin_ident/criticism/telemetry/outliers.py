@@ -16,7 +16,7 @@ MISSED = 10.0  # noise widths of change that a frozen run must have missed
 SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
 EARLY = 0.25  # of that change, which the first half of the run must have missed
 SEEN = 0.4  # of that change, which another channel must have seen by the end of the run if it can see it
-CLEAR, STEPS = 3.0, 1.5  # noise widths, and steps of its converter, above which it can
+CLEAR = 3.0  # noise widths above which it can
 
 
 def find_outliers(
@@ -37,7 +37,7 @@ def find_outliers(
     found = []
     for c, (away, still) in enumerate(every):
         others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
-        own = [_alone(s, o, r, y, c) for s, o, r, y in zip(still, others, residuals, raw, strict=True)]
+        own = [_alone(s, o) for s, o in zip(still, others, strict=True)]
         sure = sum(_sure(s, r, y, c) for s, r, y in zip(own, residuals, raw, strict=True))
         if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
             own = [np.zeros_like(s) for s in own]
@@ -63,21 +63,19 @@ def _startled(e: np.ndarray) -> np.ndarray:
     return np.abs(d) > reach(d)
 
 
-def _alone(still: np.ndarray, others: list[np.ndarray], e: np.ndarray, y: np.ndarray, c: int) -> np.ndarray:
-    """The frozen runs of channel `c` of `y` (C, N) that no other channel shares: what stands still, or jumps at the end, in several is the
-    plunger or the skin, unless they have seen the movement."""
+def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
+    """The frozen runs that no other channel shares: what stands still, or jumps at the end, in several is the plunger or the skin."""
     out = still.copy()
     for a, b in zip(*runs(still), strict=True):
-        seen = _seen(e, y, c, a, b)
-        if not all(seen) or (not seen and any(o[a : b + 2].any() for o in others)):
+        if any(o[a : b + 2].any() for o in others):
             out[a:b] = False
     return out
 
 
 def _sure(still: np.ndarray, e: np.ndarray, y: np.ndarray, c: int) -> int:
-    """How many runs of `still`, a mask of channel `c`, miss a movement that another channel has seen; or where none could, one which the
-    simulation has had from the run's beginning on."""
-    return sum(bool(_seen(e, y, c, a, b)) or _from_the_start((y - e)[c, a : b + 1]) for a, b in zip(*runs(still), strict=True))
+    """How many runs of `still`, a mask of channel `c` of `y` (C, N), miss a movement from their beginning on, which no channel denies."""
+    noise = [reach(np.diff(row)) / LEAST for row in e]
+    return sum(_from_the_start((y - e)[c, a : b + 1]) and not _denied(e, y, noise, c, a, b) for a, b in zip(*runs(still), strict=True))
 
 
 def _from_the_start(should: np.ndarray) -> bool:
@@ -86,13 +84,12 @@ def _from_the_start(should: np.ndarray) -> bool:
     return (middle - should[0]) * np.sign(should[-1] - should[0]) >= EARLY * abs(should[-1] - should[0])
 
 
-def _seen(e: np.ndarray, y: np.ndarray, c: int, a: int, b: int) -> list[bool]:
-    """Of every channel but `c` that ought to have moved within the run a..b, whether it did."""
+def _denied(e: np.ndarray, y: np.ndarray, noise: list[float], c: int, a: int, b: int) -> bool:
+    """Whether another channel that ought to have moved within the run a..b stood still as well."""
     expected = np.diff((y - e)[:, [a, b]])[:, 0]
-    least = [max(CLEAR * reach(np.diff(rest)) / LEAST, STEPS * smallest_step(row)) for rest, row in zip(e, y, strict=True)]
-    able = (np.abs(expected) > least) & (np.ptp(y, axis=1) > 0.0)
+    able = np.abs(expected) > CLEAR * np.array(noise)
     able[c] = False
-    return list(((y[:, b - 1] - y[:, a]) * np.sign(expected) >= SEEN * np.abs(expected))[able])
+    return bool(np.any(able & ((y[:, b - 1] - y[:, a]) * np.sign(expected) < SEEN * np.abs(expected))))
 
 
 def _frozen(y: np.ndarray, e: np.ndarray, limit: float, step: float, resting: np.ndarray) -> np.ndarray:
