@@ -253,10 +253,13 @@ def _linear_run(course: Course, g: _Ground) -> Run:
 
 
 def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The moments of steps that last; the first of all where none does. A step that is undone soon after is an accident, or noise."""
+    """The moments of steps that last; the first of all where none does. A single step that is undone soon after is an accident, or noise;
+    several are a loose contact."""
     used, z = moments[z != 0.0], z[z != 0.0]
     undone = (np.diff(used) < LASTING_S) & (np.abs(z[1:] + z[:-1]) < UNDONE * np.maximum(np.abs(z[1:]), np.abs(z[:-1])))
-    last = used[~(np.append(undone, False) | np.insert(undone, 0, False))] if used.size else used
+    if np.count_nonzero(undone) != 1:
+        return used if used.size else moments[:1]
+    last = used[~(np.append(undone, False) | np.insert(undone, 0, False))]
     return last if last.size else moments[:1]
 
 

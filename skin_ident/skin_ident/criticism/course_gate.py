@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.carriers import ZERO
 from skin_ident.criticism.course import BEND, CONSTANT, STEPS, Course, Run, fitted
 from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
 from skin_ident.criticism.residual import residual, simulated
@@ -17,13 +18,15 @@ from skin_models.model import Model
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
 CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18}  # least relative fall: noise of long memory bends by itself
 PLAINLY = 0.15  # fall that needs no gain in likelihood
-FAINT = 0.2  # of what is left at full rate, which a course must exceed
+FAINT = 0.2  # of what is left at full rate, which a course of a zero must exceed
 SURE = 0.3  # of the fall of the error, which its interval must exclude: seven courses are tried every time
 
 
 def stands(run: Run, gain: Gain, model: Model, sessions: list[Session]) -> bool:
-    """Whether a course of `sessions` beside `model` is believed, where it shows, and more than faint: zeros of good hardware wander."""
-    return believed(gain, run.course) and run.course.shows(gain) and _share(run, model, sessions) > FAINT
+    """Whether a course of `sessions` beside `model` is believed, where it shows, and more than faint if it is one of a zero: zeros of good
+    hardware wander."""
+    faint = run.course.carrier == ZERO and _share(run, model, sessions) < FAINT
+    return believed(gain, run.course) and run.course.shows(gain) and not faint
 
 
 def _share(run: Run, model: Model, sessions: list[Session]) -> float:
