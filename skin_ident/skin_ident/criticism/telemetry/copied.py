@@ -14,7 +14,7 @@ from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 VALUES = 12  # different values that a column must hold
 EQUAL = 0.98  # of its samples
-ELSEWHERE = 0.05  # of its range, by which the depth must differ from that of a stretch which one channel repeats
+ELSEWHERE = 0.05  # of its range, by which the depth must differ, beyond its own steps, from that of a stretch which one channel repeats
 COLUMN = "copied column"
 
 
@@ -57,7 +57,8 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
     others = [c for c in at.channels if c != channel]
     pairs = [(at.depth, source.depth)] if at.depth is not None else [(at.channels[c], source.channels[c]) for c in others]
     here, there = (slice(start, start + again.length) for start in (again.start, again.origin))
-    return any(np.ptp(one[here] - other[there]) + abs(np.mean(one[here] - other[there])) > ELSEWHERE * np.ptp(one) for one, other in pairs)
+    apart = [(one[here] - other[there]) / max(np.ptp(one), 1e-300) for one, other in pairs]
+    return any(2.0 * np.std(d) + abs(np.mean(d)) > ELSEWHERE for d in apart)
 
 
 def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> Symptom:
