@@ -20,7 +20,7 @@ import numpy as np
 from scipy.signal import lfilter, lfilter_zi
 
 from skin_models.effect import Dynamic, Place
-from skin_models.operators.lagging import lagged, lagged_step, second_order_factors
+from skin_models.operators.lagging import in_part, lagged, lagged_step, second_order_factors
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
@@ -109,12 +109,9 @@ class PartialLag(Dynamic):
         """z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n] for T."""
         mine = self.mine(y)
         state, z = lagged_step(state, mine, self.settling, dt)
-        return state, self.put_back(y, self._in_part(mine, z)) if self.tau else y
+        return state, self.put_back(y, in_part(mine, z, self.tau, self.settling)) if self.tau else y
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recursion as a filter, at rest at y[0]."""
         mine = self.mine(y)
-        return self.put_back(y, self._in_part(mine, lagged(mine, self.settling, s.dt))) if self.tau else y
-
-    def _in_part(self, y, z):
-        return y + min(self.tau / self.settling, 1.0) * (z - y)
+        return self.put_back(y, in_part(mine, lagged(mine, self.settling, s.dt), self.tau, self.settling)) if self.tau else y

@@ -28,7 +28,7 @@ import numpy as np
 from scipy.special import wrightomega
 
 from skin_models.effect import Dynamic, Memoryless, Place
-from skin_models.operators.lagging import lagged, lagged_step
+from skin_models.operators.lagging import in_part, lagged, lagged_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
@@ -134,5 +134,4 @@ class YieldingMount(Dynamic):
         return self._tip(lagged(np.maximum(y, 0.0), self.settling, s.dt), y)
 
     def _tip(self, z, y):
-        share = min(self.late / self.settling, 1.0)
-        return np.where(y > 0.0, y + share * (z - y), y)[()] if self.late else y
+        return np.where(y > 0.0, in_part(y, z, self.late, self.settling), y)[()] if self.late else y

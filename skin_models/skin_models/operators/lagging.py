@@ -34,6 +34,12 @@ def lagged_step(state: tuple | None, y: Any, tau: float, dt: float) -> tuple[tup
     return (z, y), z
 
 
+def in_part(y: Any, z: Any, late: float, settling: float) -> Any:
+    """What follows y at once but for a share late / settling (at most all) that follows as z, which lags by `settling`: late by `late` for
+    slow inputs."""
+    return y + min(late / settling, 1.0) * (z - y)
+
+
 @dataclass(frozen=True)
 class SecondOrder:
     """x[n] = transition x[n-1] + before y[n-1] + now y[n], (2, 2), (2,) and (2,); the output is x's first row."""
