@@ -88,8 +88,9 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
         i += int(np.argmax(width[i : i + DRIFT]))
         line = _line(rows, frequency[i], tall, dt)
         alone = np.median(width[max(i - AROUND, 0) : i + AROUND + 1]) < LONELY * tall
-        at_rest = goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
-        if (at_rest and tall > LONE) or _narrow(each, i) or _in_bursts(rows, line.frequency, dt):
+        tone = _narrow(each, i) or _in_bursts(rows, line.frequency, dt)
+        at_rest = (tone or tall > LONE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
+        if tone or at_rest:
             if at_rest or (alone and not doubtful and not carried(predicted, line.frequency, line.amplitude, tall, dt)):
                 lines.append(line)
             else:
