@@ -9,8 +9,8 @@ from skin_ident.cli.diagnose import main
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.record import inspect
-from skin_ident.criticism.residual import simulated
-from skin_ident.criticism.twin import with_twins
+from skin_ident.criticism.residual import residual, simulated
+from skin_ident.criticism.twin import read_twins
 from skin_ident.hiding.writing import write_recordings
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -46,8 +46,9 @@ def names(outcome):
 
 
 def test_the_twin_itself_is_the_baseline():
-    sessions, surrogate, _ = with_twins(inspect(MEASURED[:1]).sessions, MEASURED[:1], TWINS[:1], 0.0)
-    said = simulated(surrogate, sessions[0])
+    looked = inspect(MEASURED[:1])
+    twin = read_twins(looked.sessions, MEASURED[:1], TWINS[:1], 0.0)
+    said = simulated(twin.surrogate, looked.carrying(twin.beyond, twin.known).sessions[0])
     assert np.allclose(said[0], TWINS[0].force, atol=1e-9) and np.allclose(said[1:], TWINS[0].taxels, atol=1e-9)
 
 
@@ -87,8 +88,31 @@ def test_twins_that_do_not_belong():
 
 def test_another_rate_and_another_clock():
     slow = replace(TWINS[0], t=1000.0 + T[::2], depth=None, force=TWINS[0].force[::2], taxels=TWINS[0].taxels[:, ::2])
-    sessions, surrogate, warnings = with_twins(inspect(MEASURED[:1]).sessions, MEASURED[:1], [slow], 0.0)
-    assert np.std(simulated(surrogate, sessions[0])[0] - TWINS[0].force) < 0.02 and "another clock" in warnings[0]
+    looked = inspect(MEASURED[:1])
+    twin = read_twins(looked.sessions, MEASURED[:1], [slow], 0.0)
+    said = simulated(twin.surrogate, looked.carrying(twin.beyond, twin.known).sessions[0])
+    assert np.std(said[0] - TWINS[0].force) < 0.02 and "another clock" in twin.warnings[0]
+
+
+def test_a_dead_taxel_says_what_it_says_whatever_its_twin_says():
+    """Every session of the twin answers; the measured taxel_1 does not, and nothing is left of it to be explained."""
+    level = 0.37
+    dead = [replace(r, taxels=np.vstack([r.taxels[:1], np.full((1, len(r)), level)])) for r in MEASURED]
+    looked = inspect(dead)
+    twin = read_twins(looked.sessions, dead, TWINS, 0.0)
+    for s in looked.carrying(twin.beyond, twin.known).sessions:
+        assert np.abs(residual(twin.surrogate, s)[-1]).max() < 1e-9
+    assert ("dead_taxel", "taxel_1") in names(diagnose(dead[:2], dead[2:], twins=TWINS))
+
+
+def test_clipped_samples_stay_for_the_judgement_of_what_they_are_worth():
+    level = 0.9 * max(r.taxels.max() for r in MEASURED)
+    clipped = [replace(r, taxels=np.minimum(r.taxels, level)) for r in MEASURED]
+    looked = inspect(clipped)
+    twin = read_twins(looked.sessions, clipped, TWINS, 0.0)
+    carried = looked.carrying(twin.beyond, twin.known)
+    for left, before, searched in zip(carried.whole, looked.whole, looked.sessions, strict=True):
+        assert np.array_equal(left.weight, before.weight) and searched.weight.mean() < left.weight.mean()
 
 
 def test_the_command(tmp_path, capsys):

@@ -82,6 +82,12 @@ class Model:
         """The same model with `effect` taken out."""
         return replace(self, effects=tuple(e for e in self.effects if e is not effect))
 
+    def listed_as(self, i: int, parameter: str) -> str:
+        """What tables call a parameter of effect `i`: cause.where.name, from the second effect of the same cause and place on name_2, …"""
+        keys = [(e.cause, e.where) for e in self.effects[: i + 1]]
+        number = keys.count(keys[i])
+        return ".".join((*keys[i], parameter)) + (f"_{number}" if number > 1 else "")
+
     def simulate(self, s: Motion, seed: int | None = None) -> Response:
         """The response to a measured or planned depth. `seed` drives the effects that are random; None leaves those out."""
         rngs = {id(e): rng for e, rng in zip(self.effects, self._generators(seed), strict=True)}

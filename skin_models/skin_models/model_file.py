@@ -56,7 +56,7 @@ def load_model(path: str | os.PathLike) -> Model:
 
 
 def save_model(model: Model, path: str | os.PathLike, std: Mapping[str, float] | None = None) -> None:
-    """Write a model whole or not at all. `std` gives standard errors by parameter, keyed `k1`, or `stress_relaxation.skin.tau`.
+    """Write a model whole or not at all. `std` gives standard errors by parameter, keyed `k1`, or as `Model.listed_as` says.
 
     Raises `ModelError` where it cannot be written.
     """
@@ -71,14 +71,15 @@ def save_model(model: Model, path: str | os.PathLike, std: Mapping[str, float] |
 def model_to_dict(model: Model, std: Mapping[str, float] | None = None) -> dict[str, Any]:
     """The content of the YAML file; changing it leaves the model as it is."""
     std = std or {}
+    spreads = [{p: std[name] for p in e.values if (name := model.listed_as(i, p)) in std} for i, e in enumerate(model.effects)]
     return {
         "schema": SCHEMA,
         "name": model.name,
         "source": model.source,
-        "dispersion": _parameters_to_dict(model.dispersion, std, ""),
+        "dispersion": _parameters_to_dict(model.dispersion, std),
         "shares": [float(share) for share in model.shares],
         **({"positions": {"value": [[float(x), float(y)] for x, y in model.positions], "unit": "m"}} if model.positions else {}),
-        "effects": [_effect_to_dict(e, std) for e in model.effects],
+        "effects": [_effect_to_dict(e, spread) for e, spread in zip(model.effects, spreads, strict=True)],
         **({"notes": deepcopy(model.notes)} if model.notes else {}),
     }
 
@@ -127,12 +128,12 @@ def _effect(entry: Any) -> Effect:
 
 def _effect_to_dict(e: Effect, std: Mapping[str, float]) -> dict[str, Any]:
     form = {"form": e.form} if e.form else {}
-    return {"cause": e.cause, "where": e.where, **form, "parameters": _parameters_to_dict(e, std, f"{e.cause}.{e.where}.")}
+    return {"cause": e.cause, "where": e.where, **form, "parameters": _parameters_to_dict(e, std)}
 
 
-def _parameters_to_dict(thing: Any, std: Mapping[str, float], prefix: str) -> dict[str, Any]:
+def _parameters_to_dict(thing: Any, std: Mapping[str, float]) -> dict[str, Any]:
     def entry(p):
-        spread = {"std": float(std[prefix + p.name])} if prefix + p.name in std else {}
+        spread = {"std": float(std[p.name])} if p.name in std else {}
         return {"value": float(p.value), "unit": p.unit, **spread}
 
     return {p.name: entry(p) for p in parameters_of(thing)}

@@ -20,20 +20,24 @@ SHORT, SHARP = (1.5, 5.0), (3.0, 8.0)
 
 @dataclass(frozen=True)
 class Band:
-    """The common low-pass for data sampled every `dt` seconds."""
+    """The common low-pass for data sampled every `dt` seconds, beside others that are sampled every `slowest` seconds or faster."""
 
     dt: float
     cutoff: float = CUTOFF_HZ
+    slowest: float = 0.0
 
     @property
     def edge(self) -> float:
-        """Cut-off in Hz, at most a fifth of the sampling rate."""
-        return min(self.cutoff, 0.2 / self.dt)
+        """Cut-off in Hz, at most a fifth of the lowest sampling rate."""
+        return min(self.cutoff, 0.2 / max(self.dt, self.slowest))
 
     @property
     def every(self) -> int:
-        """Keep one filtered sample in so many: three times the cut-off is left as the rate."""
-        return max(1, int(1.0 / (self.dt * 3.0 * self.edge)))
+        """Keep one filtered sample in so many: three times the cut-off is left as the rate, the same for all as nearly as their samples let
+        it be."""
+        slowest = max(self.dt, self.slowest)
+        kept = slowest * max(1, int(1.0 / (slowest * 3.0 * self.edge)))
+        return max(1, round(kept / self.dt))
 
     @cached_property
     def kernel(self) -> np.ndarray:

@@ -49,6 +49,7 @@ SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
 LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
 KNOT_S = 20.0
+START_S = 5.0  # s, within which a step is how the session began
 SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
 AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
@@ -244,10 +245,11 @@ def _linear_run(course: Course, g: _Ground) -> Run:
         if any(lasting[name].size < np.count_nonzero(row) for name, row in z.items()):
             moments = lasting
             z, score, charge = _solve(course, g, moments, exactly=True)
+    if course.shape == STEPS:
         moments = {name: m[z[name] != 0.0] for name, m in moments.items()}
         z = {name: row[row != 0.0] for name, row in z.items()}
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
-    said = {s.name: _said(course, moments[s.name], z[s.name]) for s in g.sessions}
+    said = {s.name: _said(course, s, moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
     return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt)
 
@@ -322,10 +324,11 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
     return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
 
 
-def _said(course: Course, moments: np.ndarray, z: np.ndarray) -> Said:
+def _said(course: Course, s: Session, moments: np.ndarray, z: np.ndarray) -> Said:
     """A session's course in words and numbers: steps are added up, a bend is read between its knots."""
     unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
-    return Said.of(_words(course, moments, z), values, unit, None if course.shape == CONSTANT else moments)
+    under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - s.motion.t[0]) > START_S
+    return Said.of(_words(course, moments, z), values, unit, None if course.shape == CONSTANT else moments, under_way)
 
 
 def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
@@ -336,5 +339,5 @@ def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
     if course.carrier == ZERO:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size, scale = SIZES[course.carrier]
-    steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True) if a != 0.0]
+    steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True)]
     return ", ".join(steps) or "none"

@@ -17,7 +17,7 @@ from skin_ident.criticism.proposals import Direction, directions
 from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.resolution import readable, resolved
 from skin_ident.criticism.rivals import Rival, own_rivals, plainest_first, reach
-from skin_ident.criticism.session import Session, without_parting
+from skin_ident.criticism.session import Session, longest, without_parting
 from skin_ident.criticism.settling import settled
 from skin_ident.criticism.start import dispersion_start
 from skin_ident.criticism.survey import Survey, survey
@@ -66,7 +66,6 @@ class Criticism:
     extended: Fit
     named: tuple[Named, ...]
     last: Survey
-    refused: tuple[Named, ...]
     rounds: tuple[tuple[Survey, str | None], ...] = ()
     train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
     held: tuple[Session, ...] = ()
@@ -87,7 +86,7 @@ def criticise(
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
-    search = Search(train, held, (*directions(train[0]), *more), progress, encoder_step, given is None)
+    search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None)
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
@@ -100,7 +99,7 @@ def criticise(
     else:
         weighted = replace(first.model, effects=search.hanging)
         baseline = fit(weighted, weighed(train), first.noise) if search.train[0].free_mass else fitted
-    told = (tuple(search.named), search.survey(), tuple(search.refused), tuple(search.rounds))
+    told = (tuple(search.named), search.survey(), tuple(search.rounds))
     return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held))
 
 
@@ -117,7 +116,6 @@ class Search:
 
     def __post_init__(self) -> None:
         self.named: list[Named] = []
-        self.refused: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []
         self.runs: list[Run] = []
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
@@ -125,6 +123,7 @@ class Search:
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
         self._befores: dict[tuple[str, str], Model] = {}
+        self._surveyed: tuple[Model, list[Session], Survey] | None = None
 
     def run(self, fitted: Fit) -> None:
         """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
@@ -136,18 +135,19 @@ class Search:
             self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
             trials = self._trials(last)
             had = {r.course for r in self.runs}
-            runs = [r for r in worthwhile(self.present.model, self.train, self.noise, self.encoder_step) if r.course not in had]
-            runs = plainest_first(runs)
+            runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
+            runs = plainest_first([r for r in runs if r.course not in had])
             if self._weigh(max([0.0, *(t.score for t in trials), *(r.score for r in runs)])):
                 continue
             own, shared = self._choose(trials, runs)
             taken = own or shared
-            self.rounds.append((last, taken[1].cause if taken else None))
+            alone = not taken and self._take_alone()
+            self.rounds.append((last, taken[1].cause if taken else self.named[-1].cause if alone else None))
             if own:
                 self._take_course(*own)
             elif shared:
                 self._accept(*shared)
-            elif not self._take_alone():
+            elif not alone:
                 return
 
     def _weigh(self, best: float) -> bool:
@@ -189,10 +189,10 @@ class Search:
         return after, self.present.cost - after.cost - run.charge
 
     def survey(self) -> Survey:
-        """Every cause ranked against the present model; the last round's survey where the model has not changed since."""
-        if self.rounds and self.rounds[-1][0].model is self.present.model:
-            return self.rounds[-1][0]
-        return survey(self.present.model, self.train, self.which)
+        """Every cause ranked against the present model; that of last time where neither model nor sessions have changed since."""
+        if self._surveyed is None or self._surveyed[0] is not self.present.model or self._surveyed[1] is not self.train:
+            self._surveyed = self.present.model, self.train, survey(self.present.model, self.train, self.which)
+        return self._surveyed[2]
 
     def _trials(self, last: Survey) -> list[Trial]:
         """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, all
@@ -202,7 +202,7 @@ class Search:
         able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score) and r not in shown]
 
         def tried(causes: list[Ranked]) -> Iterator[Trial]:
-            return (t for t in map(self._trial, causes) if plausible(t, self.train[0]))
+            return (t for t in map(self._trial, causes) if plausible(t, self.train))
 
         trials = [*tried(shown), *islice(tried(able[:LONGEST]), SHORTLIST)]
         enough = WITHIN * max((t.score for t in trials), default=0.0)
@@ -218,7 +218,7 @@ class Search:
         return Trial(r, grown, float(self.present.cost - grown.cost - charge))
 
     def _first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
-        """The best trial that held-out data support. What they do not support is kept in `refused`.
+        """The best trial that held-out data support.
 
         What is small beside the largest effect so far in the same channel may be the imperfect form of that effect, and is not named. Where
         the best explanation is what good hardware has anyway, a lesser one is not looked for.
@@ -237,7 +237,6 @@ class Search:
             seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
             if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
                 return trial.fit, finding
-            self.refused.append(finding)
         return None
 
     def _fallen(self, channel: str) -> float:

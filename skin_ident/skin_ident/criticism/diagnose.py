@@ -36,7 +36,7 @@ from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import Inspected, inspect
 from skin_ident.criticism.residual import simulated, stiffness
 from skin_ident.criticism.scan import diagnose_scans
-from skin_ident.criticism.session import Session, meeting, motion_under, with_reference
+from skin_ident.criticism.session import FITTED, KEPT, Session, longest, meeting, motion_under, with_reference
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.lines import remains
 from skin_ident.criticism.telemetry.noise_level import find_noise
@@ -44,7 +44,7 @@ from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import find_buried, step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling import believed, tell
-from skin_ident.criticism.twin import with_twins
+from skin_ident.criticism.twin import read_twins
 from skin_ident.criticism.usable import belong_together, doubted, something_moves
 from skin_ident.criticism.weighing import said_of
 from skin_ident.separating.choose import separating_experiments
@@ -111,13 +111,13 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     progress("inspecting the recordings")
     looked = inspect(every)
     if twins:
-        sessions, model, warnings = with_twins(looked.sessions, every, twins, skin_mass(every[0]))
-        looked = looked.carrying([s.beyond for s in sessions], [s.weight for s in sessions])
-        every[0] = every[0].warned(*warnings) if warnings else every[0]
+        twin = read_twins(looked.sessions, every, twins, skin_mass(every[0]))
+        model, looked = twin.surrogate, looked.carrying(twin.beyond, twin.known)
+        every[0] = every[0].warned(*twin.warnings) if twin.warnings else every[0]
     train, held = _split(looked.sessions, training)
     step = _encoder_step(every)
     mass = skin_mass(every[0])
-    c = criticise(train, held, model, progress, mass, array_directions(layout, train[0]), step)
+    c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step)
     if c.train[0].free_mass:
         looked = looked.weighed()
         every[0] = every[0].warned(said_of(c.extended.model.dispersion.m, mass, bool(every[0].declared.moving_mass_kg)))
@@ -219,7 +219,9 @@ def _verdict(anything: bool, systematic: bool) -> str:
 def _named_apart(recordings: list) -> list:
     """Sessions whose names are all different, so that findings can speak of them."""
     names = [r.name for r in recordings]
-    return [r if names.count(r.name) == 1 else replace(r, name=f"{r.name} ({i + 1})") for i, r in enumerate(recordings)]
+    while len(set(names)) < len(names):
+        names = [name if names.count(name) == 1 else f"{name} ({i + 1})" for i, name in enumerate(names)]
+    return [r if name == r.name else replace(r, name=name) for r, name in zip(recordings, names, strict=True)]
 
 
 def _split(sessions: list[Session], training: int) -> tuple[list[Session], list[Session]]:
@@ -231,8 +233,8 @@ def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
     """One session as two that believe alternate blocks of it."""
     length = min(BLOCK_S, float(np.ptp(session.t)) / FEWEST_BLOCKS)
     block = np.floor((session.t - session.t[0]) / length).astype(int) % 3
-    fitted = replace(session, name=f"{session.name} (two blocks in three)", weight=session.weight * (block != 2))
-    kept = replace(session, name=f"{session.name} (every third block)", weight=session.weight * (block == 2))
+    fitted = replace(session, name=f"{session.name}{FITTED}", weight=session.weight * (block != 2))
+    kept = replace(session, name=f"{session.name}{KEPT}", weight=session.weight * (block == 2))
     return [fitted], [kept]
 
 

@@ -1,6 +1,5 @@
 """The content of findings.json, schema 1, from a finished criticism."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -20,7 +19,6 @@ from skin_models.model import Model
 from skin_models.parameter import parameters_of
 
 SCHEMA = 1
-START_S = 5.0  # s, within which a step is how the session began
 NOT_MEASURED = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": None, "unit": "N"}
 Experiments = Mapping[tuple[str, str], tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
 
@@ -55,7 +53,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
     for i, e in enumerate(effects):
         for p in parameters_of(e):
             name = p.name if i == 0 else f"{p.name}_{i + 1}"
-            parameters[name] = {"value": p.value, "unit": p.unit, "std": std.get(f"{e.cause}.{e.where}.{p.name}") if i == 0 else None}
+            parameters[name] = {"value": p.value, "unit": p.unit, "std": std.get(f"{e.cause}.{e.where}.{name}")}
     gain = named.gain
     return {
         "cause": named.cause,
@@ -80,7 +78,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
 def advice_on(named: Named) -> str:
     """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
     usual, said = BY_NAME[named.cause].act, " ".join(named.courses.values())
-    if any(float(moment) > START_S for moment in re.findall(r" at ([\d.]+) s", said)):
+    if any(getattr(course, "under_way", False) for course in named.courses.values()):
         return f"look for what happened at the moments that are named (a knock, a plug, a re-mount, a tare in between); then {usual}"
     if " to " in said:
         return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose plug or a tare in between"
@@ -114,7 +112,7 @@ def seen(symptom: Symptom) -> dict[str, Any]:
         "where": symptom.where,
         "channels": list(symptom.channels),
         "parameters": symptom.parameters,
-        "evidence": symptom.evidence,
+        "evidence": dict(symptom.evidence),
         "gain": {**NOT_MEASURED, "channel": symptom.channels[0]},
         "alternatives": [{"cause": c, "where": w, "explains_less_by": 0.0} for c, w in symptom.alternatives],
         "separating_experiment": symptom.apart,

@@ -23,7 +23,8 @@ TOLERANCE = 1e-4  # relative fall of the cost at which a fit has converged
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model: standard errors by label, the whitened cost (sum of squares) and the number of whitened samples."""
+    """A fitted model: standard errors by label, the whitened cost (sum of squares) and the number of whitened samples that
+    count."""
 
     model: Model
     unknowns: tuple[Unknown, ...]
@@ -58,9 +59,9 @@ def fit(
     """Fit the unknowns `which` of `model` (all of them by default), starting from their present values."""
     which = unknowns(model, sessions[0]) if which is None else which
     r = whitened(model, sessions, noise)
-    cost, damping = float(r @ r), 1e-3
+    cost, damping, believed = float(r @ r), 1e-3, int(np.count_nonzero(r))
     if not which:
-        return Fit(model, (), {}, cost, r.size)
+        return Fit(model, (), {}, cost, believed)
     for _ in range(iterations):
         J = stack(tangents(model, sessions, which), sessions, noise)
         accepted, damping, trial, trial_cost = _descend(model, sessions, noise, which, J, r, cost, damping)
@@ -71,7 +72,7 @@ def fit(
         if gained < TOLERANCE * cost:
             break
         r = whitened(model, sessions, noise)
-    return Fit(model, which, _standard_errors(model, sessions, noise, which, cost), cost, r.size)
+    return Fit(model, which, _standard_errors(model, sessions, noise, which, cost), cost, believed)
 
 
 def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:

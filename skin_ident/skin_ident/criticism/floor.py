@@ -17,6 +17,7 @@ import numpy as np
 
 from skin_ident.criticism.criticise import Criticism
 from skin_ident.criticism.faults import PREDICTS
+from skin_ident.criticism.gate import by_block
 from skin_ident.criticism.noise import RICHEST, pursue
 from skin_ident.criticism.residual import residual, simulated, stiffness
 from skin_ident.criticism.session import Session
@@ -113,18 +114,28 @@ def beyond_noise(
     """Channels of which more is `left` (N, held out) than noise can leave, and how many times the floor that is, or where that is less
     what is left of the sessions that were fitted.
 
-    Not so where a fault of the record is in the channel that nothing predicts, or where the excess is within the steps of converter
-    (force k q / sqrt(12)) or encoder, or beside the named causes so small that it may be their own imperfect form.
+    Not so where a fault of the record is in the channel that nothing predicts, where the excess is one accident, within the steps of
+    converter (force k q / sqrt(12)) or encoder, or beside the named causes so small that it may be their own imperfect form.
     """
     random = {channel for s in symptoms if s.cause not in PREDICTS for channel in s.channels}
     shadow = SHADOW * max((n.gain.squares for n in c.named), default=0.0)
     above, fitted = {}, _pooled([residual(c.extended.model, s) for s in c.train], list(c.train))
+    lasting = _but_for_the_worst(c)
     for i, (channel, rms) in enumerate(left.items()):
+        rms *= lasting[i]
         low = max(min(floor[channel]["rms"], float(fitted[i]) * TWICE / WELL_ABOVE), ROUNDING)
         least = max(shadow, _resolution(c, i, channel, encoder_step) ** 2)
         if rms > WELL_ABOVE * low and rms**2 - low**2 > least and channel not in random:
             above[channel] = rms / low
     return above
+
+
+def _but_for_the_worst(c: Criticism) -> np.ndarray:
+    """What is left in each channel (C,) of what was tested without the two seconds that leave most, over all that is left (RMS): a spike is
+    an accident, and no sign that the model is wrong."""
+    tested = c.held or c.train
+    squares = np.concatenate([by_block(residual(c.extended.model, s) ** 2 * s.weight, s) for s in tested], axis=-1)
+    return np.sqrt(1.0 - squares.max(axis=-1) / np.maximum(squares.sum(axis=-1), 1e-300))
 
 
 def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:

@@ -20,6 +20,7 @@ from skin_ident.criticism.whitening import Whitener
 from skin_models.model import Model
 
 BLOCK_S = 2.0
+FEWEST_BLOCKS = 3  # of a session; shorter ones in one that would have fewer
 RESAMPLES = 1000
 MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming
 MUCH = 0.25  # the same from which the plain error is asked no further
@@ -121,7 +122,7 @@ def _refitted(*pairs: tuple[Model, Callable], sessions: list[Session], noise: Wh
 
 def bootstrap_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[float, float]:
     """Relative fall of the mean square of whitened residuals [(C, n), …], and its lower 99 % bound by resampling blocks."""
-    sums = [np.concatenate([_by_block((e**2).sum(axis=0), _block(s)) for e, s in zip(es, sessions, strict=True)]) for es in (before, after)]
+    sums = [np.concatenate([by_block((e**2).sum(axis=0), s) for e, s in zip(es, sessions, strict=True)]) for es in (before, after)]
     draws = _draws(sums[0].size)
     falls = 1.0 - sums[1][draws].sum(axis=1) / np.maximum(sums[0][draws].sum(axis=1), 1e-300)
     return float(1.0 - sums[1].sum() / max(sums[0].sum(), 1e-300)), float(np.percentile(falls, 1.0))
@@ -131,10 +132,10 @@ def rmse_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[
     """RMSE (2, C) before and after, N, and draws of both (2, C, RESAMPLES), from plain residuals [(C, n), …]."""
 
     def sums(es: list[np.ndarray]) -> np.ndarray:
-        return np.concatenate([_by_block(e**2 * s.weight, _block(s)) for e, s in zip(es, sessions, strict=True)], axis=-1)
+        return np.concatenate([by_block(e**2 * s.weight, s) for e, s in zip(es, sessions, strict=True)], axis=-1)
 
     squares = np.array([sums(before), sums(after)])
-    counts = np.concatenate([_by_block(s.weight, _block(s)) for s in sessions], axis=-1)
+    counts = np.concatenate([by_block(s.weight, s) for s in sessions], axis=-1)
     draws = _draws(counts.shape[-1])
     drawn = squares[:, :, draws].sum(axis=-1) / np.maximum(counts[:, draws].sum(axis=-1), 1e-300)
     return np.sqrt(squares.sum(axis=-1) / np.maximum(counts.sum(axis=-1), 1e-300)), np.sqrt(drawn)
@@ -159,15 +160,12 @@ def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], session
     return Gain(channel, carried or (channel,), float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said, spoilt)
 
 
-def _block(s: Session) -> int:
-    return max(int(BLOCK_S / (s.band.dt * s.band.every)), 4)
-
-
 def _draws(blocks: int) -> np.ndarray:
     return np.random.default_rng(0).integers(0, blocks, (RESAMPLES, blocks))
 
 
-def _by_block(rows: np.ndarray, size: int) -> np.ndarray:
-    """Sums over consecutive blocks along the last axis; a short last block is left out."""
+def by_block(rows: np.ndarray, s: Session) -> np.ndarray:
+    """Sums over consecutive blocks of a session along the last axis; a short last block is left out."""
+    size = max(min(int(BLOCK_S / (s.band.dt * s.band.every)), rows.shape[-1] // FEWEST_BLOCKS), 1)
     whole = rows.shape[-1] // size * size
     return rows[..., :whole].reshape(*rows.shape[:-1], -1, size).sum(axis=-1)

@@ -73,9 +73,9 @@ def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit,
 def determined(trial: Fit) -> bool:
     """Whether the instance that came last has a size of its own: two that all but cancel have none, nor has what the model's own numbers
     may as well do."""
-    last = trial.model.effects[-1]
-    sizes = [p for p in parameters_of(last) if p.role == AMPLITUDE]
-    return any(abs(p.value) > SURE * trial.std.get(f"{last.cause}.{last.where}.{p.name}", 0.0) for p in sizes)
+    last = len(trial.model.effects) - 1
+    sizes = [p for p in parameters_of(trial.model.effects[last]) if p.role == AMPLITUDE]
+    return any(abs(p.value) > SURE * trial.std.get(trial.model.listed_as(last, p.name), 0.0) for p in sizes)
 
 
 def unlike_skin(model: Model) -> bool:

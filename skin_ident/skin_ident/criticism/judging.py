@@ -50,7 +50,7 @@ def judge(
 
 
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
-    start = given or dispersion_start(whole[0], mass)
+    start = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects)
     plain = [[without_parting(s, start.dispersion) for s in sessions] for sessions in whole]
     noise = fit_whitener([residual(start, s) for s in plain[0]], [s.weight for s in plain[0]])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)

@@ -11,7 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.gate import bootstrap_fall, rmse_fall
 from skin_ident.criticism.noise import RICHEST, pursue
-from skin_ident.criticism.residual import residual
+from skin_ident.criticism.residual import residual, stiffness
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.survey import Survey
 from skin_ident.criticism.telemetry.quantization import step_of
@@ -60,6 +60,6 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     fall, lower = bootstrap_fall(*([last.noise.apply(e, s.weight) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
-    skin = last.model.dispersion
-    open_to = np.hypot(RESOLVED * (step_of(held[0].raw[c]) or 0.0), (skin.k1 + skin.k2) * encoder_step / np.sqrt(12.0))
+    k = stiffness(last.model, held[0].channels[c])
+    open_to = np.hypot(RESOLVED * max(step_of(s.raw[c]) or 0.0 for s in held), k * encoder_step / np.sqrt(12.0))
     return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to))

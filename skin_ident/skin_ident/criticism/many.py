@@ -20,7 +20,7 @@ from skin_ident.criticism.fitting import fit
 from skin_ident.criticism.proposals import directions
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.residual import residual
-from skin_ident.criticism.session import Session, prepare, without_parting
+from skin_ident.criticism.session import Session, longest, prepare, without_parting
 from skin_ident.criticism.size import affordable
 from skin_ident.criticism.survey import survey
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -109,7 +109,8 @@ def model_of_all(model: Model, taxels: list[int], shares: dict[int, float], more
     """The model of a few taxels with the `shares` of all others, and `more` effects."""
     every = {**shares, **dict(zip(taxels, model.shares, strict=True))}
     effects = tuple(_placed(replace(e, where=renamed(e.where, taxels)), layout) for e in model.effects)
-    return replace(model, shares=tuple(every[i] for i in range(len(every))), effects=(*effects, *more))
+    positions = tuple((float(x), float(y)) for x, y in layout.seen) if model.positions and isinstance(layout, Layout) else ()
+    return replace(model, shares=tuple(every[i] for i in range(len(every))), effects=(*effects, *more), positions=positions)
 
 
 def _placed(e: Effect, layout: Layout | str) -> Effect:
@@ -138,7 +139,7 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
     plain = _without_taxels(c.extended.model, len(taxels), [layout.seen[i] for i in taxels] if isinstance(layout, Layout) else [])
     train, held = ([without_parting(s, plain.dispersion) for s in sessions] for sessions in split(looked.sessions))
     start = replace(plain, shares=_shares(plain, train))
-    which = tuple(d for d in directions(train[0]) if d.where.startswith("taxel_"))
+    which = tuple(d for d in directions(longest(train)) if d.where.startswith("taxel_"))
     search = Search(train, held, which, lambda stage: None, step)
     search.run(fit(start, train, survey(start, train, which).noise))
     search.eliminate()
@@ -176,7 +177,7 @@ def criticism_of_all(
 ) -> Criticism:
     """The criticism with all taxels in its sessions and its model, as the analysis of the array asks for it."""
     own = {s.name: s.beyond for s in (*c.train, *c.held)}
-    sessions = [_whole(r, symptoms) for r in recordings]
+    sessions = [_whole(r, symptoms, max(r.dt for r in recordings)) for r in recordings]
     train, held = (
         [replace(without_parting(s, model.dispersion), beyond=_spread_out(own.get(s.name), s, chosen)) for s in part]
         for part in split(sessions)
@@ -187,13 +188,13 @@ def criticism_of_all(
     return replace(c, extended=extended, last=last, named=named, train=tuple(train), held=tuple(held))
 
 
-def _whole(recording, symptoms: tuple) -> Session:
+def _whole(recording, symptoms: tuple, slowest: float) -> Session:
     names = [c for c in recording.channels if c != "force" or recording.depth is not None]
     bad = np.zeros((len(names), len(recording)), bool)
     for (session, channel), mask in _masks(symptoms):
         if session == recording.name and channel in names:
             bad[names.index(channel)] |= mask
-    return prepare(recording, bad)
+    return prepare(recording, bad, slowest)
 
 
 def _masks(symptoms: tuple) -> Iterator[tuple[tuple[str, str], np.ndarray]]:

@@ -5,7 +5,7 @@ of |r|^2 by least squares on A with the signs that its physics allows,
 
     gain = min |P r|^2 - |P (r - A z)|^2,        z_i >= 0 where the amplitude cannot be negative.
 
-It is twice a log likelihood ratio; `score` charges each direction used half as in the Bayesian information criterion.
+It is twice a log likelihood ratio; `score` charges each direction used as in the Bayesian information criterion.
 """
 
 from dataclasses import dataclass

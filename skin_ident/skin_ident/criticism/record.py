@@ -44,10 +44,13 @@ class Inspected:
     whole: list[Session]
 
     def carrying(self, beyond: list[np.ndarray], weights: list[np.ndarray]) -> "Inspected":
-        """The same with what each session's twin says beyond the model, (C, N), and where it says something (C, n)."""
+        """The same with what each session's twin says beyond the model, (C, N), and where it says something (C, n). A channel that is stuck
+        says what it always says."""
 
         def all_of(sessions: list[Session]) -> list[Session]:
-            return [replace(s, beyond=b, weight=s.weight * w) for s, b, w in zip(sessions, beyond, weights, strict=True)]
+            answers = [np.array([c not in s.stuck for c in s.channels])[:, None] for s in sessions]
+            each = zip(sessions, beyond, weights, answers, strict=True)
+            return [replace(s, beyond=b * a, weight=s.weight * w) for s, b, w, a in each]
 
         return replace(self, sessions=all_of(self.sessions), whole=all_of(self.whole))
 
@@ -73,7 +76,8 @@ def inspect(recordings: list) -> Inspected:
     copies = copies_among(early, recordings[0])
     mended = [_mended(emptied(r, copies), early) for r in recordings]
     mended = _spread_again(mended, early)
-    sessions = [prepare(r, _bad_samples(r, early)) for r in mended]
+    slowest = max(r.dt for r in recordings)
+    sessions = [prepare(r, _bad_samples(r, early), slowest) for r in mended]
     late = _in_residuals(mended, sessions, [s for s in early if s.cause == "data_error"])
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
@@ -81,11 +85,11 @@ def inspect(recordings: list) -> Inspected:
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
     mended = _spread_again(mended, symptoms)
     clipped = [s for s in symptoms if s.cause == "saturation"]
-    whole = [prepare(r, _bad_samples(r, [s for s in symptoms if s not in clipped])) for r in mended]
+    whole = [prepare(r, _bad_samples(r, [s for s in symptoms if s not in clipped]), slowest) for r in mended]
     stuck = _stuck(symptoms) | dict.fromkeys(copies, 0.0)
     if not clipped and not stuck:
         return Inspected(symptoms, whole, whole)
-    searched = [replace(prepare(r, _bad_samples(r, symptoms)), stuck=stuck) for r in mended]
+    searched = [replace(prepare(r, _bad_samples(r, symptoms), slowest), stuck=stuck) for r in mended]
     return Inspected(symptoms, searched, whole)
 
 
@@ -120,13 +124,18 @@ def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
     outliers = find_outliers(names, channels, rest, raw, jumps, n, dt)
-    spiky = {c for s in outliers for c in s.channels}
-    outliers += [s for s in find_pieces(first, sessions, rest) if s.channels[0] not in spiky]
-    bad = [_bad_samples(r, outliers) for r in recordings]
-    rest, raw = ([_bridged(y, b) for y, b in zip(rows, bad, strict=True)] for rows in (rest, raw))
+    clipped = find_saturation(names, channels, _beside(raw, recordings, outliers), predicted, n)
+    known = {("outliers", c) for s in outliers for c in s.channels} | {("saturation", c) for s in (*outliers, *clipped) for c in s.channels}
+    pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in known]
+    rest = _beside(rest, recordings, [*outliers, *pieces])
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]
     lines = find_interference(channels, [rest[i] for i in alike], [predicted[i] for i in alike], dt, n)
-    return [*outliers, *find_saturation(names, channels, raw, predicted, n), *lines]
+    return [*outliers, *pieces, *clipped, *lines]
+
+
+def _beside(rows: list[np.ndarray], recordings: list, symptoms: list[Symptom]) -> list[np.ndarray]:
+    """Rows (C, N) of each recording, bridged where symptoms rule samples out."""
+    return [_bridged(y, _bad_samples(r, symptoms)) for y, r in zip(rows, recordings, strict=True)]
 
 
 def _first_fit(sessions: list[Session]) -> Model:

@@ -5,14 +5,17 @@ from typing import Any
 
 
 class Said(str):
-    """A text; `sizes` are its numbers: {"value", "unit"}, with "at_s" for what begins or is met at a moment."""
+    """A text; `sizes` are its numbers: {"value", "unit"}, with "at_s" for what begins or is met at a moment. `under_way`: something changed
+    after the session had begun."""
 
     sizes: tuple[dict[str, Any], ...] = ()
+    under_way: bool = False
 
     @classmethod
-    def of(cls, words: str, values: Iterable[float], unit: str, moments: Iterable[float] | None = None) -> "Said":
+    def of(cls, words: str, values: Iterable[float], unit: str, moments: Iterable[float] | None = None, under_way: bool = False) -> "Said":
         """`values` in `unit` (SI), each at its moment, s, unless it is there all the time."""
         said = cls(words)
         sizes = [{"value": float(v), "unit": unit} for v in values]
         said.sizes = tuple(sizes if moments is None else ({**q, "at_s": float(m)} for q, m in zip(sizes, moments, strict=True)))
+        said.under_way = under_way
         return said

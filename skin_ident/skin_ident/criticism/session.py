@@ -16,6 +16,7 @@ JUMP = 0.03  # of the greatest force
 RECOVERED = 0.003  # of the greatest depth
 RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s
 SHALLOW = 0.1  # of the greatest depth
+FITTED, KEPT = " (two blocks in three)", " (every third block)"  # what the names of the two parts of a lone session end in
 PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
 
 
@@ -50,9 +51,10 @@ class Session:
         return sum(c.startswith("taxel") for c in self.channels)
 
 
-def prepare(recording, bad: np.ndarray | None = None) -> Session:
-    """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering)."""
-    band = Band(recording.dt)
+def prepare(recording, bad: np.ndarray | None = None, beside: float = 0.0) -> Session:
+    """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering); `beside` is the longest
+    sampling period, s, of the recordings that it is compared with."""
+    band = Band(recording.dt, slowest=beside)
     drive = band.smooth(recording.force) if recording.depth is None else None
     moved = drawn_again(recording.depth) if drive is None else recording.force / NOMINAL
     s = motion(recording.t, band.smooth(moved), band.speed(moved))
@@ -70,6 +72,11 @@ def with_reference(sessions: list[Session]) -> list[Session]:
         return sessions
     first = max(range(len(sessions)), key=lambda i: sessions[i].spread.max())
     return [replace(s, reference=int(np.argmax(s.spread)) if i == first else None) for i, s in enumerate(sessions)]
+
+
+def longest(sessions: list[Session]) -> Session:
+    """The session that lasts longest."""
+    return max(sessions, key=lambda s: s.motion.t[-1] - s.motion.t[0])
 
 
 def without(sessions: list[Session], one: Session) -> tuple[list[Session], Session]:
@@ -143,7 +150,8 @@ def impacts(s: Motion, skin: Dispersion) -> np.ndarray:
     """Mask (N,) of samples beside a contact made or lost at a speed whose damping force alone is more than `JUMP` of the greatest force."""
     greatest = (skin.k1 + skin.k2) * max(float(s.x.max()), 1e-9)
     fast = np.abs((skin.b1 + skin.b2) * s.v) > JUMP * greatest
-    edges = np.diff((s.x > 0.0).astype(int), prepend=int(s.x[0] > 0.0)) != 0
+    touching = (s.x > 0.0) & ~parted(s, skin)
+    edges = np.diff(touching.astype(int), prepend=int(touching[0])) != 0
     return np.convolve(edges & fast, np.ones(5), mode="same") > 0.5
 
 

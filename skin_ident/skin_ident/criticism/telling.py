@@ -10,6 +10,7 @@ from skin_ident.criticism.faults import PREDICTS, UNLIKE, effect_of
 from skin_ident.criticism.floor import beyond_noise, floor_of_all, left_beside, noise_floor
 from skin_ident.criticism.judging import Judged
 from skin_ident.criticism.residual import stiffness
+from skin_ident.criticism.session import FITTED, KEPT
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.unknowns import unknowns, values
 from skin_models.model import Model
@@ -124,7 +125,7 @@ def moved(after: Model, before: Model, c: Criticism) -> dict[str, Any]:
 
 def believed(name: str, c: Criticism) -> np.ndarray | None:
     """Which samples (n,) of a session, filtered and thinned, were compared; None for a session that is not there."""
-    mine = [s for s in (*c.train, *c.held) if s.name == name or s.name.startswith(f"{name} (")]  # a lone session is in two halves
+    mine = [s for s in (*c.train, *c.held) if s.name in (name, name + FITTED, name + KEPT)]
     return np.any([s.weight.min(axis=0) > 0.0 for s in mine], axis=0) if mine else None
 
 

@@ -36,7 +36,7 @@ class Trial:
         return self.ranked.cause, self.ranked.where
 
 
-def plausible(t: Trial, session: Session) -> bool:
+def plausible(t: Trial, sessions: list[Session]) -> bool:
     """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell, but for what the
     skin hands round the taxels. Whether the skin is no filter and no brake. Whether what leaks from one taxel into another is of one sign
     with it. And whether a spread grows with depth or shrinks, not both."""
@@ -46,11 +46,11 @@ def plausible(t: Trial, session: Session) -> bool:
         return False
     if unlike_skin(t.fit.model):
         return False
-    channels = session.channels
+    channels = sessions[0].channels
     if t.ranked.where != "skin" or t.ranked.cause.startswith(("spread", "dead_zone")) or "force" not in channels or len(channels) == 1:
         return True
     without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
-    felt = np.sqrt(np.mean((simulated(t.fit.model, session) - simulated(without, session)) ** 2, axis=1))
+    felt = np.sqrt(sum(np.sum((simulated(t.fit.model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
     return bool(felt[0] > FELT * felt[1:].max())
 
 

@@ -10,7 +10,7 @@ much the twin's stiffness, damping or shares are wrong (`parameters`). A scale o
 a twin whose gain is wrong shall be told so.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,16 +26,25 @@ COVERED = 0.9  # of a recording's time that its twin must cover
 SAME_MOTION = 0.95  # correlation of the two depths
 
 
-def with_twins(sessions: list[Session], recordings: list, twins: list, mass: float) -> tuple[list[Session], Model, list[str]]:
-    """Sessions that carry their twins, the surrogate of all twins, and warnings. `mass` is that of the skin, kg.
+@dataclass(frozen=True, eq=False)
+class Twins:
+    """The surrogate of all twins; by session what its twin says beyond that, (C, N) N, and where it says something, (C, n); warnings."""
+
+    surrogate: Model
+    beyond: list[np.ndarray]
+    known: list[np.ndarray]
+    warnings: list[str]
+
+
+def read_twins(sessions: list[Session], recordings: list, twins: list, mass: float) -> Twins:
+    """What the twins of `sessions` say. `mass` is that of the skin, kg.
 
     Raises `DiagnosisError` where a twin does not belong to its recording.
     """
     pairs = list(zip(recordings, _matched(recordings, twins), strict=True))
     said = [_said(s, r, twin) for s, (r, twin) in zip(sessions, pairs, strict=True)]
     surrogate = _surrogate([s for s, _ in said], mass, [twin.name for _, twin in pairs])
-    carrying = [replace(s, weight=s.weight * t.weight, beyond=_beyond(surrogate, t)) for s, (t, _) in zip(sessions, said, strict=True)]
-    return carrying, surrogate, [w for _, warnings in said for w in warnings]
+    return Twins(surrogate, [_beyond(surrogate, s) for s, _ in said], [s.weight for s, _ in said], [w for _, more in said for w in more])
 
 
 def _matched(recordings: list, twins: list) -> list:
@@ -47,7 +56,8 @@ def _matched(recordings: list, twins: list) -> list:
 
 
 def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
-    """The session with the twin's channels in place of the measured ones, weight 0 where the twin says nothing; and warnings."""
+    """The session with the twin's channels in place of the measured ones, also of those that are stuck, weight 0 where the twin says
+    nothing; and warnings."""
     missing = [c for c in session.channels if c not in twin.channels]
     if missing or len(twin.taxels) != session.n_taxels:
         raise DiagnosisError(f"the twin {twin.name} must carry the channels of {recording.name}: {', '.join(session.channels)}")
@@ -55,7 +65,8 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
     _same_motion(recording, twin, t)
     raw = np.array([np.interp(session.motion.t, t, twin.channels[c]) for c in session.channels])
     known = (session.t >= t[0]) & (session.t <= t[-1])
-    return replace(session, raw=raw, measured=session.band.thin(raw), weight=np.tile(known.astype(float), (len(raw), 1))), warnings
+    weight = np.tile(known.astype(float), (len(raw), 1))
+    return replace(session, raw=raw, measured=session.band.thin(raw), weight=weight, stuck={}), warnings
 
 
 def _clock(recording, twin) -> tuple[np.ndarray, list[str]]:

@@ -54,7 +54,7 @@ def effect_unknowns(model: Model) -> Iterator[Unknown]:
     """The unknowns of the effects alone: all that may change beside a dispersion model that is given."""
     for i, e in enumerate(model.effects):
         for p in parameters_of(e):
-            yield Unknown(i, p, f"{e.cause}.{e.where}.{p.name}")
+            yield Unknown(i, p, model.listed_as(i, p.name))
 
 
 def values(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:

@@ -11,189 +11,158 @@ class Cause:
     """`means` completes "the simulation lacks …"; `act` is the advice; `needs` the experiment that excites it."""
 
     name: str
-    places: tuple[str, ...]
     means: str
     act: str
     needs: str
 
 
-_ANY = ("skin", "rig", "load_cell", "taxel", "clock")
-_SENSORS = ("taxel", "load_cell")
-
 CAUSES: tuple[Cause, ...] = (
     Cause(
         "parameters",
-        ("skin",),
         "the structure is right, the numbers of the given model are wrong",
         "use the refitted parameters",
         "a given model (--model) to compare with",
     ),
     Cause(
         "nonlinear_stiffness",
-        ("skin",),
         "force is not proportional to depth",
         "use the extended model; keep the linear one only within the depth it was fitted on",
         "a slow sweep over the whole depth",
     ),
     Cause(
         "stress_relaxation",
-        ("skin",),
         "force decays while the depth is held",
         "use the Prony terms of the extended model; calibrate static loads after the longest time constant",
         "holds of several seconds at depth",
     ),
     Cause(
         "rate_dependence",
-        ("skin",),
         "damping is not proportional to speed",
         "use the extended model where speeds vary",
         "the same path at three or more speeds, a decade apart",
     ),
     Cause(
         "hysteresis",
-        ("skin", "taxel", "load_cell"),
         "loading and unloading follow different curves at any speed",
         "compensate with the fitted operator, or read only while loading",
         "loops of several amplitudes at two or more speeds",
     ),
     Cause(
         "cyclic_softening",
-        ("skin",),
         "the first cycle to a new depth is stiffer than the next",
         "pre-cycle the skin to its full depth before use",
         "virgin cycles that go deeper step by step, each repeated",
     ),
     Cause(
         "adhesion",
-        ("skin",),
         "the skin pulls on the plunger while it leaves",
         "dust or lubricate the surface, or use the extended model near contact",
         "slow and fast withdrawals right out of contact",
     ),
     Cause(
         "dead_zone",
-        ("skin", "taxel"),
         "nothing is transmitted below a threshold",
         "preload the taxel, or accept the smallest force it can see",
         "light touches around the contact",
     ),
     Cause(
         "friction",
-        ("rig", "load_cell"),
         "the force steps with the sign of the speed",
         "look for rubbing of the plunger, its guide or the cable",
         "reversals at constant speed, in the air too",
     ),
-    Cause(
-        "position_offset", ("rig",), "the zero of depth is not the surface", "zero at contact again", "approaches from the air into contact"
-    ),
+    Cause("position_offset", "the zero of depth is not the surface", "zero at contact again", "approaches from the air into contact"),
     Cause(
         "mount_compliance",
-        ("rig",),
         "the encoder moves further than the plunger's tip",
         "stiffen the mount, or correct the depth by force over stiffness",
         "a press on a rigid target, or skins of two thicknesses on the same mount",
     ),
     Cause(
         "backlash",
-        ("rig",),
         "depth is lost at every reversal",
         "preload the stage or approach from one side",
         "reversals in contact with small and large strokes",
     ),
     Cause(
         "off_centre",
-        ("rig",),
         "contact is not where it was said to be",
         "centre the plunger over the taxel again",
         "three or more taxels with known positions, or a lateral scan",
     ),
     Cause(
         "inertia",
-        ("rig",),
         "a real mass moves between load cell and skin",
         "weigh plunger and adapter, and subtract their inertia",
         "quick motion in the air",
     ),
     Cause(
         "gain_error",
-        _SENSORS,
         "the slope of a calibration is off, or changed part-way",
         "calibrate this sensor again",
         "a known load, or the same press at start and end of the session",
     ),
-    Cause("force_offset", _SENSORS, "a constant bias", "tare the sensor in the air", "free air before and after"),
+    Cause("force_offset", "a constant bias", "tare the sensor in the air", "free air before and after"),
     Cause(
         "drift",
-        _SENSORS,
         "the zero, the gain or the reading under load creeps with time",
         "warm up, tare often, or model the drift",
         "free air before and after, and long holds",
     ),
     Cause(
         "saturation",
-        _SENSORS,
         "the reading clips",
         "stay below the level, or extend the range",
         "a press beyond the largest force of interest",
     ),
     Cause(
         "quantization",
-        ("taxel", "load_cell", "rig"),
         "steps are coarser than declared, or than the noise",
         "check range and resolution of the converter",
         "declared steps in rig.yaml (force_step_n, taxel_step_n, encoder_step_um)",
     ),
     Cause(
         "lag",
-        _SENSORS,
         "the sensor follows with a lag",
         "remove the filter, or undo the lag before using fast signals",
         "sinusoids or a multisine up to a few Hz",
     ),
     Cause(
         "time_shift",
-        ("clock",),
         "a channel is late, or its clock runs at another rate",
         "synchronise the clocks, or shift the channel by what was found",
         "quick motion at the start and at the end",
     ),
     Cause(
         "crosstalk",
-        ("taxel",),
         "a taxel repeats its neighbour beyond what the spread explains",
         "check wiring and multiplexer",
         "two or more taxels, loaded one at a time",
     ),
     Cause(
         "interference",
-        _SENSORS,
         "a periodic disturbance, often aliased mains",
         "shield, or filter before sampling",
         "half a minute of any recording",
     ),
-    Cause("outliers", _ANY, "spikes, drop-outs or frozen samples", "check cables and driver", "any recording"),
-    Cause("dead_taxel", ("taxel",), "a taxel is stuck or open", "replace the taxel, or mask it", "presses that reach every taxel"),
+    Cause("outliers", "spikes, drop-outs or frozen samples", "check cables and driver", "any recording"),
+    Cause("dead_taxel", "a taxel is stuck or open", "replace the taxel, or mask it", "presses that reach every taxel"),
     Cause(
         "noise",
-        _ANY,
         "the noise is not what was declared",
         "look for its source before trusting small signals",
         "a declared noise level in rig.yaml",
     ),
-    Cause("spread_width", ("skin",), "the Gaussian is the right shape with the wrong width", "use the fitted width", "a lateral scan"),
-    Cause("spread_shape", ("skin",), "the spread is not a Gaussian", "use the fitted kernel", "a lateral scan with at least six distances"),
+    Cause("spread_width", "the Gaussian is the right shape with the wrong width", "use the fitted width", "a lateral scan"),
+    Cause("spread_shape", "the spread is not a Gaussian", "use the fitted kernel", "a lateral scan with at least six distances"),
     Cause(
         "spread_depth",
-        ("skin",),
         "the width of the spread changes with depth",
         "use the depth-dependent width",
         "lateral scans at three or more depths",
     ),
-    Cause(
-        "anisotropy", ("skin",), "the width of the spread differs by direction", "use a width per direction", "lateral scans in x and in y"
-    ),
-    Cause("data_error", _ANY, "the record itself is wrong", "record again; do not fit this", "any recording"),
+    Cause("anisotropy", "the width of the spread differs by direction", "use a width per direction", "lateral scans in x and in y"),
+    Cause("data_error", "the record itself is wrong", "record again; do not fit this", "any recording"),
 )
 
 BY_NAME = {c.name: c for c in CAUSES}

@@ -54,9 +54,14 @@ def said_of(mass: float, before: float, declared: bool) -> str:
             f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "
             "load cell that was tared with it, and to be felt by its inertia alone"
         )
+    if mass < before:
+        return (
+            f"the model's mass was fitted, {mass:.3g} kg: with that of the skin ({1e3 * before:.3g} g) the record cannot be explained, since "
+            f"its weight would take {force:.3g} N from the load cell while the plunger touches"
+        )
     of = "the declared one" if declared else "that of the skin"
     return (
-        f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.2g} g) the record cannot be explained. It "
+        f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.3g} g) the record cannot be explained. It "
         f"stands for a force of {force:.3g} N that is missing while the plunger touches; weigh what moves with the skin "
         "(moving_mass_kg in rig.yaml), or look for what else takes that force"
     )

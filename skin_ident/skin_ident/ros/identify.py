@@ -126,9 +126,9 @@ class Run:
 
 
 def _of_model(model: Model, std: Mapping[str, float]) -> dict[str, list]:
-    """Dispersion parameters by name, those of effects as cause.where.name; a standard error that is not known is NaN."""
+    """Dispersion parameters by name, those of effects as `Model.listed_as` says; a standard error that is not known is NaN."""
     named = [(p.name, p) for p in parameters_of(model.dispersion)]
-    named += [(f"{e.cause}.{e.where}.{p.name}", p) for e in model.effects for p in parameters_of(e)]
+    named += [(model.listed_as(i, p.name), p) for i, e in enumerate(model.effects) for p in parameters_of(e)]
     return {
         "parameter_names": [name for name, _ in named],
         "values": [float(p.value) for _, p in named],

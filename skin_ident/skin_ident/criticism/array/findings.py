@@ -14,6 +14,7 @@ from skin_ident.criticism.vocabulary import BY_NAME
 
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
 CHANGED = "; a gain of {} that is not the same in all sessions would explain as much"
+UNTOLD = "the ratios of these taxels under these contacts are those of a spread of a little other width"
 SILENT = 0.01  # of the largest share
 POSSIBLE = 0.5  # probability that something is wrong, below which causes are excluded
 
@@ -89,12 +90,17 @@ def _quantity(value: float, unit: str, std: float) -> dict[str, Any]:
 
 
 def excluded(a: ArrayCriticism) -> Iterator[dict[str, Any]]:
-    """Bounds on what the ratios would have shown, where they speak for nothing."""
+    """Bounds on what the ratios would have shown, where they speak for nothing: 95 % of the likelihood alone, without what is expected."""
     if a.judgement.sure > POSSIBLE:
         return
-    for j in a.judgement.causes:
+    for j in filter(_told, a.judgement.unaided):
         worst = max((abs(q["value"]) + 1.96 * q["std"], q["unit"], name) for name, q in _departures(j, a.layout).items())
         yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "parameter": worst[2], "below": float(worst[0]), "unit": worst[1]}
+
+
+def _told(j: Judged) -> bool:
+    """Whether the ratios say more of a cause than was to be expected of it before anything was measured."""
+    return all(j.fit.std[name] < std for name, std in j.hypothesis.free.items())
 
 
 def _departures(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
@@ -117,6 +123,10 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
         }
     if "anisotropy" not in said:
         yield {"cause": "anisotropy", "because": "taxels and contacts lie in one row", "needs": BY_NAME["anisotropy"].needs}
+    if a.judgement.sure <= POSSIBLE:
+        for j in a.judgement.unaided:
+            if not _told(j):
+                yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "because": UNTOLD, "needs": SCAN}
     if not a.named and a.judgement.sure > POSSIBLE:
         because = f"{_scatter(a)}, which calibrations or positions off by as much would explain too"
         yield from ({"cause": c, "because": because, "needs": SCAN} for c in said if c not in ("spread_width", "anisotropy"))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.criticism.fitting import tangents
+from skin_ident.criticism.gate import by_block
 from skin_ident.criticism.residual import placed, residual, simulated
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.unknowns import unknowns
@@ -61,10 +62,22 @@ def _step(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.nda
     near = np.r_[np.full(shares.size, 1e-9), np.ones(len(others))]  # the others: one scaled unit either way
     inverse = np.linalg.inv(J.T @ J + np.diag(near))
     change = inverse @ (J.T @ r)
-    left = r - J @ change
-    inflated = max(1.0, float(left @ left) / max(int(np.count_nonzero(r)) - len(D), 1))
+    own = inverse[: shares.size, : shares.size]
+    inflated = max(1.0, _scatter(J * (r - J @ change)[:, None], inverse, own, s))
     floor = (MODEL * shares.max()) ** 2 * np.eye(shares.size)
-    return shares + change[: shares.size], inflated * inverse[: shares.size, : shares.size] + floor
+    return shares + change[: shares.size], inflated * own + floor
+
+
+def _scatter(scores: np.ndarray, inverse: np.ndarray, own: np.ndarray, s: Session) -> float:
+    """How much more the shares scatter than white residuals would let them, as the blocks of the session tell, (R, U) scores: noise that
+    grows with the load, or has a longer memory than its model.
+
+    Source: H. White, Econometrica 48, 817 (1980), by blocks as in W. Newey, K. West, Econometrica 55, 703 (1987).
+    """
+    by_channel = scores.T.reshape(len(inverse), len(s.channels), -1)
+    blocks = by_block(by_channel.sum(axis=1), s)
+    found = (inverse @ blocks @ blocks.T @ inverse)[: len(own), : len(own)]
+    return float(np.trace(np.linalg.solve(own, found))) / len(own)
 
 
 def _swallowed(model: Model, s: Session, value: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ REACH = 3.0  # log odds within which a rival cannot be told from the best,
 AT_ONE_PLACE = 10.0  # and where all sessions press at one place: then causes differ by the very shape of spread and leak alone
 MOST_SUSPECTS = 6
 MOST_REPEATS = 4
+WIDER = 10.0  # times what a cause is like: a prior that does not help to bound it
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +36,13 @@ class Judged:
 @dataclass(frozen=True, eq=False)
 class Judgement:
     """Nothing wrong, and every cause, the most probable first; `sure` is the probability that something is wrong; `changed` is the taxel
-    whose gain has most probably changed between sessions, with the log odds of that; `reach` is how much less a rival's may be."""
+    whose gain has most probably changed between sessions, with the log odds of that; `reach` is how much less a rival's may be; `unaided`
+    are the causes in their order, fitted as if nothing was known of their size."""
 
     nothing: Judged
     causes: tuple[Judged, ...]
     sure: float
+    unaided: tuple[Judged, ...] = ()
     changed: tuple[str, float] = ("", -np.inf)
     reach: float = REACH
 
@@ -81,11 +84,18 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     wrong = np.logaddexp.reduce([c.log_odds for c in causes])
     sure = float(1.0 / (1.0 + np.exp(-min(wrong, 700.0))))
     reach = REACH if layout.several_contacts else AT_ONE_PLACE
-    judgement = Judgement(replace(nothing, log_odds=0.0), tuple(causes), sure, reach=reach)
+    unaided = tuple(_unaided(family, measured, c) for c in causes)
+    judgement = Judgement(replace(nothing, log_odds=0.0), tuple(causes), sure, unaided, reach=reach)
     if not (judgement.named and layout.several_contacts):
         return judgement
     taxel, log = _changed(family, measured, mixture, suspects)
     return replace(judgement, changed=(taxel, log - nothing.log_odds))
+
+
+def _unaided(family: Family, measured: Gains, j: Judged) -> Judged:
+    """The cause fitted with a prior too wide to help, in the component of the mixture that suits it best."""
+    wide = {name: WIDER * std for name, std in j.hypothesis.free.items()}
+    return replace(j, fit=fitted(family, measured, j.background.scatter, {"width": j.background.width, **wide}))
 
 
 def _changed(family: Family, measured: Gains, mixture: list[Background], suspects: list[int]) -> tuple[str, float]:

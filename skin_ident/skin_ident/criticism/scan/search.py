@@ -51,7 +51,6 @@ class Search:
     baseline: Fit
     extended: Fit
     named: tuple[Named, ...]
-    refused: tuple[Named, ...]
     noise: Estimated
     judge: Judge
     last: tuple[Trial, ...]
@@ -63,7 +62,6 @@ def search(start: Member, s: Setting, progress: Progress = lambda stage: None) -
     noise = estimate(start, s.cells, s.rich, s.floor)
     baseline = present = fit(start, s.cells, noise.noise.whitener())
     named: list[Named] = []
-    refused: list[Named] = []
     rounds = []
     while True:
         progress("estimating the noise")
@@ -71,7 +69,7 @@ def search(start: Member, s: Setting, progress: Progress = lambda stage: None) -
         if len(named) == MOST_FINDINGS:
             break
         progress("holding out depths and distances")
-        found = _first_believed(present, promising(trials, [n.candidate for n in named], noise, s), noise, s, refused)
+        found = _first_believed(present, promising(trials, [n.candidate for n in named], noise, s), noise, s)
         rounds.append((trials, found and found[1].candidate.cause))
         if found is None:
             break
@@ -90,11 +88,11 @@ def search(start: Member, s: Setting, progress: Progress = lambda stage: None) -
     verdict = judge_in(noise, s)
     named = [n if n.or_placing else replace(n, rivals=_rivals(present, n, named, noise, s)) for n in named]
     baseline = fit(baseline.member, s.cells, noise.noise.whitener())
-    return Search(baseline, present, tuple(named), tuple(refused), noise, verdict, trials, tuple(rounds))
+    return Search(baseline, present, tuple(named), noise, verdict, trials, tuple(rounds))
 
 
-def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Setting, refused: list[Named]):
-    """The best trial that held-out cells support, as (fit, finding), or None. What they do not support is kept in `refused`."""
+def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Setting):
+    """The best trial that held-out cells support, as (fit, finding), or None."""
     causes: list[str] = []
     for t in trials:
         if t.candidate.cause in causes:
@@ -103,10 +101,8 @@ def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Sett
         if len(causes) > SHORTLIST:
             break
         gain = gain_of(present.member, t.fit.member, t.candidate, noise.noise, s.cells, s.test)
-        finding = Named(t.candidate, gain, t.score)
         if gain.passed:
-            return t.fit, finding
-        refused.append(finding)
+            return t.fit, Named(t.candidate, gain, t.score)
     return None
 
 

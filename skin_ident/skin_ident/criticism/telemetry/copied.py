@@ -52,12 +52,15 @@ def _within(recordings: list, again: list[Repeat], known: dict[str, np.ndarray])
 
 
 def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
-    """Whether the depth, or another channel, did not repeat: a converter coarse beside the noise reads the same of the same motion."""
+    """Whether the depth, or another channel, did not repeat while this one changed: a converter coarse beside the noise reads the same of
+    the same motion, and of anything that happens before the plunger touches."""
     at, source = recordings[again.at], recordings[again.source]
     others = [c for c in at.channels if c != channel]
     pairs = [(at.depth, source.depth)] if at.depth is not None else [(at.channels[c], source.channels[c]) for c in others]
     here, there = (slice(start, start + again.length) for start in (again.start, again.origin))
-    apart = [(one[here] - other[there]) / max(np.ptp(one), 1e-300) for one, other in pairs]
+    y = at.channels[channel][here]
+    changed = np.diff(y, prepend=y[:1]) != 0.0
+    apart = [(one[here] - other[there])[changed] / max(np.ptp(one), 1e-300) for one, other in pairs]
     return any(2.0 * np.std(d) + abs(np.mean(d)) > ELSEWHERE for d in apart)
 
 

@@ -68,7 +68,7 @@ def _recurring(codes: list[np.ndarray], size: int) -> tuple[np.ndarray, np.ndarr
     powers = np.cumprod(np.full(size, MULTIPLIER))
     at, start, hashes = [], [], []
     for k, row in enumerate(codes):
-        for begin in range(0, row.size - size, PART):
+        for begin in range(0, row.size - size + 1, PART):
             windows = sliding_window_view(row[begin : begin + PART + size - 1], size)
             lively = np.flatnonzero(_different(windows) >= LIVELY * size // WINDOW)
             at.append(np.full(lively.size, k))
