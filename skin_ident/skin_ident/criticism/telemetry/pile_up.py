@@ -1,4 +1,5 @@
-"""Saturation: samples pile up at one level, whatever came before, while the model goes on beyond it."""
+"""Saturation: samples pile up at one level, whatever came before, while the model goes on beyond it, or where the noise of several
+steps that the channel has elsewhere is gone: a first model may be bent by what clips, or by what else is wrong, as far as the level."""
 
 import numpy as np
 
@@ -7,7 +8,8 @@ from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 FEWEST_VISITS = 2  # separate times at the level
 FEWEST_SAMPLES = 10
 PILED = 4.0  # times as many samples at the level as at each of the five below it
-BEYOND = 2.0  # noise widths by which the simulation must exceed the level there
+BEYOND = 2.0  # noise widths by which the simulation must exceed the level there,
+NOISY = 2.0  # unless noise is so many of the converter's steps: then it lets no reading be met that often
 
 
 def find_saturation(
@@ -19,7 +21,9 @@ def find_saturation(
         y, model = np.concatenate([r[c] for r in raw]), np.concatenate([m[c] for m in simulated])
         level, at = _pile(y)
         width = 1.4826 * float(np.median(np.abs(y - model - np.median(y - model))))
-        if level is None or np.median(model[at] - y[at]) < BEYOND * max(width, 1e-9) or _visits(at) < FEWEST_VISITS:
+        if level is None or _visits(at) < FEWEST_VISITS:
+            continue
+        if np.median(model[at] - y[at]) < BEYOND * max(width, 1e-9) and not _noise_stops([r[c] for r in raw], at):
             continue
         why = f"{int(at.sum())} samples of {channel} sit at {level:.4g} N in {_visits(at)} visits while the load goes on rising"
         bad = {(name, channel): r[c] >= y[at].min() for name, r in zip(names, raw, strict=True) if np.any(r[c] >= y[at].min())}
@@ -34,6 +38,16 @@ def _pile(y: np.ndarray) -> tuple[float | None, np.ndarray]:
     levels, counts = np.unique(y[y >= top - 0.1 * (top - y.min())], return_counts=True)
     usual = float(np.mean(counts[-6:-1])) if levels.size > 5 else float("inf")
     return (top, at) if at.sum() >= max(FEWEST_SAMPLES, PILED * usual) else (None, at)
+
+
+def _noise_stops(rows: list[np.ndarray], at: np.ndarray) -> bool:
+    """Whether the samples `at` the level are without the noise that all others have, by second differences of each row."""
+    off = np.split(~at, np.cumsum([y.size for y in rows])[:-1])
+    bends = np.concatenate([np.abs(np.diff(y, 2))[o[:-2] & o[1:-1] & o[2:]] for y, o in zip(rows, off, strict=True)])
+    levels = np.unique(np.concatenate(rows))
+    if bends.size == 0 or levels.size < 2:
+        return False
+    return 1.4826 * float(np.median(bends)) / np.sqrt(6.0) > NOISY * float(np.median(np.diff(levels)))
 
 
 def _visits(at: np.ndarray) -> int:
