@@ -65,7 +65,7 @@ def experiment(pair: Pair, recordings: list) -> Experiment:
     first = survey(start, sessions, which)
     before = fit(start, sessions, first.noise)
     ranked = {(r.cause, r.where): r for r in survey(before.model, sessions, which, first.noise).ranked}
-    models = {rival: grow(before, ranked[rival], sessions, which, first.noise).model for rival in pair.rivals}
+    models = {rival: grow(before, ranked[rival], sessions, which, first.noise)[0].model for rival in pair.rivals}
     (one, other), gain = pair.rivals, Gain("force", ("force",), 1.0, 1.0, (0.0, 0.0), 0.0, 0.0, "")
     named = Named(*one, gain, 0.0, (Rival(*other, 0.0, models[other]),), before.model, models[one])
     return separating_experiment(named, sessions, first.noise, directions(sessions[0]))

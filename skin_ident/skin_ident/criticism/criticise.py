@@ -213,9 +213,12 @@ class Search:
 
     def _trial(self, r: Ranked) -> Trial:
         self.progress(f"trying {r.cause} in the {r.where}")
-        grown = grow(self.present, r, self.train, self.which, self.noise)
-        charge = np.log(grown.count) * (len(grown.unknowns) - len(self.present.unknowns))
-        return Trial(r, grown, float(self.present.cost - grown.cost - charge))
+        grown, *plainer = (self._scored(r, after) for after in grow(self.present, r, self.train, self.which, self.noise))
+        return replace(grown, plainer=next(iter(plainer), None))
+
+    def _scored(self, r: Ranked, after: Fit) -> Trial:
+        charge = np.log(after.count) * (len(after.unknowns) - len(self.present.unknowns))
+        return Trial(r, after, float(self.present.cost - after.cost - charge))
 
     def _first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support.
@@ -223,11 +226,11 @@ class Search:
         What is small beside the largest effect so far in the same channel may be the imperfect form of that effect, and is not named. Where
         the best explanation is what good hardware has anyway, a lesser one is not looked for.
         """
-        for trial in (t for t in trials if t.score > 0.0):
+        for trial in (form for t in trials for form in t.forms if form.score > 0.0):
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
             gain = self._gain(self.present.model, trial.fit.model, trial.key[1])
-            rivals = [t for t in trials if t is not trial and self._rivals(t, trial, gain)]
+            rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
             alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
             alternatives += same_by_nature(trial, trials, {a.key for a in alternatives}, self.train)

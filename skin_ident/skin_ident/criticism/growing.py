@@ -27,10 +27,11 @@ AT_ONCE = 0.05  # s, what passes the common band as damping does
 SLIPPING = 3e-6  # m, a path that no skin is bent by before it slips
 
 
-def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> Fit:
-    """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters."""
+def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> tuple[Fit, ...]:
+    """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters: the fit with
+    all that are, and that with the first alone where they are several."""
     own = tuple(d for d in which if (d.cause, d.where) == (best.cause, best.where))
-    present, ranked, first = start, best, 0.0
+    present, ranked, first, stages = start, best, 0.0, []
     for _ in range(MOST):
         trial, sessions = _settled(_with_instance(present, ranked, sessions, noise), sessions, noise)
         gained = present.cost - trial.cost
@@ -38,13 +39,14 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         if gained < max(10.0, WORTH * first) or not (present is start or (determined(trial) and not unlike_skin(trial.model))):
             break
         present = _refined(trial, gained, sessions, noise)
+        stages.append(present)
         own = tuple(d for d in own if _adds(d, present.model))
         if not own:
             break
         ranked = survey(present.model, sessions, own, noise).ranked[0]
         if ranked.best_gain < max(10.0, WORTH * first):
             break
-    return present
+    return (present, *stages[: len(stages) > 1])
 
 
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:

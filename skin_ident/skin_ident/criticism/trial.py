@@ -24,16 +24,23 @@ STIFFER = (("nonlinear_stiffness", "skin"), ("rate_dependence", "skin"))
 
 @dataclass(frozen=True)
 class Trial:
-    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters."""
+    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters; `plainer` is the same with its first
+    instance alone, where it has several."""
 
     ranked: Ranked
     fit: Fit
     score: float
+    plainer: "Trial | None" = None
 
     @property
     def key(self) -> tuple[str, str]:
         """Cause and place."""
         return self.ranked.cause, self.ranked.where
+
+    @property
+    def forms(self) -> tuple["Trial", ...]:
+        """What may be believed of the cause: many instances may reach beyond what they were fitted to in the wrong way, and the first not."""
+        return (self, self.plainer) if self.plainer else (self,)
 
 
 def plausible(t: Trial, sessions: list[Session]) -> bool:

@@ -56,8 +56,8 @@ def said_of(mass: float, before: float, declared: bool) -> str:
         )
     if mass < before:
         return (
-            f"the model's mass was fitted, {mass:.3g} kg: with that of the skin ({1e3 * before:.3g} g) the record cannot be explained, since "
-            f"its weight would take {force:.3g} N from the load cell while the plunger touches"
+            f"the model's mass was fitted, {mass:.3g} kg: with that of the skin ({1e3 * before:.3g} g) the record cannot be explained, "
+            f"since its weight would take {force:.3g} N from the load cell while the plunger touches"
         )
     of = "the declared one" if declared else "that of the skin"
     return (

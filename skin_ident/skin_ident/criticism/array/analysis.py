@@ -13,26 +13,33 @@ from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener
 from skin_models.model import Model
 
+MOST = 0.67  # of what the ratios get wrong (mean square), which a cause must account for to be named
 DOUBTED = 0.1  # relative error granted to the share of a taxel in which another fault was found
 BENDING = ("saturation", "dead_zone", "hysteresis", "lag", "gain_error", "drift", "crosstalk", "nonlinear_stiffness")
 
 
 @dataclass(frozen=True, eq=False)
 class ArrayCriticism:
-    """What was found: `gain` is None where no cause was sure enough to be tried on held-out data."""
+    """What was found: `gain` is None where no cause was sure enough to be tried on held-out data; `least` is what shares as measured leave
+    there, N."""
 
     layout: Layout
     measured: Gains
     judgement: Judgement
     gain: Gain | None
+    least: float = 0.0
 
     @property
     def named(self) -> bool:
-        """Whether a cause is sure, and held-out sessions are predicted better with it beyond doubt and by enough to matter.
+        """Whether a cause is sure, held-out sessions are predicted better with it beyond doubt and by enough to matter, and it accounts for
+        most of what the ratios get wrong.
 
         The whitened gain need not be large: a static share is slow, and under coloured noise there is little of it to whiten.
         """
-        return self.gain is not None and self.gain.lower > 0.0 and self.gain.after < (1.0 - MATERIAL_RMSE) * self.gain.before
+        gain = self.gain
+        if gain is None or gain.lower <= 0.0 or gain.after >= (1.0 - MATERIAL_RMSE) * gain.before:
+            return False
+        return gain.squares > MOST * (gain.before**2 - self.least**2)
 
 
 def analyse(
@@ -48,7 +55,7 @@ def analyse(
     best = judgement.named
     if best is None:
         return ArrayCriticism(layout, measured, judgement, None)
-    return ArrayCriticism(layout, measured, judgement, held_out_gain(model, layout, measured, sessions, held, noise, best))
+    return ArrayCriticism(layout, measured, judgement, *held_out_gain(model, layout, measured, sessions, held, noise, best))
 
 
 def _granted(measured: Gains, doubted: list[int]) -> Gains:

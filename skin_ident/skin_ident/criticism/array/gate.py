@@ -13,7 +13,7 @@ from skin_ident.criticism.array.hypotheses import EXACT
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.gate import Gain, gain_of_residuals
-from skin_ident.criticism.residual import residual
+from skin_ident.criticism.residual import residual, rmse
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.whitening import Whitener
 from skin_models.model import Model
@@ -21,9 +21,10 @@ from skin_models.model import Model
 
 def held_out_gain(
     model: Model, layout: Layout, measured: Gains, sessions: list[Session], held: list[int], noise: Whitener, best: Judged
-) -> Gain:
-    """The gain on the sessions `held` (indices). Where there are none, or where sessions press at different places and one of them may not
-    show the cause, each of the others in turn is left out of the fit as well.
+) -> tuple[Gain, float]:
+    """The gain on the sessions `held` (indices), and what is left there (RMSE, N, in the channel that gains most) where every taxel has the
+    share that was measured. Where there are none, or where sessions press at different places and one of them may not show the cause, each
+    of the others in turn is left out of the fit as well.
 
     Before, nothing is free but a width that is only expected, and not known.
     """
@@ -33,13 +34,15 @@ def held_out_gain(
     said = " and ".join([*(sessions[i].name for i in held), *(["each session in turn"] if in_turn else [])])
     around = best.background
     width = {"width": around.width} if around.width > EXACT else {}
-    before, after, judged = [], [], []
+    before, after, judged, least = [], [], [], []
     for fit_on, try_on in folds:
         for errors, free in ((before, width), (after, {**width, **best.hypothesis.free})):
             shares = _predicted(layout, measured, fit_on, try_on, around.scatter, free)
             errors += [residual(*with_shares(model, sessions[i], row)) for i, row in zip(try_on, shares, strict=True)]
         judged += [sessions[i] for i in try_on]
-    return gain_of_residuals(before, after, judged, noise, said)
+        least += [residual(*with_shares(model, sessions[i], measured.value[i])) for i in try_on]
+    gain = gain_of_residuals(before, after, judged, noise, said)
+    return gain, rmse(least, judged)[gain.channel]
 
 
 def _predicted(layout: Layout, measured: Gains, fit_on: list[int], try_on: list[int], scatter: float, free: dict) -> np.ndarray:
