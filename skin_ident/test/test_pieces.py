@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from world import make_sessions, write_table
+from world.noise import Noise
 
 from skin_ident.criticism.record import inspect
 from skin_ident.recordings.load import load
@@ -50,4 +51,18 @@ def test_a_piece_that_lasts_is_an_outlier_and_is_not_believed(tmp_path, spoil, w
 @pytest.mark.parametrize("seed", range(4))
 def test_heavy_tails_and_colour_are_no_pieces(tmp_path, seed):
     looked = inspect(record(tmp_path, lambda s, rng: s, 40 + seed, noise="ar_t3"))
+    assert not [s for s in looked.symptoms if "pieces" in s.evidence]
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_one_kick_that_fades_as_the_noise_does_is_noise(tmp_path, seed):
+    """A single innovation of 3 N, where the noise of a few hundredths has a memory of two seconds."""
+
+    def kicked(s, rng):
+        y, n = s.force.copy(), s.force.size
+        at = n // 2
+        y[at:] += 3.0 * 0.995 ** np.arange(n - at)
+        return replace(s, force=y)
+
+    looked = inspect(record(tmp_path, kicked, seed, noise=Noise("ar", 1.0, 0.995)))
     assert not [s for s in looked.symptoms if "pieces" in s.evidence]

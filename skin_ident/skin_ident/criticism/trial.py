@@ -24,8 +24,8 @@ STIFFER = (("nonlinear_stiffness", "skin"), ("rate_dependence", "skin"))
 
 @dataclass(frozen=True)
 class Trial:
-    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters; `plainer` is the same with its first
-    instance alone, where it has several."""
+    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters; `plainer` is the same with its
+    first instance alone, where it has several."""
 
     ranked: Ranked
     fit: Fit
@@ -39,7 +39,7 @@ class Trial:
 
     @property
     def forms(self) -> tuple["Trial", ...]:
-        """What may be believed of the cause: many instances may reach beyond what they were fitted to in the wrong way, and the first not."""
+        """What may be believed of the cause: several instances may go wrong beyond what they were fitted to where the first does not."""
         return (self, self.plainer) if self.plainer else (self,)
 
 

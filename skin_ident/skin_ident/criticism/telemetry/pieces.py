@@ -23,6 +23,9 @@ MOST, FEW = 0.6, 0.3  # of a lasting window's samples that must be far, and that
 FEWEST, LONG_S = 3, 1.0  # pieces, or one that is so long: a lone short one may be a touch of another kind
 SELDOM = 0.05  # of the time: what is there more often is no accident
 APART_S = 0.5  # pieces nearer than that are one
+LONG = 20.0  # samples, of a memory in which a kick takes long to fade
+APART = 10  # samples at which covariances tell it
+FADES = 0.02  # of the energy of a kick, the most that is left of it beside an exponential
 MEETING = 0.5  # of the pieces that may lie where contact is made or lost, where a force may really jump
 
 
@@ -35,7 +38,7 @@ def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -
     found = [p for s, e in zip(sessions, rest, strict=True) for p in _pieces(model, s, e, width)]
     whole = sum(float(np.ptp(s.motion.t)) for s in sessions)
     by_channel = [[p for p in found if p.channel == c] for c in channels]
-    accidents = [own for own in by_channel if own and _accident(own, whole)]
+    accidents = [own for own in by_channel if own and _accident(own, whole) and not _one_kick(own, sessions, rest)]
     return [_told(own, clipped_peaks(own, sessions, rest, width), sessions) for own in accidents]
 
 
@@ -69,6 +72,29 @@ def _runs(mask: np.ndarray, gap: int) -> Iterator[tuple[int, int]]:
 def _accident(own: list[Piece], whole: float) -> bool:
     enough = len(own) >= FEWEST or max(p.seconds for p in own) >= LONG_S
     return enough and sum(p.seconds for p in own) < SELDOM * whole and np.mean([p.met for p in own]) <= MEETING
+
+
+def _one_kick(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> bool:
+    """Whether a lone piece is one instant's doing that fades as the channel's noise fades anyway: noise of long memory and heavy tails."""
+    if len(own) > 1:
+        return False
+    piece, c = own[0], sessions[0].channels.index(own[0].channel)
+    memory = _memory([e[c] for s, e in zip(sessions, rest, strict=True) if s.name != piece.session])
+    session, e = next((s, e[c]) for s, e in zip(sessions, rest, strict=True) if s.name == piece.session)
+    inside = e[_mask(session, own)]
+    fading = inside[int(np.argmax(np.abs(inside))) :]
+    k = np.arange(fading.size)
+    shapes = [np.exp(-k / (times * memory)) for times in (0.3, 0.5, 1.0, 2.0, 3.0)] if memory > LONG else []
+    left = [np.sum((fading - (shape @ fading) / (shape @ shape) * shape) ** 2) for shape in shapes]
+    return 2 * fading.size > inside.size and min(left, default=np.inf) < FADES * float(fading @ fading)
+
+
+def _memory(rows: list[np.ndarray]) -> float:
+    """Samples in which noise fades to 1 / e where nothing jumps: by covariances some samples apart, where a converter's own is gone."""
+    y = np.concatenate(rows or [np.zeros(1)])
+    y = np.clip(y, *(np.array([-3.0, 3.0]) * 1.4826 * float(np.median(np.abs(y)))))
+    near, far = (float(y[:-lag] @ y[lag:]) if y.size > lag else 0.0 for lag in (APART, 2 * APART))
+    return APART / max(-np.log(far / near), 1e-3) if near > 0.0 and far > 0.0 else 0.0
 
 
 def _told(own: list[Piece], clipped: Symptom | None, sessions: list[Session]) -> Symptom:
