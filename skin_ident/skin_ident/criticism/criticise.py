@@ -39,7 +39,7 @@ PLAIN = 0.5  # if it leaves more than this of the error
 EXTRAORDINARY = 3.0  # times its amplitude in training sessions, which one in held-out sessions alone must have
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
-WIDE = 0.2  # nor one explaining all but this share, where it predicts held-out data better
+WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
 
 Progress = Callable[[str], None]
 
@@ -303,12 +303,12 @@ class Search:
         return resolved(gain, cause, self.present.model, self.train, self.encoder_step)
 
     def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
-        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and more of what was held out."""
+        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out."""
         if other.score > reach(best.score):
             return True
         if other.score <= (1.0 - WIDE) * best.score:
             return False
-        return self._gain(self.present.model, other.fit.model, other.key[1]).relative >= gain.relative
+        return self._gain(self.present.model, other.fit.model, other.key[1]).relative >= NEARLY * gain.relative
 
     def _accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""

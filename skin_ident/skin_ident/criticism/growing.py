@@ -82,11 +82,11 @@ def determined(trial: Fit) -> bool:
 
 def unlike_skin(model: Model) -> bool:
     """Whether the skin would be a filter, or a brake: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor,
-    and what slips at once is friction."""
+    and what slips at once, or is stiffer than all the skin until it slips, is friction or play."""
     skin, own = model.dispersion, [e for e in model.effects if e.where == "skin"]
     arms = [e for e in own if isinstance(e, StressRelaxation) and e.tau < AT_ONCE]
     return any(2.0 * (a.k_sensed + a.k_dispersed) > skin.k1 + skin.k2 for a in arms) or any(
-        e.cause == "hysteresis" and e.threshold < SLIPPING for e in own
+        e.threshold < SLIPPING or e.k_sensed + e.k_dispersed > skin.k1 + skin.k2 for e in own if e.cause == "hysteresis"
     )
 
 
