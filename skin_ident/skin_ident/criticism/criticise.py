@@ -30,7 +30,7 @@ from skin_models.model import Model
 
 MOST_FINDINGS = 5
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
-WITHIN = 0.4  # of the best score: further down, no refit makes up for it
+WITHIN = 0.35  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
 FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted

@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from skin_ident.criticism.fitting import Fit, fit
-from skin_ident.criticism.proposals import Direction
+from skin_ident.criticism.proposals import PROBE, Direction
 from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.settling import settled
@@ -18,6 +20,7 @@ from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
 MOST = 3  # instances of one cause at one place
 AT_SHAPE = 3  # iterations
+PROMISED = 0.5  # of what the ranking promised
 LITTLE = 0.05  # of an amount
 IN_TURN = 3  # times that shares are settled and the rest fitted
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
@@ -51,15 +54,24 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
 
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
     """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
-    own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little."""
+    own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little.
+    Where little of what the ranking promised is kept, from the amounts at which an effect was scanned: of a delay by half a period of the
+    motion no small one shows the way."""
     for share in (1.0, LITTLE):
-        model = present.model.extended(_ready(ranked.best, share * ranked.best_amount))
-        new = len(model.effects) - 1
-        sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
-        trial = fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
+        trial = _begun_at(ranked.best, share * ranked.best_amount, present, sessions, noise)
         if trial.cost < present.cost:
             break
-    return trial
+    if present.cost - trial.cost > PROMISED * ranked.gain:
+        return trial
+    large = [(d, np.sign(z) * d.probe) for d, z in zip(ranked.used, ranked.amounts, strict=True) if d.probe != PROBE]
+    return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in large)], key=lambda f: f.cost)
+
+
+def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session], noise: Whitener) -> Fit:
+    model = present.model.extended(_ready(d, amount))
+    new = len(model.effects) - 1
+    sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
+    return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
 
 
 def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit, list[Session]]:
