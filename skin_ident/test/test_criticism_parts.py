@@ -9,15 +9,18 @@ from scipy.signal import lfilter, lsim
 
 from skin_ident.criticism.band import Band
 from skin_ident.criticism.fitting import fit
+from skin_ident.criticism.gate import by_block
 from skin_ident.criticism.ranking import signed_pursuit
 from skin_ident.criticism.residual import residual, simulated
-from skin_ident.criticism.session import motion_under, parted, prepare
+from skin_ident.criticism.session import impacts, motion_under, parted, prepare
 from skin_ident.criticism.unknowns import unknowns, values, with_values
 from skin_ident.criticism.whitening import fit_whitener
 from skin_ident.recordings.recording import Recording
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
+from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
+from skin_models.model_file import model_to_dict
 from skin_models.signals import motion
 
 SILICONE = Model(Dispersion(m=0.000432, b1=939.5, k1=9619.0, b2=629.2, k2=2766.0), shares=(1.0, 0.4))
@@ -119,3 +122,39 @@ def test_skin_left_behind_by_a_fast_plunger_is_left_out():
     slow, fast = (motion(T, 0.5e-3 * (1 - np.cos(2 * np.pi * hertz * T))) for hertz in (0.1, 4.0))
     assert not parted(slow, SILICONE.dispersion)[100:-100].mean() > 0.12
     assert parted(fast, SILICONE.dispersion).mean() > 0.3
+
+
+def test_sessions_of_several_rates_are_compared_in_one_band_at_one_rate():
+    fast, slow = Band(1.0 / 100.0, slowest=1.0 / 20.0), Band(1.0 / 20.0, slowest=1.0 / 20.0)
+    assert fast.edge == slow.edge == 4.0
+    assert fast.dt * fast.every == pytest.approx(slow.dt * slow.every)
+
+
+@pytest.mark.parametrize("seconds", [1.5, 2.1, 3.9])
+def test_the_shortest_session_has_blocks_to_draw_from(seconds):
+    whole = recording(SILICONE, noise=0.02)
+    session = prepare(whole.part(0, int(100 * seconds) + 40))
+    blocks = by_block(np.ones(session.measured.shape), session)
+    assert blocks.shape[-1] >= 3 and blocks.sum(axis=-1).min() > 0.9 * session.measured.shape[-1]
+
+
+def test_every_instance_of_a_cause_has_numbers_of_its_own():
+    arms = [StressRelaxation("skin", k_sensed=1500.0, k_dispersed=500.0, tau=tau) for tau in (0.3, 8.0)]
+    model = SILICONE.extended(arms[0]).extended(arms[1])
+    fast, late = model.listed_as(0, "tau"), model.listed_as(1, "tau")
+    assert (fast, late) == ("stress_relaxation.skin.tau", "stress_relaxation.skin.tau_2")
+    session = prepare(recording(model, noise=0.02))
+    found = fit(model, [session], fit_whitener([residual(model, session)], [session.weight]), 2)
+    assert len(found.std) == len(found.unknowns) and found.std[late] > 5.0 * found.std[fast] > 0.0
+    written = model_to_dict(found.model, found.std)["effects"]
+    assert [e["parameters"]["tau"]["std"] for e in written] == [found.std[fast], found.std[late]]
+
+
+def test_a_jump_where_skin_is_met_again_is_left_out_with_its_last_sample():
+    """Up and down so fast that the skin is left behind: met again inside it, the force jumps between two samples."""
+    x = 0.6e-3 + 0.6e-3 * np.cos(2.0 * np.pi * 2.5 * T)
+    response = SILICONE.simulate(motion(T, x))
+    session = prepare(Recording("fast", T, x, response.force, response.taxels))
+    jumps = impacts(session.motion, SILICONE.dispersion)
+    rises = np.diff(response.force) > 0.3 * response.force.max()
+    assert rises.sum() > 20 and jumps[1:][rises].mean() > 0.9

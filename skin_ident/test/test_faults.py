@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.faults import effect_of
+from skin_ident.criticism.record import inspect
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.recordings.declared import Declared
@@ -104,3 +106,31 @@ def test_how_much_was_compared_is_said():
 ])  # fmt: skip
 def test_what_has_no_place_in_the_chain_has_no_effect(symptom):
     assert effect_of(symptom) is None
+
+
+@pytest.mark.parametrize("level", [3.5, 6.0, 8.0])
+def test_a_taxel_that_clips_is_named_once_and_wins_by_it(level):
+    outcome = diagnosed(lambda y, rng: np.minimum(y, np.array([[level], [99.0], [99.0]])))
+    (finding,) = outcome.findings["findings"]
+    assert (finding["cause"], finding["where"]) == ("saturation", "taxel_0")
+    assert finding["gain"]["held_out_rmse_after"] < 0.7 * finding["gain"]["held_out_rmse_before"]
+
+
+def test_what_stays_at_its_greatest_reading_because_the_plunger_does_is_not_clipped():
+    """Presses that all stop at one depth, read in steps much coarser than the noise."""
+    depth = np.convolve(np.repeat(np.tile([0.1e-3, 0.8e-3], 20), T.size // 40), np.hanning(21) / 10.0, "same")
+    step = 0.05
+    recordings = []
+    for i in range(2):
+        out, rng = SKIN.simulate(motion(T, depth)), np.random.default_rng(i)
+        force, taxels = (np.round((y + 0.1 * step * rng.standard_normal(y.shape)) / step) * step for y in (out.force, out.taxels))
+        recordings.append(Recording(f"held_{i}", T, depth, force, taxels))
+    assert not [s for s in inspect(recordings).symptoms if s.cause == "saturation"]
+
+
+def test_a_plunger_that_the_skin_cannot_follow_is_refused_in_a_sentence():
+    depth = 0.5e-3 + 0.3e-3 * np.sin(2.0 * np.pi * 4.0 * T)
+    out = SKIN.simulate(motion(T, depth))
+    recordings = [Recording(f"shaken_{i}", T, depth, out.force, out.taxels) for i in range(2)]
+    with pytest.raises(DiagnosisError, match="press more slowly"):
+        diagnose(recordings[:1], recordings[1:])

@@ -9,6 +9,7 @@ from test_faults import session
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.copied import find_copies
 from skin_ident.criticism.telemetry.repeats import repeats_of
+from skin_ident.recordings.recording import Recording
 
 STEP = 0.002
 
@@ -61,3 +62,17 @@ def test_a_repeat_is_told_by_where_it_is_and_where_it_was():
     rows[1][400:500] = rows[0][100:200]
     (r,) = repeats_of(rows)
     assert (r.at, r.start, r.source, r.origin, r.length) == (1, 400, 0, 100, 100)
+
+
+def test_the_same_ramp_read_in_whole_steps_is_no_copy():
+    """Two presses from different heights in the air, then one reading more with every sample."""
+    x = np.concatenate([np.zeros(40), 1e-5 * np.arange(60), 6e-4 * np.ones(400)])
+    rng = np.random.default_rng(0)
+
+    def press(name, height):
+        depth = np.where(x > 0.0, x, -height * np.linspace(1.0, 0.0, x.size))
+        force = np.round(1e4 * x / 0.1 + 0.1 * rng.standard_normal(x.size)) * 0.1
+        force[:100] = np.round(1e4 * x[:100] / 0.1) * 0.1
+        return Recording(name, 0.01 * np.arange(x.size), depth, force, (5e3 * x + 0.01 * rng.standard_normal(x.size))[None])
+
+    assert find_copies([press("one", 1e-4), press("other", 8e-4)]) == []

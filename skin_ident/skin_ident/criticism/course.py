@@ -21,32 +21,22 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from skin_ident.criticism.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
-from skin_ident.criticism.gate import Gain
+from skin_ident.criticism.course_kinds import BEND, CONSTANT, STEPS, Course, courses
 from skin_ident.criticism.noise import pursue
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.session import Session
 from skin_ident.criticism.steps import sharpest
-from skin_ident.criticism.telemetry.symptom import place_of
 from skin_ident.criticism.uncertain import Open, own_rows
 from skin_ident.criticism.whitening import Whitener, stack
 from skin_models.model import Model
 
-CONSTANT, STEPS, BEND = "constant", "steps", "bend"
-CAUSES = {
-    (ZERO, CONSTANT): "force_offset",
-    (ZERO, BEND): "drift",
-    (SLOPE, STEPS): "gain_error",
-    (DELAY, STEPS): "time_shift",
-    (DEPTH, STEPS): "position_offset",
-    (DRIVE, CONSTANT): "force_offset",
-    (DRIVEN, CONSTANT): "gain_error",
-}
 SIZES = {SLOPE: ("{:+.1f} %", 1e2), DEPTH: ("{:+.1f} µm", 1e6), DELAY: ("{:+.2f} ms", 1e3)}  # of steps, and how many to a unit
 UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # of values, all others in N
 MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
+SEEN = 0.01  # of what a step would change if it was there from the start on, the least that must be left to tell of it
 LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
 KNOT_S = 20.0
 START_S = 5.0  # s, within which a step is how the session began
@@ -55,33 +45,6 @@ AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
 BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
-
-
-@dataclass(frozen=True)
-class Course:
-    """One kind of course: what it multiplies (`carrier`, in channels `rows`), and its shape in time."""
-
-    carrier: str
-    shape: str
-    rows: tuple[int, ...]
-    where: str
-
-    @property
-    def cause(self) -> str:
-        return CAUSES[self.carrier, self.shape]
-
-    @property
-    def key(self) -> tuple[str, str]:
-        return self.cause, self.where
-
-    @property
-    def keys(self) -> tuple[tuple[str, str], ...]:
-        """Its own, and those under which the same signal goes: a force read too small is all taxels reading too much."""
-        return (self.key, (self.cause, "taxel")) if self.carrier == DRIVEN else (self.key,)
-
-    def shows(self, gain: Gain) -> bool:
-        """Whether a gain is where the course is; what is wrong with the force that drives a test shows in the taxels."""
-        return self.carrier in (DRIVE, DRIVEN) or gain.shows_at(self.where)
 
 
 @dataclass(frozen=True)
@@ -96,6 +59,11 @@ class Run:
     values: dict[str, np.ndarray]
     said: dict[str, str]
     period: float
+
+    @property
+    def size(self) -> float:
+        """What it changes in the session where that is most (RMS), N: an amplitude says little where nothing is pressed."""
+        return max(float(np.sqrt(np.mean(v**2))) for v in self.values.values())
 
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains anything, and is more than what a good stage does at rest or its encoder can tell."""
@@ -117,23 +85,6 @@ def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
     return [
         np.concatenate([r if i == j else np.zeros((len(r), *s.measured.shape)) for j, r in enumerate(rows)]) for i, s in enumerate(sessions)
     ]
-
-
-def courses(session: Session) -> Iterator[Course]:
-    """Every course that sessions of this kind could have."""
-    every = tuple(range(len(session.channels)))
-    for c, channel in enumerate(session.channels):
-        where = place_of(channel, session.n_taxels)
-        yield from (Course(carrier, shape, (c,), where) for carrier, shape in CAUSES if carrier in (ZERO, SLOPE))
-    taxels = every[-session.n_taxels :] if session.n_taxels else ()
-    if session.drive is not None:
-        yield Course(DELAY, STEPS, taxels, "clock_taxels")
-        yield from (Course(carrier, CONSTANT, every, "load_cell") for carrier in (DRIVE, DRIVEN))
-        return
-    yield Course(DEPTH, STEPS, every, "rig")
-    yield Course(DELAY, STEPS, every, "clock_depth")
-    if taxels and len(taxels) < len(every):
-        yield from (Course(DELAY, STEPS, rows, where) for rows, where in ((every[:1], "clock"), (taxels, "clock_taxels")))
 
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
@@ -202,12 +153,15 @@ class _Ground:
         rows = np.concatenate([rows, np.zeros((len(self.Q) - len(rows), *rows.shape[1:]))])
         return rows - self.Q @ (self.Q.T @ rows)
 
-    def first(self, course: Course, s: Session) -> float:
-        """The moment (s) from which a course may step. A slope that is wrong from the start on is the skin's own in a lone session, and the
-        place's where sessions press at several."""
+    def span(self, course: Course, s: Session) -> tuple[float, float]:
+        """The moments (s) from which on a course may step, and after which too little is compared to tell of it. A slope that is wrong from
+        the start on is the skin's own in a lone session, and the place's where sessions press at several."""
         t = s.motion.t
         own = course.carrier == SLOPE and self.Q is not None and not self.alone and (len(self.sessions) == 1 or s.spread is not None)
-        return t[0] + (t[-1] - t[0]) / (MOMENTS + 1) if own else t[0]
+        first = float(t[0] + own * (t[-1] - t[0]) / (MOMENTS + 1))
+        felt = np.sum((s.band.thin(self.carrier(course, s)) * s.weight) ** 2, axis=0)
+        told = np.cumsum(felt[::-1])[::-1] > SEEN * np.sum(felt)
+        return first, max([first, *s.t[told][-1:]])
 
 
 def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray | None = None, alone: bool = False) -> _Ground:
@@ -239,7 +193,7 @@ def _linear_run(course: Course, g: _Ground) -> Run:
     moments = {s.name: _moments(course, g, s) for s in g.sessions}
     z, score, charge = _solve(course, g, moments)
     if course.shape == STEPS and score > 0.0:
-        moments = {s.name: _around(moments[s.name], z[s.name], s, g.first(course, s)) for s in g.sessions}
+        moments = {s.name: _around(moments[s.name], z[s.name], s, g.span(course, s)) for s in g.sessions}
         z, score, charge = _solve(course, g, moments, exactly=True)
         lasting = {name: _lasting(m, z[name]) for name, m in moments.items()}
         if any(lasting[name].size < np.count_nonzero(row) for name, row in z.items()):
@@ -249,7 +203,7 @@ def _linear_run(course: Course, g: _Ground) -> Run:
         moments = {name: m[z[name] != 0.0] for name, m in moments.items()}
         z = {name: row[row != 0.0] for name, row in z.items()}
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
-    said = {s.name: _said(course, s, moments[s.name], z[s.name]) for s in g.sessions}
+    said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
     return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt)
 
@@ -285,8 +239,7 @@ def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
         return _knots(course, s)
     even = np.linspace(t[0], t[-1], MOMENTS + 2)[:-1]
     sharp = sharpest(s.band.thin(g.carrier(course, s)), g.of(s), s.weight, s.t, g.noise, SHARPEST)
-    every = np.union1d(even, sharp)
-    return every[every >= g.first(course, s)]
+    return np.unique(np.clip(np.union1d(even, sharp), *g.span(course, s)))
 
 
 def _knots(course: Course, s: Session) -> np.ndarray:
@@ -305,12 +258,12 @@ def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
     return (t >= moments[:, None]).astype(float)
 
 
-def _around(moments: np.ndarray, z: np.ndarray, s: Session, first: float) -> np.ndarray:
-    """Finer grids about the moments that were used, from `first` on: one as wide as those were apart, one from sample to sample."""
+def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, float]) -> np.ndarray:
+    """Finer grids about the moments that were used, within a span: one as wide as those were apart, one from sample to sample."""
     dt, gap = s.motion.dt, (s.motion.t[-1] - s.motion.t[0]) / (MOMENTS + 1)
     around = np.union1d(np.linspace(-gap, gap, 17), dt * s.band.every * np.linspace(-1.0, 1.0, 9))
     used = moments[z != 0.0]
-    return np.unique(np.maximum(np.add.outer(used, around), first)) if used.size else moments[:1]
+    return np.unique(np.clip(np.add.outer(used, around), *span)) if used.size else moments[:1]
 
 
 def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: bool = False) -> tuple[dict[str, np.ndarray], float, float]:
@@ -324,10 +277,10 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
     return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
 
 
-def _said(course: Course, s: Session, moments: np.ndarray, z: np.ndarray) -> Said:
-    """A session's course in words and numbers: steps are added up, a bend is read between its knots."""
+def _said(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:
+    """A session's course in words and numbers: steps are added up, a bend is read between its knots. `begin` of the session, s."""
     unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
-    under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - s.motion.t[0]) > START_S
+    under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - begin) > START_S
     return Said.of(_words(course, moments, z), values, unit, None if course.shape == CONSTANT else moments, under_way)
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.carriers import ZERO
-from skin_ident.criticism.course import BEND, CONSTANT, STEPS, Course, Run, fitted
+from skin_ident.criticism.course import Run, fitted
+from skin_ident.criticism.course_kinds import BEND, CONSTANT, STEPS, Course
 from skin_ident.criticism.gate import MATERIAL_RMSE, Gain, gain_of_residuals
 from skin_ident.criticism.residual import residual, simulated
 from skin_ident.criticism.session import Session
@@ -19,7 +20,7 @@ BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predi
 CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18}  # least relative fall: noise of long memory bends by itself
 PLAINLY = 0.15  # fall that needs no gain in likelihood
 FAINT = 0.2  # of what is left at full rate, which a course of a zero must exceed
-SURE = 0.3  # of the fall of the error, which its interval must exclude: seven courses are tried every time
+SURE = 0.25  # of the fall of the error, which its interval must exclude: seven courses are tried every time
 
 
 def stands(run: Run, gain: Gain, model: Model, sessions: list[Session]) -> bool:

@@ -7,8 +7,9 @@ from itertools import islice
 import numpy as np
 
 from skin_ident.criticism.carriers import DELAY
-from skin_ident.criticism.course import BEHIND, CONSTANT, MARGIN, Run, added, beside_the_rest, fitted, worthwhile
+from skin_ident.criticism.course import BEHIND, MARGIN, Run, added, beside_the_rest, fitted, worthwhile
 from skin_ident.criticism.course_gate import course_gain, stands
+from skin_ident.criticism.course_kinds import CONSTANT
 from skin_ident.criticism.description import description_length
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import MATERIAL, Gain, deaf, held_out_gain
@@ -24,6 +25,7 @@ from skin_ident.criticism.survey import Survey, survey
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.uncertain import left_open
+from skin_ident.criticism.usable import enough_is_compared
 from skin_ident.criticism.weighing import hanging, weighed, with_mass
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -36,7 +38,7 @@ ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in
 FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted
 WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
 PLAIN = 0.5  # if it leaves more than this of the error
-EXTRAORDINARY = 3.0  # times its amplitude in training sessions, which one in held-out sessions alone must have
+EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
@@ -86,6 +88,7 @@ def criticise(
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
+    enough_is_compared(train, held)
     search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None)
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
@@ -94,7 +97,6 @@ def criticise(
     search.eliminate()
     if given:
         search.check_numbers(given)
-    if given:
         baseline = fit(given, train, first.noise, 0)
     else:
         weighted = replace(first.model, effects=search.hanging)
@@ -255,7 +257,8 @@ class Search:
         score = max(run.score, score)
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
-        if not (stands(run, gain, self.present.model, self.train) and self._resolved(gain, run.course.cause)):
+        told = score > MATERIAL * after.count and self._resolved(gain, run.course.cause)
+        if not (told and stands(run, gain, self.present.model, self.train)):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
@@ -275,7 +278,7 @@ class Search:
         stood = stands(run, gain, self.present.model, self.held) and self._resolved(gain, run.course.cause)
         if not (much and stood and not wanders):
             return False
-        if run.largest < EXTRAORDINARY * fitted(run.course, self.present.model, self.train, self.noise).largest:
+        if run.size < EXTRAORDINARY * fitted(run.course, self.present.model, self.train, self.noise).size:
             return False
         self.runs.append(run)
         self.held, self.alone = added(self.held, run.values), True

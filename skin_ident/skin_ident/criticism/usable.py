@@ -43,6 +43,16 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         _has_its_zero_at_the_surface(r)
 
 
+def enough_is_compared(train: list, held: list) -> None:
+    """Raise `DiagnosisError` where plunger and skin part, or meet with a jump, nearly all the time."""
+    for sessions in filter(None, (train, held)):
+        if sum(np.count_nonzero(s.weight, axis=1) for s in sessions).max() < FEWEST:
+            raise DiagnosisError(
+                f"hardly anything of {', '.join(s.name for s in sessions[:3])} can be compared: the plunger is faster than the skin "
+                "follows, so that they part and meet with a jump all the time; press more slowly, or deeper"
+            )
+
+
 def something_moves(recordings: list) -> None:
     """Raise `DiagnosisError` where what presses never moves in any of the recordings, or a load cell never answers it."""
     where = f"in {recordings[0].name}" if len(recordings) == 1 else f"in any of the {len(recordings)} sessions"
