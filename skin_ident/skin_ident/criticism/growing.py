@@ -14,6 +14,7 @@ from skin_ident.criticism.unknowns import unknowns
 from skin_ident.criticism.whitening import Whitener
 from skin_models.catalogue import effects
 from skin_models.effect import Effect
+from skin_models.effects.eyring_relaxation import EyringRelaxation
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
@@ -94,12 +95,17 @@ def determined(trial: Fit) -> bool:
 
 def unlike_skin(model: Model) -> bool:
     """Whether the skin would be a filter, or a brake: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor,
-    and what slips at once, or is stiffer than all the skin until it slips, is friction or play."""
-    skin, own = model.dispersion, [e for e in model.effects if e.where == "skin"]
-    arms = [e for e in own if isinstance(e, StressRelaxation) and e.tau < AT_ONCE]
-    return any(2.0 * (a.k_sensed + a.k_dispersed) > skin.k1 + skin.k2 for a in arms) or any(
-        e.threshold < SLIPPING or e.k_sensed + e.k_dispersed > skin.k1 + skin.k2 for e in own if e.cause == "hysteresis"
-    )
+    and what slips or flows at once, or is stiffer than all the skin until it slips, is friction or play."""
+    whole, own = model.dispersion.k1 + model.dispersion.k2, [e for e in model.effects if e.where == "skin"]
+
+    def unlike(e: Effect) -> bool:
+        if isinstance(e, StressRelaxation):
+            return e.tau < AT_ONCE and 2.0 * (e.k_sensed + e.k_dispersed) > whole
+        if isinstance(e, EyringRelaxation):
+            return e.stretch < SLIPPING
+        return e.cause == "hysteresis" and (e.threshold < SLIPPING or e.k_sensed + e.k_dispersed > whole)
+
+    return any(map(unlike, own))
 
 
 def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:
