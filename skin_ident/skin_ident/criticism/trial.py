@@ -11,6 +11,7 @@ from skin_ident.criticism.ranking import Ranked
 from skin_ident.criticism.residual import simulated
 from skin_ident.criticism.rivals import Rival, reach
 from skin_ident.criticism.session import Session
+from skin_models.effects.drift import Creep
 from skin_models.effects.mount_compliance import DampedMount, JointedMount, YieldingMount
 from skin_models.parameter import AMPLITUDE, parameters_of
 
@@ -72,11 +73,16 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
     """Names, not `said` yet, that are the same signal: a force below a threshold is swallowed by skin or taxels; in contact a plunger that
     has F / k less to go presses as if the skin swallowed F; a tip at g(x), as behind a joint, makes of a linear skin one whose spring
     stiffens as g and whose damping grows as g' with depth; one that follows late makes of it one with an arm that relaxes fast; and at one
-    speed memory of time is memory of the path."""
-    others = [other for one, other in (SAME + MEMORY if at_one_rate(sessions) else SAME) if one == trial.key]
+    speed memory of time is memory of the path, of a skin that relaxes as of a sensor that creeps."""
+    at_one, (cause, where) = at_one_rate(sessions), trial.key
+    others = [other for one, other in (SAME + MEMORY if at_one else SAME) if one == trial.key]
     if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
         others.append(SWALLOWED)
     mine = instances(trial.fit.model, *trial.key)
+    if at_one and cause == "hysteresis" and where != "skin":
+        others.append(("drift", where))
+    elif at_one and any(isinstance(e, Creep) for e in mine):
+        others.append(("hysteresis", where))
     if any(isinstance(e, JointedMount) for e in mine):
         others += STIFFER
     elif any(isinstance(e, (DampedMount, YieldingMount)) for e in mine):
