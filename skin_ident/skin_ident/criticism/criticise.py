@@ -40,6 +40,7 @@ WANDERING = 3.0  # times what such courses explained in training and could not p
 PLAIN = 0.5  # if it leaves more than this of the error
 EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
+SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
 
@@ -223,11 +224,8 @@ class Search:
         return Trial(r, after, float(self.present.cost - after.cost - charge))
 
     def _first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
-        """The best trial that held-out data support.
-
-        What is small beside the largest effect so far in the same channel may be the imperfect form of that effect, and is not named. Where
-        the best explanation is what good hardware has anyway, a lesser one is not looked for.
-        """
+        """The best trial that held-out data support. What is small beside the largest effect so far in the same channel may be its imperfect
+        form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
         for trial in (form for t in trials for form in t.forms if form.score > 0.0):
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
@@ -238,6 +236,7 @@ class Search:
             alternatives += same_by_nature(trial, trials, {a.key for a in alternatives}, self.train)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > MATERIAL * trial.fit.count and sized(trial)  # what it was fitted to must gain by it, too
+            told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self._fallen(gain.channel)
             seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
             if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):

@@ -1,5 +1,5 @@
-"""Saturation: samples pile up at one level, whatever came before, while the model goes on beyond it, or where the noise of several
-steps that the channel has elsewhere is gone: a first model may be bent by what clips, or by what else is wrong, as far as the level."""
+"""Saturation: samples pile up at one level, whatever came before, while the model goes on beyond it, or moves where the channel stands and
+the noise that it has elsewhere is gone: a first model may be bent by what clips, or by what else is wrong, as far as the level."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ FEWEST_VISITS = 2  # separate times at the level
 FEWEST_SAMPLES = 10
 PILED = 4.0  # times as many samples at the level as at each of the five below it
 BEYOND = 2.0  # noise widths by which the simulation must exceed the level there,
-NOISY = 2.0  # unless noise is so many of the converter's steps: then it lets no reading be met that often
+NOISY = 2.0  # unless noise, and what the model does in a visit, are so many of the converter's steps
 
 
 def find_saturation(
@@ -23,7 +23,7 @@ def find_saturation(
         width = 1.4826 * float(np.median(np.abs(y - model - np.median(y - model))))
         if level is None or _visits(at) < FEWEST_VISITS:
             continue
-        if np.median(model[at] - y[at]) < BEYOND * max(width, 1e-9) and not _noise_stops([r[c] for r in raw], at):
+        if np.median(model[at] - y[at]) < BEYOND * max(width, 1e-9) and not _stands(y, model, at):
             continue
         why = f"{int(at.sum())} samples of {channel} sit at {level:.4g} N in {_visits(at)} visits while the load goes on rising"
         bad = {(name, channel): r[c] >= y[at].min() for name, r in zip(names, raw, strict=True) if np.any(r[c] >= y[at].min())}
@@ -40,14 +40,16 @@ def _pile(y: np.ndarray) -> tuple[float | None, np.ndarray]:
     return (top, at) if at.sum() >= max(FEWEST_SAMPLES, PILED * usual) else (None, at)
 
 
-def _noise_stops(rows: list[np.ndarray], at: np.ndarray) -> bool:
-    """Whether the samples `at` the level are without the noise that all others have, by second differences of each row."""
-    off = np.split(~at, np.cumsum([y.size for y in rows])[:-1])
-    bends = np.concatenate([np.abs(np.diff(y, 2))[o[:-2] & o[1:-1] & o[2:]] for y, o in zip(rows, off, strict=True)])
-    levels = np.unique(np.concatenate(rows))
-    if bends.size == 0 or levels.size < 2:
+def _stands(y: np.ndarray, model: np.ndarray, at: np.ndarray) -> bool:
+    """Whether the samples `at` the level are without the noise that all others have, by second differences of what the model leaves, though
+    the model moves on in each visit."""
+    off = ~at[:-2] & ~at[1:-1] & ~at[2:]
+    if not off.any():
         return False
-    return 1.4826 * float(np.median(bends)) / np.sqrt(6.0) > NOISY * float(np.median(np.diff(levels)))
+    noise = 1.4826 * float(np.median(np.abs(np.diff(y - model, 2))[off])) / np.sqrt(6.0)
+    visits = np.split(model[at], np.flatnonzero(np.diff(np.flatnonzero(at)) > 1) + 1)
+    moved = np.sqrt(np.mean(np.concatenate([(v - v.mean()) ** 2 for v in visits])))
+    return min(noise, moved) > NOISY * float(np.median(np.diff(np.unique(y)))) and moved > noise
 
 
 def _visits(at: np.ndarray) -> int:
