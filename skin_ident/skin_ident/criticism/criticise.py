@@ -224,7 +224,7 @@ class Search:
         return Trial(r, after, float(self.present.cost - after.cost - charge))
 
     def _first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
-        """The best trial that held-out data support. What is small beside the largest effect so far in the same channel may be its imperfect
+        """The best trial that held-out data support. What is small beside the largest effect so far in a channel may be its imperfect
         form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
         for trial in (form for t in trials for form in t.forms if form.score > 0.0):
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
