@@ -10,6 +10,7 @@ from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.findings import advice_on
 from skin_ident.criticism.outcome import Trace
+from skin_ident.criticism.said import Said
 from skin_ident.report.appendix import size_ruled_out, why_untestable
 from skin_ident.report.focus import focus
 from skin_ident.report.gains import better
@@ -95,8 +96,8 @@ def test_what_is_ruled_out_in_part_says_so_in_both_tables():
     ("courses", "said"),
     [
         ({}, "warm up"),
-        ({"a": "+1.2 % at 40.0 s"}, "what happened at the moments"),
-        ({"a": "+1.2 % at 0.0 s"}, "before every session"),
+        ({"a": Said.of("+1.2 % at 140.0 s", [0.012], "1", [140.0], under_way=True)}, "what happened at the moments"),
+        ({"a": Said.of("+1.2 % at 100.0 s", [0.012], "1", [100.0])}, "before every session"),
         ({"a": "from +0.1 to +0.2 N"}, "crept (warm up"),
         ({"a": "+0.1 N"}, "before every session"),
     ],
