@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from skin_ident.criticism.session import Session, meeting, motion_under
 from skin_ident.criticism.telemetry.peaks import Piece, clipped_peaks
@@ -16,6 +16,7 @@ from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import smallest_step
 from skin_models.model import Model
+from skin_models.signals import Motion
 
 LASTING_S = 0.1
 FAR, NEAR = 10.0, 5.0  # widths of what the model leaves: for the channel itself, and for the others
@@ -26,7 +27,8 @@ APART_S = 0.5  # pieces nearer than that are one
 LONG = 20.0  # samples, of a memory in which a kick takes long to fade
 APART = 10  # samples at which covariances tell it
 FADES = 0.02  # of the energy of a kick, the most that is left of it beside an exponential
-MEETING = 0.5  # of the pieces that may lie where contact is made or lost, where a force may really jump
+BRIEF_S, SHARPEST = 0.1, 99.0  # so short a piece may be the jolt of a mass, beside accelerations above this percentile
+MEETING = 0.5  # of the pieces that may lie where contact is made or lost, or at a jolt, where a force may really jump
 
 
 def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -> list[Symptom]:
@@ -53,12 +55,19 @@ def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> It
     moved = motion_under(s, model.dispersion)
     n = max(round(LASTING_S / moved.dt), 8)
     far, near = (uniform_filter1d((np.abs(rest) > limit * width).astype(float), n, axis=1) for limit in (FAR, NEAR))
-    met = meeting(moved, model.dispersion)
+    met, jolted = meeting(moved, model.dispersion), _jolted(moved)
     for c, channel in enumerate(s.channels):
         alone = (far[c] >= MOST) & (np.delete(near, c, axis=0).max(axis=0) <= FEW) & (channel not in s.stuck)
         for i, j in _runs(alone, round(APART_S / moved.dt)):
             size = float(np.sqrt(np.mean(rest[c, i:j] ** 2)))
-            yield Piece(s.name, channel, float(moved.t[i]), (j - i) * moved.dt, size, bool(met[i:j].mean() > MEETING))
+            hit = channel == "force" and (j - i) * moved.dt < BRIEF_S and jolted[i:j].any()
+            yield Piece(s.name, channel, float(moved.t[i]), (j - i) * moved.dt, size, bool(hit or met[i:j].mean() > MEETING))
+
+
+def _jolted(moved: Motion) -> np.ndarray:
+    """Mask (N,) of samples beside the sharpest accelerations, which a mass in front of the load cell feels and nothing else does."""
+    a = np.abs(np.gradient(moved.v))
+    return maximum_filter1d(a > np.percentile(a, SHARPEST), 2 * round(BRIEF_S / moved.dt) + 1)
 
 
 def _runs(mask: np.ndarray, gap: int) -> Iterator[tuple[int, int]]:
