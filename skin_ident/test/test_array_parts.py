@@ -7,10 +7,12 @@ import pytest
 from scipy.stats import multivariate_normal
 from world.specimen import draw_specimen
 
+from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.bending import Leaning, Walking, Widening
 from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.extending import known
 from skin_ident.criticism.array.family import Family
+from skin_ident.criticism.array.findings import POSSIBLE, excluded
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.judgement import judge
 from skin_ident.criticism.array.layout import Layout, layout_of
@@ -204,3 +206,17 @@ def test_a_taxel_that_repeats_another_under_one_contact_passes_for_a_wrong_calib
     read[:, 2] *= 1.25  # which is a twentieth of taxel 1
     said = judge(layout, measured(read, 7), None)
     assert {j.key for j in (said.named, *said.rivals)} >= {("crosstalk", "taxel_2"), ("gain_error", "taxel_2")}
+
+
+def test_what_three_taxels_cannot_tell_is_bounded_by_no_expectation():
+    """Neighbours that leak 10 % under one contact and a spread of unknown width: whatever is ruled out of crosstalk is not what is there."""
+    leak, below = 0.1, []
+    for seed in range(40):
+        skin, layout = array(3, seed, declared=False)
+        y = skin.shares()
+        heard = y + leak * np.array([y[1], y[0] + y[2], y[1]])
+        judgement = judge(layout, measured([heard, heard], seed), thickness_mm=6)
+        if judgement.sure <= POSSIBLE:
+            bounds = excluded(ArrayCriticism(layout, None, judgement, None))
+            below.append(min((e["below"] for e in bounds if (e["cause"], e["where"]) == ("crosstalk", "taxel")), default=np.inf))
+    assert len(below) > 5 and min(below) > leak
