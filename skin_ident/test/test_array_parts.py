@@ -209,7 +209,7 @@ def test_a_taxel_that_repeats_another_under_one_contact_passes_for_a_wrong_calib
 
 
 def test_what_three_taxels_cannot_tell_is_bounded_by_no_expectation():
-    """Neighbours that leak 10 % under one contact and a spread of unknown width: whatever is ruled out of crosstalk is not what is there."""
+    """Neighbours that leak 10 % under one contact and a spread of unknown width: what is ruled out of crosstalk is not what is there."""
     leak, below = 0.1, []
     for seed in range(40):
         skin, layout = array(3, seed, declared=False)
