@@ -9,7 +9,7 @@ import numpy as np
 from skin_ident.criticism.carriers import DELAY
 from skin_ident.criticism.course import BEHIND, MARGIN, Run, added, beside_the_rest, fitted, worthwhile
 from skin_ident.criticism.course_gate import course_gain, stands
-from skin_ident.criticism.course_kinds import CONSTANT
+from skin_ident.criticism.course_kinds import CONSTANT, STEPS
 from skin_ident.criticism.description import description_length
 from skin_ident.criticism.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.gate import MATERIAL, Gain, deaf, held_out_gain
@@ -256,8 +256,8 @@ class Search:
         score = max(run.score, score)
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
-        told = score > MATERIAL * after.count and self._resolved(gain, run.course.cause)
-        if not (told and stands(run, gain, self.present.model, self.train)):
+        told = score > MATERIAL * after.count or run.course.shape != STEPS  # moments are searched for, and found in any noise
+        if not (told and stands(run, gain, self.present.model, self.train) and self._resolved(gain, run.course.cause)):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
