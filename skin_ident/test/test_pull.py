@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hide_and_seek import seek
 
-from skin_ident.criticism.faults import effect_of
-from skin_ident.criticism.session import prepare
+from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.telemetry.faults import effect_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -36,3 +36,16 @@ def test_a_pull_that_is_not_like_the_simulated_one_is_named_and_not_simulated():
     sessions = [prepare(replace(plain, force=plain.force + brief + noise[0], taxels=plain.taxels + 0.6 * brief + noise[1:]))]
     (found,) = find_pull(Model(skin, shares=(1.0,)), sessions)
     assert found.evidence["unlike_simulated"] and effect_of(found) is None
+
+
+def test_beside_a_taxel_that_feels_nothing_the_pull_is_what_does_not_reach_it():
+    rng, t = np.random.default_rng(1), np.arange(12000) / 250.0
+    skin = Dispersion(m=0.0, b1=1.0, k1=900.0, b2=1.0, k2=600.0)
+    x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
+    brief = np.where((np.diff(x, append=x[-1]) < 0.0) & (x < 0.0) & (x > -1e-4), -0.8, 0.0)
+    force = 1500.0 * np.maximum(x, 0.0) + brief + rng.normal(0.0, 0.01, t.size)
+    dead = Recording("a", t, x, force, rng.normal(0.0, 0.01, (1, t.size)))
+    (found,) = find_pull(Model(skin, shares=(0.0,)), [prepare(dead)])
+    assert found.channels == ("force",)
+    assert found.parameters["pull_sensed"]["value"] == 0.0
+    assert found.parameters["pull_dispersed"]["value"] == pytest.approx(0.8, abs=0.3)

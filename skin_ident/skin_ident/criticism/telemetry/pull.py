@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.criticism.faults import UNLIKE, effect_of
-from skin_ident.criticism.residual import simulated
-from skin_ident.criticism.session import Session, motion_under
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.sessions.session import Session, motion_under
+from skin_ident.criticism.telemetry.faults import UNLIKE, effect_of
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_models.model import Model
@@ -94,12 +94,12 @@ def _symptom(model: Model, session: Session, dips: np.ndarray, carried: np.ndarr
     names = [session.channels[c] for c in carried]
     pull = -np.median(dips, axis=0)
     taxels = [c for c in carried if session.channels[c] != "force"]
-    share = max(model.shares, default=1.0)
-    sensed = float(max((pull[c] for c in taxels), default=0.0) / share)
+    share = max(model.shares, default=0.0)  # 0: no taxel feels anything, and the pull is in what does not reach them
+    sensed = float(max((pull[c] for c in taxels), default=0.0) / share) if share > 0.0 else 0.0
     whole = float(pull[session.channels.index("force")]) if "force" in session.channels else sensed
     parameters = {
-        "pull_sensed": quantity(sensed if model.shares else 0.0, "N"),
-        "pull_dispersed": quantity(max(whole - sensed, 0.0) if model.shares else whole, "N"),
+        "pull_sensed": quantity(sensed, "N"),
+        "pull_dispersed": quantity(max(whole - sensed, 0.0), "N"),
         "reach": quantity(max(float(np.percentile(np.abs(depths), 90)), 1e-5), "m"),
     }
     sizes = ", ".join(f"{pull[c]:.3g} N in {name}" for c, name in zip(carried, names, strict=True))
