@@ -15,11 +15,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.signal import oaconvolve
 
-from skin_ident.criticism.proposals import bank, directions
-from skin_ident.criticism.residual import simulated
-from skin_ident.criticism.session import prepare
-from skin_ident.criticism.start import dispersion_start
-from skin_ident.criticism.survey import survey
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.baseline.start import dispersion_start
+from skin_ident.criticism.search.proposals import bank, directions
+from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model

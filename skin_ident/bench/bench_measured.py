@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "test"))
 from measured_layout import ABSENT, HERE, INSOLE, SCALE, WATER, fluid_rows, fluid_skin, insole, one_press, starts
 
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.outcome import Outcome
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.load import load
 from skin_models.errors import SkinError

@@ -11,12 +11,12 @@ from world.rig import Rig
 from skin_ident.criticism.array.analysis import ArrayCriticism, analyse
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.spreading import with_spread
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose, skin_mass
-from skin_ident.criticism.fitting import fit
-from skin_ident.criticism.residual import residual
-from skin_ident.criticism.session import prepare, without_parting
-from skin_ident.criticism.start import dispersion_start
-from skin_ident.criticism.whitening import fit_whitener
+from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.sessions.session import prepare, without_parting
 from skin_ident.recordings.load import load
 
 CAREFUL = 0.005  # relative uncertainty of calibrations that were checked one against the other

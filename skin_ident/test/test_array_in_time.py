@@ -8,10 +8,10 @@ from array_making import Spread, found, names, names_or_rivals, record_at
 
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.spreading import with_spread
-from skin_ident.criticism.residual import residual
-from skin_ident.criticism.session import prepare, with_reference
-from skin_ident.criticism.settling import settled
-from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.baseline.start import dispersion_start
+from skin_ident.criticism.sessions.session import prepare, with_reference
 from skin_models.catalogue import effects
 
 ROW = ((0, 0), (4, 0), (-4, 0), (2, 0))

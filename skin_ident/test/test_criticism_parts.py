@@ -7,14 +7,14 @@ import pytest
 from scipy.optimize import lsq_linear
 from scipy.signal import lfilter, lsim
 
-from skin_ident.criticism.band import Band
-from skin_ident.criticism.fitting import fit
-from skin_ident.criticism.gate import by_block
-from skin_ident.criticism.ranking import signed_pursuit
-from skin_ident.criticism.residual import residual, simulated
-from skin_ident.criticism.session import impacts, motion_under, parted, prepare
-from skin_ident.criticism.unknowns import unknowns, values, with_values
-from skin_ident.criticism.whitening import fit_whitener
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.baseline.unknowns import unknowns, values, with_values
+from skin_ident.criticism.gates.gate import by_block
+from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.search.ranking import signed_pursuit
+from skin_ident.criticism.sessions.band import Band
+from skin_ident.criticism.sessions.session import impacts, motion_under, parted, prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion

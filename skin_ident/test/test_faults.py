@@ -7,8 +7,8 @@ import pytest
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
-from skin_ident.criticism.faults import effect_of
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.telemetry.faults import effect_of
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.recordings.declared import Declared

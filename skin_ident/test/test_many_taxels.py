@@ -9,7 +9,7 @@ from skin_ident.cli.diagnose import main
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.many import loaded_most, renamed
-from skin_ident.criticism.size import affordable
+from skin_ident.criticism.search.size import affordable
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError

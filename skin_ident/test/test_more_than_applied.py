@@ -7,8 +7,8 @@ import pytest
 from test_faults import SKIN, session
 
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.odd_session import put_right
 from skin_ident.criticism.telemetry.more_than_applied import KIND, find_more_than_applied
+from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_models.signals import motion
 
 SHALLOW, DEEP = 4.0, 8.0  # of the usual strokes, of which nearly half is in the air

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from test_faults import session
 
+from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.odd_session import put_right
-from skin_ident.criticism.session import prepare
-from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_models.effects.gain_error import GainError
 from skin_models.parameter import clipped
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_faults import NOISE, session
 
-from skin_ident.criticism.carriers import DEPTH, DRIVE, DRIVEN, SLOPE, ZERO
-from skin_ident.criticism.course import _said
-from skin_ident.criticism.course_kinds import BEND, CONSTANT, STEPS, Course
+from skin_ident.criticism.courses.carriers import DEPTH, DRIVE, DRIVEN, SLOPE, ZERO
+from skin_ident.criticism.courses.course import _said
+from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
 from skin_ident.criticism.diagnose import diagnose
 
 MOMENTS, Z = np.array([3.0, 8.0]), np.array([0.02, -0.01])

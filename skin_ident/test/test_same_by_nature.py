@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.one_rate import at_one_rate
-from skin_ident.criticism.proposals import directions
-from skin_ident.criticism.session import prepare
-from skin_ident.criticism.start import dispersion_start
-from skin_ident.criticism.survey import survey
+from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.one_rate import at_one_rate
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 
 RATE = 100.0

@@ -5,16 +5,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from skin_ident.criticism.criticise import Named
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose, skin_mass
-from skin_ident.criticism.fitting import fit
-from skin_ident.criticism.gate import Gain
-from skin_ident.criticism.growing import grow
-from skin_ident.criticism.proposals import directions
-from skin_ident.criticism.rivals import Rival
-from skin_ident.criticism.session import prepare
-from skin_ident.criticism.start import dispersion_start
-from skin_ident.criticism.survey import survey
+from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.search.criticise import Named
+from skin_ident.criticism.search.growing import grow
+from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
 from skin_ident.separating.candidates import candidates
 from skin_ident.separating.choose import Experiment, separating_experiment

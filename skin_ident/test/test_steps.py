@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from skin_ident.criticism.steps import sharpest
-from skin_ident.criticism.whitening import fit_whitener
+from skin_ident.criticism.noise.steps import sharpest
+from skin_ident.criticism.noise.whitening import fit_whitener
 
 
 def coloured(rng, channels=2, n=1500, pole=0.99):

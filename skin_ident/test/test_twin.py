@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from skin_ident.cli.diagnose import main
+from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.baseline.twin import read_twins
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.record import inspect
-from skin_ident.criticism.residual import residual, simulated
-from skin_ident.criticism.twin import read_twins
 from skin_ident.hiding.writing import write_recordings
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion

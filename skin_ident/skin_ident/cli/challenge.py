@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from skin_ident.cli import common
-from skin_ident.criticism.session import prepare
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.vocabulary import CAUSES
 from skin_ident.hiding.campaign import NULL, SHARES, Case, cases, kept, key, recordings, result
 from skin_ident.hiding.drawing import hideable

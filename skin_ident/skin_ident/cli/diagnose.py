@@ -11,7 +11,7 @@ from typing import Any
 from skin_ident.cli import common
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.outcome import Outcome
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load

@@ -10,7 +10,7 @@ import numpy as np
 
 from skin_ident.cli import common
 from skin_ident.cli.diagnose import progress_line, summary, write
-from skin_ident.criticism.session import prepare
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.drawing import ANYTHING, draw
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied

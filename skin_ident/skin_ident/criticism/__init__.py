@@ -2,30 +2,33 @@
 
 The method, in the order in which `diagnose` runs it:
 
-1.  `odd_session` puts a session right that differs from all others in whole (columns in another order, a unit, a sign). `telemetry`
-    looks at each recording before any model: quantization, saturation, spikes, frozen samples, dead taxels, copied data, and by a first
-    fit at pieces that one channel alone knows of.
-2.  `session` and `band` put measured and simulated channels through one and the same low-pass, at full rate, then thin them out. A depth
-    in coarse steps is drawn again first (`recordings.staircase`). Moments when the plunger may have left the skin are not compared.
-3.  `fitting` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error. Sessions that press at
-    different places have shares of their own for every taxel, fitted with whatever model stands beside them (`own_shares`).
-4.  `proposals` simulates every effect of the catalogue, at every shape of its grid, on top of the model: the change it makes to every
-    channel is the direction in which that cause would bend the residual. With declared taxel positions `array` proposes what bends the
-    spread over them.
-5.  `whitening` fits the noise (predicted from its last samples and from slower and slower averages, correlated between channels) to what
-    the richest set of directions leaves, beginning from white noise (`noise`).
-6.  `ranking` projects the model's own parameters out and asks how much of the whitened residual each cause explains, within the signs
-    that physics allows.
-7.  The best few are refitted jointly, nonlinearly, with as many instances as have a size of their own, and in the finer form of an
-    effect where that explains more (`growing`, `trial`); `gate` demands that held-out sessions are predicted better (block bootstrap),
-    beside what training leaves uncertain (`uncertain`), and `description` that noise of another colour is no shorter account of the record.
-    What comes within reach of the best, or is the same signal by nature, is reported beside it. Where the mass of the model explains more
-    than any cause, it is fitted, too (`weighing`). `course` competes with all of them by what belongs to one session alone: a zero, a
-    slope, a delay or a depth that changed before or during it (`steps` finds the moments). Where such courses explain most and predict
-    nothing, the noise wanders more than its model knows, and nothing is named. Last, what is wrong in held-out sessions alone
-    (`course_gate` for both).
-8.  Repeat; then eliminate backwards (`criticise`); then ask whether a general model still predicts something of the residual on held-out
-    data (`leftover`), and look at the moments that were left out for a pull (`telemetry.pull`).
+1.  `telemetry` looks at each recording before any model (`record`): quantization, saturation, spikes, frozen samples, dead taxels, copied
+    data, and by a first fit at pieces that one channel alone knows of. `telemetry.odd_session` puts a session right that differs from all
+    others in whole (columns in another order, a unit, a sign).
+2.  `sessions` puts measured and simulated channels through one and the same low-pass, at full rate, then thins them out. A depth in coarse
+    steps is drawn again first (`recordings.staircase`). Moments when the plunger may have left the skin are not compared.
+3.  `baseline` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error. Sessions that press at
+    different places have shares of their own for every taxel, fitted with whatever model stands beside them.
+4.  `search.proposals` simulates every effect of the catalogue, at every shape of its grid, on top of the model: the change it makes to
+    every channel is the direction in which that cause would bend the residual. With declared taxel positions `array` proposes what bends
+    the spread over them.
+5.  `noise` is fitted (predicted from its last samples and from slower and slower averages, correlated between channels) to what the
+    richest set of directions leaves, beginning from white noise.
+6.  `search.ranking` projects the model's own parameters out and asks how much of the whitened residual each cause explains, within the
+    signs that physics allows.
+7.  The best few are refitted jointly, nonlinearly, with as many instances as have a size of their own, and in the finer form of an effect
+    where that explains more (`search.growing`, `search.trial`). What comes within reach of the best, or is the same signal by nature, is
+    reported beside it (`search.rivals`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
+8.  `gates` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves uncertain, and that noise of
+    another colour is no shorter account of the record.
+9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
+    during it. Where such courses explain most and predict nothing, the noise wanders more than its model knows, and nothing is named. Last,
+    what is wrong in held-out sessions alone.
+10. `search.criticise` repeats this, then eliminates backwards. `telling` asks whether a general model still predicts something of the
+    residual on held-out data, measures every gain beside what noise alone leaves, and writes findings.json; `telemetry.pull` looks at the
+    moments that were left out.
+
+`many` divides the search where taxels are many; `scan` is the same idea for static spread scans.
 
 References: L. Ljung, System Identification, 1999 (output error, residual tests); Y. C. Pati et al., Orthogonal matching pursuit, 1993;
 C. L. Lawson and R. J. Hanson, Solving Least Squares Problems, 1974 (signs); G. Schwarz, Annals of Statistics 6, 1978 (the charge for a

@@ -13,12 +13,9 @@ from skin_ident.criticism.array.joining import array_criticism, joined
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.proposing import array_directions
 from skin_ident.criticism.array.spreading import with_spread
-from skin_ident.criticism.criticise import Criticism, criticise
+from skin_ident.criticism.baseline.residual import simulated, stiffness
+from skin_ident.criticism.baseline.twin import read_twins
 from skin_ident.criticism.errors import DiagnosisError
-from skin_ident.criticism.faults import effects_of, with_effects
-from skin_ident.criticism.findings import Experiments, as_findings
-from skin_ident.criticism.judging import judge
-from skin_ident.criticism.leftover import systematic_rest
 from skin_ident.criticism.many import (
     FEW,
     criticism_of_all,
@@ -31,22 +28,25 @@ from skin_ident.criticism.many import (
     symptom_of_all,
     with_rest,
 )
-from skin_ident.criticism.odd_session import put_right
-from skin_ident.criticism.outcome import Outcome, Round, Trace
 from skin_ident.criticism.record import Inspected, inspect
-from skin_ident.criticism.residual import simulated, stiffness
 from skin_ident.criticism.scan import diagnose_scans
-from skin_ident.criticism.session import FITTED, KEPT, Session, longest, meeting, motion_under, with_reference
+from skin_ident.criticism.search.criticise import Criticism, criticise
+from skin_ident.criticism.search.weighing import said_of
+from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, meeting, motion_under, with_reference
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
+from skin_ident.criticism.telemetry.faults import effects_of, with_effects
 from skin_ident.criticism.telemetry.lines import remains
 from skin_ident.criticism.telemetry.noise_level import find_noise
+from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import find_buried, step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
-from skin_ident.criticism.telling import believed, tell
-from skin_ident.criticism.twin import read_twins
+from skin_ident.criticism.telling.findings import Experiments, as_findings
+from skin_ident.criticism.telling.judging import judge
+from skin_ident.criticism.telling.leftover import systematic_rest
+from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
+from skin_ident.criticism.telling.telling import believed, tell
 from skin_ident.criticism.usable import belong_together, doubted, something_moves
-from skin_ident.criticism.weighing import said_of
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
 from skin_models.errors import ModelError

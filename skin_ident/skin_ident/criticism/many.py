@@ -14,17 +14,17 @@ import numpy as np
 
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.proposing import is_of_array
-from skin_ident.criticism.criticise import Criticism, Named, Search
-from skin_ident.criticism.findings import found, seen
-from skin_ident.criticism.fitting import fit
-from skin_ident.criticism.proposals import directions
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.record import inspect
-from skin_ident.criticism.residual import residual
-from skin_ident.criticism.session import Session, longest, prepare, without_parting
-from skin_ident.criticism.size import affordable
-from skin_ident.criticism.survey import survey
+from skin_ident.criticism.search.criticise import Criticism, Named, Search
+from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.size import affordable
+from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.session import Session, longest, prepare, without_parting
 from skin_ident.criticism.telemetry.symptom import Symptom
-from skin_ident.criticism.whitening import fit_whitener
+from skin_ident.criticism.telling.findings import found, seen
 from skin_ident.recordings.chosen import only_taxels
 from skin_models.effect import Effect
 from skin_models.model import Model

@@ -6,10 +6,12 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from skin_ident.criticism.array.spreading import with_believed_spread
-from skin_ident.criticism.fitting import fit
-from skin_ident.criticism.residual import residual, simulated
-from skin_ident.criticism.session import Session, meeting, prepare
-from skin_ident.criticism.start import dispersion_start
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.baseline.start import dispersion_start
+from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.search.weighing import weighed
+from skin_ident.criticism.sessions.session import Session, meeting, prepare
 from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.copied import copies_among, emptied, find_copies
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
@@ -23,8 +25,6 @@ from skin_ident.criticism.telemetry.pile_up import find_saturation
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.units import find_unit_faults
-from skin_ident.criticism.weighing import weighed
-from skin_ident.criticism.whitening import fit_whitener
 from skin_models.model import Model
 
 TREND = 25  # samples of the running median that is taken for what a force really did

@@ -6,8 +6,8 @@ skin look as if it flowed. Everything is refused in one sentence that says what 
 
 import numpy as np
 
-from skin_ident.criticism.band import Band
 from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.telemetry.still import is_still
 from skin_models.model import Model
 

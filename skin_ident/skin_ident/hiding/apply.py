@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.residual import simulated
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.sessions.session import Session
 from skin_ident.recordings.recording import Recording
 from skin_models.effect import Effect, Place
 from skin_models.model import Model

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.hiding.errors import HidingError
 from skin_models.catalogue import effects

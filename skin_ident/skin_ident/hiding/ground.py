@@ -4,16 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skin_ident.criticism.baseline.fitting import fit, tangents
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.start import dispersion_start
+from skin_ident.criticism.baseline.unknowns import unknowns
 from skin_ident.criticism.diagnose import skin_mass
-from skin_ident.criticism.fitting import fit, tangents
-from skin_ident.criticism.noise import RICHEST, pursue
-from skin_ident.criticism.proposals import bank, directions
-from skin_ident.criticism.residual import residual
-from skin_ident.criticism.session import Session, prepare, without_parting
-from skin_ident.criticism.start import dispersion_start
-from skin_ident.criticism.survey import survey
-from skin_ident.criticism.unknowns import unknowns
-from skin_ident.criticism.whitening import stack
+from skin_ident.criticism.noise.estimate import RICHEST, pursue
+from skin_ident.criticism.noise.whitening import stack
+from skin_ident.criticism.search.proposals import bank, directions
+from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.session import Session, prepare, without_parting
 from skin_ident.recordings.recording import Recording
 from skin_models.model import Model
 

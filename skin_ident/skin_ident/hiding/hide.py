@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.findings import place
-from skin_ident.criticism.session import stacked
+from skin_ident.criticism.sessions.session import stacked
+from skin_ident.criticism.telling.findings import place
 from skin_ident.hiding.apply import applied, changed
 from skin_ident.hiding.drawing import ANYTHING, draw, scaled
 from skin_ident.hiding.errors import HidingError

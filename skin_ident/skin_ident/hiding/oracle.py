@@ -1,12 +1,12 @@
 """The oracle: a model that has exactly the effect that was hidden, fitted to the same sessions."""
 
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual, rmse
+from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import skin_mass
-from skin_ident.criticism.fitting import fit
-from skin_ident.criticism.proposals import directions
-from skin_ident.criticism.residual import residual, rmse
-from skin_ident.criticism.session import prepare, without_parting
-from skin_ident.criticism.start import dispersion_start
-from skin_ident.criticism.survey import survey
+from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.session import prepare, without_parting
 from skin_ident.hiding.hide import Hidden
 from skin_ident.recordings.recording import Recording
 from skin_models.model import Model

@@ -1,6 +1,6 @@
 """Bars and tables of numbers: errors by channel, the ranking of causes, parameters before and after."""
 
-from skin_ident.criticism.outcome import Round
+from skin_ident.criticism.telling.outcome import Round
 from skin_ident.report.gains import fall
 from skin_ident.report.markup import Safe, el, table
 from skin_ident.report.numbers import UNKNOWN, amount, percent, plain, span

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from skin_ident.criticism.outcome import ScanTrace, Trace
+from skin_ident.criticism.telling.outcome import ScanTrace, Trace
 from skin_ident.report.focus import differs
 from skin_ident.report.markup import Safe, el
 from skin_ident.report.numbers import amount, scale

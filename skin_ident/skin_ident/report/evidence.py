@@ -2,7 +2,7 @@
 
 import re
 
-from skin_ident.criticism.outcome import Outcome
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.report.bars import ranking
 from skin_ident.report.markup import Safe, el, join, section
 from skin_ident.report.numbers import amount, percent, span

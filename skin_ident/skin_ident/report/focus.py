@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.outcome import ScanTrace, Trace
+from skin_ident.criticism.telling.outcome import ScanTrace, Trace
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.view import DIRECT, View
 

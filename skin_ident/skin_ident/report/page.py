@@ -2,7 +2,7 @@
 
 from importlib.resources import files
 
-from skin_ident.criticism.outcome import Outcome
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.report import appendix, sections
 from skin_ident.report.charts import key, overlay, scan_picture
 from skin_ident.report.evidence import evidence

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from skin_ident.criticism.outcome import Outcome, ScanTrace
+from skin_ident.criticism.telling.outcome import Outcome, ScanTrace
 from skin_ident.report.charts import below_band, simulations
 from skin_ident.report.focus import Focus
 from skin_ident.report.numbers import scale

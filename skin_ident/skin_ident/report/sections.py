@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skin_ident.criticism.outcome import Outcome, Trace
+from skin_ident.criticism.telling.outcome import Outcome, Trace
 from skin_ident.report.bars import error_table
 from skin_ident.report.charts import against_frequency, against_motion, below_band, key, key_left, overlay, scan_left, scan_panels
 from skin_ident.report.counsel import TESTED

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.signal import oaconvolve, welch
 
-from skin_ident.criticism.outcome import Trace
+from skin_ident.criticism.telling.outcome import Trace
 
 BINS = 24
 FEWEST = 12  # samples that a bin needs to be shown

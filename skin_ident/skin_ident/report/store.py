@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.outcome import Outcome, Round, ScanTrace, Trace
+from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace, Trace
 from skin_ident.report.errors import ReportError
 from skin_models.whole_file import whole_file
 

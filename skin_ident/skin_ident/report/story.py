@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.criticism.outcome import Outcome, Round
+from skin_ident.criticism.telling.outcome import Outcome, Round
 from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, next_steps, rebuild_answer, sure
 from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better

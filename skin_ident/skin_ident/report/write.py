@@ -4,7 +4,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
-from skin_ident.criticism.outcome import Outcome
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.report.errors import ReportError
 from skin_ident.report.markdown import markdown
 from skin_ident.report.page import page

@@ -8,11 +8,11 @@ from itertools import combinations
 import numpy as np
 import yaml
 
-from skin_ident.criticism.criticise import Criticism, Named
-from skin_ident.criticism.proposals import Direction
-from skin_ident.criticism.rivals import REACH
-from skin_ident.criticism.session import Session
-from skin_ident.criticism.whitening import Whitener
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.search.criticise import Criticism, Named
+from skin_ident.criticism.search.proposals import Direction
+from skin_ident.criticism.search.rivals import REACH
+from skin_ident.criticism.sessions.session import Session
 from skin_ident.separating.candidates import Candidate, candidates
 from skin_ident.separating.contest import Contender, Contest, contest, rehearsed
 

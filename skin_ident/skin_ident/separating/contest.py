@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.band import Band
-from skin_ident.criticism.fitting import tangents
-from skin_ident.criticism.proposals import Direction, bank
-from skin_ident.criticism.ranking import project, rank
-from skin_ident.criticism.residual import simulated
-from skin_ident.criticism.session import Session, meeting, without_parting
-from skin_ident.criticism.unknowns import unknowns
-from skin_ident.criticism.whitening import Whitener, stack
+from skin_ident.criticism.baseline.fitting import tangents
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.baseline.unknowns import unknowns
+from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.search.proposals import Direction, bank
+from skin_ident.criticism.search.ranking import project, rank
+from skin_ident.criticism.sessions.band import Band
+from skin_ident.criticism.sessions.session import Session, meeting, without_parting
 from skin_models.model import Model
 from skin_models.signals import Motion
 

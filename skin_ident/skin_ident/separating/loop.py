@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.outcome import Outcome
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.recordings.recording import Recording
 
 Record = Callable[[str, str], Recording]  # words or YAML of a battery, and a name for the session

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.outcome import Outcome, Round, ScanTrace, Trace
+from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace, Trace
 from skin_ident.thesis_spread import thesis_scan
 from skin_models.catalogue import effect_class
 from skin_models.dispersion import Dispersion

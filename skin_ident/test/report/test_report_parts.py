@@ -8,7 +8,7 @@ import report_examples as examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skin_ident.criticism.outcome import Outcome, Trace
+from skin_ident.criticism.telling.outcome import Outcome, Trace
 from skin_ident.report.focus import focus
 from skin_ident.report.numbers import amount, percent, plain, span
 from skin_ident.report.page import page

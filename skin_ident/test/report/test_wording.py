@@ -8,9 +8,9 @@ import report_examples as examples
 
 from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.above import above_noise
-from skin_ident.criticism.findings import advice_on
-from skin_ident.criticism.outcome import Trace
 from skin_ident.criticism.said import Said
+from skin_ident.criticism.telling.findings import advice_on
+from skin_ident.criticism.telling.outcome import Trace
 from skin_ident.report.appendix import size_ruled_out, why_untestable
 from skin_ident.report.focus import focus
 from skin_ident.report.gains import better

@@ -9,7 +9,7 @@ import pytest
 import report_examples as examples
 
 from skin_ident.cli import report as command
-from skin_ident.criticism.outcome import Outcome
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.report import ReportError, load_outcome, load_traces, save_traces, write_report
 
 VOID = {"meta", "br", "img", "col", "input"}

@@ -8,9 +8,9 @@ from skin_ident.criticism.array.gains import Gains, gains
 from skin_ident.criticism.array.gate import held_out_gain
 from skin_ident.criticism.array.judgement import Judgement, judge
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.gate import MATERIAL_RMSE, Gain
-from skin_ident.criticism.session import Session
-from skin_ident.criticism.whitening import Whitener
+from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 MOST = 0.67  # of what the ratios get wrong (mean square), which a cause must account for to be named

@@ -16,8 +16,8 @@ from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.proposing import for_anybody, is_of_array
 from skin_ident.criticism.array.sentences import shift_of
-from skin_ident.criticism.residual import placed
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.baseline.residual import placed
+from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.effects.anisotropy import Anisotropy
 from skin_models.effects.crosstalk import Crosstalk

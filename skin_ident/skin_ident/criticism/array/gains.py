@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.criticism.fitting import tangents
-from skin_ident.criticism.gate import by_block
-from skin_ident.criticism.residual import placed, residual, simulated
-from skin_ident.criticism.session import Session
-from skin_ident.criticism.unknowns import unknowns
-from skin_ident.criticism.whitening import Whitener, stack
+from skin_ident.criticism.baseline.fitting import tangents
+from skin_ident.criticism.baseline.residual import placed, residual, simulated
+from skin_ident.criticism.baseline.unknowns import unknowns
+from skin_ident.criticism.gates.gate import by_block
+from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 PROBE = 0.01  # of the largest share, for the differences

@@ -12,10 +12,10 @@ from skin_ident.criticism.array.gains import Gains, with_shares
 from skin_ident.criticism.array.hypotheses import EXACT
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.gate import Gain, gain_of_residuals
-from skin_ident.criticism.residual import residual, rmse
-from skin_ident.criticism.session import Session
-from skin_ident.criticism.whitening import Whitener
+from skin_ident.criticism.baseline.residual import residual, rmse
+from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 

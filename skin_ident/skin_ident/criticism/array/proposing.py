@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from skin_ident.criticism.array.bending import Leaning, Reaching, Walking, Widening
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.smeared import Smeared
-from skin_ident.criticism.proposals import Direction
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.search.proposals import Direction
+from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of

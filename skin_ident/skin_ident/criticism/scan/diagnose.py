@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.errors import DiagnosisError
-from skin_ident.criticism.outcome import Outcome, Round, ScanTrace
 from skin_ident.criticism.scan.between import between_scans
 from skin_ident.criticism.scan.candidates import able, excited_beside, rich
 from skin_ident.criticism.scan.cells import Cells, as_tables, cells_of
@@ -22,6 +21,7 @@ from skin_ident.criticism.scan.search import Search, search
 from skin_ident.criticism.scan.start import declared_start, given_start, plain_start
 from skin_ident.criticism.scan.trials import Setting, Trial
 from skin_ident.criticism.scan.unreadable import unreadable
+from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace
 from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model import Model

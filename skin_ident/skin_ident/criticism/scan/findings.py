@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.findings import NOT_MEASURED
 from skin_ident.criticism.scan.candidates import Candidate, excited_beside
 from skin_ident.criticism.scan.extended import surface_width
 from skin_ident.criticism.scan.family import QUANTITIES
@@ -17,6 +16,7 @@ from skin_ident.criticism.scan.limits import limits
 from skin_ident.criticism.scan.search import Named, Search
 from skin_ident.criticism.scan.sentences import separating, why
 from skin_ident.criticism.scan.trials import Setting, without_candidate
+from skin_ident.criticism.telling.findings import NOT_MEASURED
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.spread_scan import SpreadScan
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.outcome import Outcome
 from skin_ident.criticism.scan.diagnose import diagnose_scans
 from skin_ident.criticism.scan.levels import find_levels
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.spread_fit import fit_gaussian
 from skin_ident.spread_scan import SpreadScan
 from skin_ident.thesis_spread import spread_disagreements, thesis_scan

@@ -1,9 +1,9 @@
 """What to say of scans of which too little can be believed to fit anything."""
 
-from skin_ident.criticism.outcome import Outcome
 from skin_ident.criticism.scan.faults import Looked
 from skin_ident.criticism.scan.findings import recordings, seen, together
 from skin_ident.criticism.scan.limits import NEVER
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.criticism.vocabulary import CAUSES
 from skin_ident.spread_scan import SpreadScan
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.session import Session
+from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 NOISE = 4.0  # widths of what the model leaves: between the levels of pieces, about a level, and of all other readings above it

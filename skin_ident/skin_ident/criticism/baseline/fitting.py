@@ -1,0 +1,111 @@
+"""Joint output-error fit of a model to several sessions.
+
+Minimises the whitened difference between measured and simulated channels over all unknowns, by Levenberg–Marquardt in scaled unknowns
+with bounds by clipping. Jacobians are forward differences of the simulation itself, so that any composition of effects can be fitted.
+
+Source: L. Ljung, System Identification, 2nd ed., 1999, ch. 7 and 10.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.baseline.unknowns import Unknown, effect_unknowns, scales, unknowns, values, with_values
+from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
+
+ITERATIONS = 12
+STEP = 1e-4  # of a scaled unknown, for the differences
+TOLERANCE = 1e-4  # relative fall of the cost at which a fit has converged
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model: standard errors by label, the whitened cost (sum of squares) and the number of whitened samples that
+    count."""
+
+    model: Model
+    unknowns: tuple[Unknown, ...]
+    std: dict[str, float]
+    cost: float
+    count: int
+
+
+def whitened(model: Model, sessions: list[Session], noise: Whitener) -> np.ndarray:
+    """All whitened residuals of all sessions, in one vector."""
+    return np.concatenate([noise.apply(residual(model, s), s.weight).ravel() for s in sessions])
+
+
+def tangents(model: Model, sessions: list[Session], which: tuple[Unknown, ...]) -> list[np.ndarray]:
+    """d(simulated)/d(scaled unknown) in the common band, (unknowns, C, n) for each session."""
+    theta, scale = values(model, which), scales(model, which)
+    at_ceiling = theta + STEP * scale > np.array([u.parameter.upper for u in which])
+    steps = STEP * scale * np.where(at_ceiling, -1.0, 1.0)
+    moved = [with_values(model, which, theta + step * row) for step, row in zip(steps, np.eye(theta.size), strict=True)]
+
+    def of(s: Session) -> np.ndarray:
+        base = simulated(model, s)
+        changes = [s.band.thin(simulated(m, s) - base) * (c / h) for m, c, h in zip(moved, scale, steps, strict=True)]
+        return np.array(changes).reshape(len(which), *s.measured.shape)
+
+    return [of(s) for s in sessions]
+
+
+def fit(
+    model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS, which: tuple[Unknown, ...] | None = None
+) -> Fit:
+    """Fit the unknowns `which` of `model` (all of them by default), starting from their present values."""
+    which = unknowns(model, sessions[0]) if which is None else which
+    r = whitened(model, sessions, noise)
+    cost, damping, believed = float(r @ r), 1e-3, int(np.count_nonzero(r))
+    if not which:
+        return Fit(model, (), {}, cost, believed)
+    for _ in range(iterations):
+        J = stack(tangents(model, sessions, which), sessions, noise)
+        accepted, damping, trial, trial_cost = _descend(model, sessions, noise, which, J, r, cost, damping)
+        if not accepted:
+            break
+        gained = cost - trial_cost
+        model, cost = trial, trial_cost
+        if gained < TOLERANCE * cost:
+            break
+        r = whitened(model, sessions, noise)
+    return Fit(model, which, _standard_errors(model, sessions, noise, which, cost), cost, believed)
+
+
+def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
+    """Fit the effects of `model` and leave its dispersion model and shares as they are."""
+    return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model)))
+
+
+def _descend(model, sessions, noise, which, J, r, cost, damping):
+    """Try steps of growing damping until the cost falls; returns (accepted, damping, model, cost)."""
+    theta, scale = values(model, which), scales(model, which)
+    free = _free(theta, which, J.T @ r)
+    gram = J[:, free].T @ J[:, free]
+    gradient = J[:, free].T @ r
+    for _ in range(8):
+        step = np.zeros(theta.size)
+        step[free] = np.linalg.lstsq(gram + damping * np.diag(np.diag(gram) + 1e-12), gradient, rcond=None)[0]
+        trial = with_values(model, which, theta + np.clip(step, -2.0, 2.0) * scale)
+        e = whitened(trial, sessions, noise)
+        if np.isfinite(e).all() and float(e @ e) < cost:
+            return True, max(damping / 10.0, 1e-9), trial, float(e @ e)
+        damping *= 10.0
+    return False, damping, model, cost
+
+
+def _free(theta: np.ndarray, which: tuple[Unknown, ...], gradient: np.ndarray) -> np.ndarray:
+    """Unknowns not pressed against a bound by the step they would take."""
+    lower = np.array([u.parameter.lower for u in which])
+    upper = np.array([u.parameter.upper for u in which])
+    return ~(((theta <= lower) & (gradient < 0)) | ((theta >= upper) & (gradient > 0)))
+
+
+def _standard_errors(model, sessions, noise, which, cost) -> dict[str, float]:
+    J = stack(tangents(model, sessions, which), sessions, noise)
+    rows = max(int(np.count_nonzero(np.any(J != 0.0, axis=1))) - len(which), 1)
+    covariance = np.linalg.pinv(J.T @ J) * cost / rows
+    return {u.label: float(s) for u, s in zip(which, np.sqrt(np.maximum(np.diag(covariance), 0)) * scales(model, which), strict=True)}

@@ -1,0 +1,65 @@
+"""Measured minus simulated, session by session, in the common band."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.own_shares import has_own, own_shares
+from skin_ident.criticism.sessions.session import Session, motion_under
+from skin_models.effect import Effect
+from skin_models.model import Model, Response
+
+
+def simulated(model: Model, session: Session) -> np.ndarray:
+    """Simulated channels (C, N) at full rate, rows as in `session.channels`, under the session's own shares where it has some."""
+    y = rows(placed(model, session).simulate(motion_under(session, model.dispersion)), session)
+    if has_own(session):
+        y[-session.n_taxels :] *= own_shares(y, session)[:, None]
+    return _beyond(session) + y
+
+
+def placed(model: Model, session: Session) -> Model:
+    """The model under the contact of this session: itself, unless sessions press at different places."""
+    if session.spread is None:
+        return model
+    effects = tuple(at_place(e, session) for e in model.effects)
+    shares = tuple(float(a * b) for a, b in zip(model.shares, session.spread, strict=True))
+    return replace(model, shares=shares, effects=effects)
+
+
+def at_place(effect: Effect, session: Session) -> Effect:
+    """The effect as it is under the contact of this session."""
+    moves = session.spread is not None and hasattr(effect, "seen_from")
+    return effect.seen_from(session.contact) if moves else effect
+
+
+def rows(response: Response, session: Session) -> np.ndarray:
+    """The channels of a response that the session measured, (C, N); those that are stuck say what they always say."""
+    force = [np.atleast_2d(response.force)] if "force" in session.channels else []
+    out = np.vstack([*force, response.taxels])
+    for channel, level in session.stuck.items():
+        out[session.channels.index(channel)] = level
+    return out
+
+
+def _beyond(session: Session) -> np.ndarray | float:
+    return 0.0 if session.beyond is None else session.beyond
+
+
+def residual(model: Model, session: Session) -> np.ndarray:
+    """Measured minus simulated (C, n) in the common band, N."""
+    return session.measured - session.band.thin(simulated(model, session))
+
+
+def stiffness(model: Model, channel: str) -> float:
+    """What a quick step of depth makes of a channel, N/m: k1 + k2 of the load cell, its share of k1 of a taxel."""
+    skin = model.dispersion
+    return skin.k1 + skin.k2 if channel == "force" else skin.k1 * model.shares[int(channel.rpartition("_")[2])]
+
+
+def rmse(residuals: list[np.ndarray], sessions: list[Session]) -> dict[str, float]:
+    """Root mean squared error by channel over sessions, N; samples not believed are left out."""
+    channels = sessions[0].channels
+    square = sum((r**2 * s.weight).sum(axis=1) for r, s in zip(residuals, sessions, strict=True))
+    count = sum(s.weight.sum(axis=1) for s in sessions)
+    return {c: float(np.sqrt(q / max(n, 1.0))) for c, q, n in zip(channels, square, count, strict=True)}

@@ -1,0 +1,39 @@
+"""Shares of a session's own beside a model that bends what taxels read: there a factor on the reading is no share of the force."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.own_shares import has_own, kept, regression
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
+
+STEPS = 3  # of Gauss and Newton
+PROBE = 0.01  # of the largest share, for the differences
+
+
+def settled(model: Model, session: Session) -> Session:
+    """The session with the shares that fit it best under `model`."""
+    if not has_own(session):
+        return session
+    s, free, taxels = replace(session, pinned=True), ~kept(session), slice(-session.n_taxels, None)
+    for _ in range(STEPS):
+        probe = PROBE * s.spread.max()
+        y, more = (s.band.thin(simulated(model, each)[taxels]) for each in (s, replace(s, spread=s.spread + probe)))
+        change = regression((s.measured[taxels] - y)[None], (more - y) / probe, s.weight[taxels])[0]
+        s = replace(s, spread=np.maximum(s.spread + change * free, 0.0))
+    return replace(s, pinned=False)
+
+
+def share_rows(model: Model, sessions: list[Session]) -> list[np.ndarray]:
+    """d(simulated)/d(share) of every taxel in every session that has shares of its own, (S T, C, n) by session."""
+    if sessions[0].spread is None:
+        return [np.zeros((0, *s.measured.shape)) for s in sessions]
+    count = sessions[0].n_taxels
+    every = [np.zeros((len(sessions) * count, *s.measured.shape)) for s in sessions]
+    for i, (s, out) in enumerate(zip(sessions, every, strict=True)):
+        plain = s.band.thin(simulated(model, replace(s, beyond=None)))
+        for j in np.flatnonzero(~kept(s)):
+            out[i * count + j, j - count] = plain[j - count]
+    return every

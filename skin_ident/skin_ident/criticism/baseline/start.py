@@ -1,0 +1,59 @@
+"""A first dispersion model by linear least squares (thesis eqs 24, 27, 28), as the start of every fit."""
+
+import numpy as np
+
+from skin_ident.criticism.sessions.session import NOMINAL, Session
+from skin_models.dispersion import Dispersion
+from skin_models.model import Model
+from skin_models.parameter import clipped
+
+MOST = 100.0  # of the applied force that a taxel may read: more than one where units or calibrations are not those of the force
+
+
+def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
+    """Regress every channel on depth and speed in contact, over all sessions, in the common band."""
+    H = np.concatenate([s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0)) for s in sessions], axis=1).T
+    if sessions[0].drive is not None:
+        return _ratios(sessions, mass)
+    slopes = {}
+    for c, name in enumerate(sessions[0].channels):
+        y = np.concatenate([s.measured[c] for s in sessions])
+        w = np.concatenate([s.weight[c] for s in sessions])
+        slopes[name] = np.linalg.lstsq(H * w[:, None], y * w, rcond=None)[0]
+    taxels = np.array([slopes[c] * (c not in sessions[0].stuck) for c in sessions[0].channels if c != "force"]).reshape(-1, 2)
+    if sessions[0].spread is not None:
+        taxels = np.tile(_under_spread(sessions), (len(taxels), 1))
+    b, k = slopes.get("force", 2.0 * taxels.max(axis=0, initial=0.0))
+    if not taxels.size:
+        return Model(_skin(m=mass, b1=0.0, k1=0.0, b2=b, k2=k), shares=())
+    reference = int(np.argmax(taxels[:, 1]))
+    b1, k1 = taxels[reference, 0], max(taxels[reference, 1], 1e-6)
+    shares = np.maximum(taxels[:, 1] / k1, 0.0)
+    return Model(_skin(m=mass, b1=b1, k1=k1, b2=b - b1, k2=k - k1), shares=tuple(shares))
+
+
+def _skin(**values: float) -> Dispersion:
+    """Regression knows no bounds; a start needs to be within them."""
+    return Dispersion(**clipped(Dispersion, **values))
+
+
+def _under_spread(sessions: list[Session]) -> np.ndarray:
+    """Damping and stiffness (2,) of the sensed branch, where sessions at different places bring the taxels' shares with them."""
+    rows, loads = [], []
+    for s in sessions:
+        H = s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0))
+        w = s.weight[-s.n_taxels :]
+        rows.append((s.spread[:, None, None] * H.T * w[..., None]).reshape(-1, 2))
+        loads.append((s.measured[-s.n_taxels :] * w).ravel())
+    return np.linalg.lstsq(np.concatenate(rows), np.concatenate(loads), rcond=None)[0]
+
+
+def _ratios(sessions: list[Session], mass: float) -> Model:
+    """For a force-to-force test: static shares of the applied force; the time constants are found by the fit."""
+    F = np.concatenate([s.band.thin(s.drive) for s in sessions])
+    y = np.concatenate([s.measured * s.weight for s in sessions], axis=1)
+    shares = np.maximum(y @ F / (F @ F), 1e-6)
+    reference = float(np.clip(shares.max(), 0.01, MOST))
+    k1 = NOMINAL * reference
+    tau = 0.1  # s, as silicone has it
+    return Model(_skin(m=mass, b1=tau * k1, k1=k1, b2=tau * (NOMINAL - k1), k2=NOMINAL - k1), shares=tuple(shares / shares.max()))

@@ -1,0 +1,102 @@
+"""The unknowns of a model as one vector, and back.
+
+A vector is scaled so that a step of one is a sensible step of each unknown; bounds come from the parameters themselves.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
+from skin_models.parameter import SHAPE, Parameter, parameters_of
+
+# What the channels can tell of the dispersion model. The mass is set from the skin's density, as in the thesis's Table 4-5, unless the
+# record says otherwise. A test driven by force knows ratios only: k2 is the scale.
+BY_DEPTH, MATERIAL, TAXELS_ALONE, BY_FORCE = ("b1", "k1", "b2", "k2"), ("b2", "k2"), ("b1", "k1"), ("b1", "k1", "b2")
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One unknown: where it lives in the model (`part` is "dispersion", "shares" or the index of an effect) and its parameter."""
+
+    part: str | int
+    parameter: Parameter
+    label: str
+
+
+def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
+    """Everything that a fit of this model to sessions of this kind may change. The largest share is the reference and stays 1; sessions at
+    places of their own have shares of their own (see `own_shares`)."""
+    shares = _of_shares(model) if session.spread is None else ()
+    return (*_of_dispersion(model, session), *shares, *effect_unknowns(model))
+
+
+def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
+    silent = len(session.stuck) == session.n_taxels
+    names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
+    names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
+    names = (*names, "m") if session.free_mass else names
+    for p in parameters_of(model.dispersion):
+        if p.name in names:
+            yield Unknown("dispersion", p, p.name)
+
+
+def _of_shares(model: Model) -> Iterator[Unknown]:
+    reference = int(np.argmax(model.shares)) if model.shares else -1
+    for i, share in enumerate(model.shares):
+        if i != reference:
+            yield Unknown("shares", Parameter(str(i), "1", share, 0.0, 10.0, typical=1.0), f"share_{i}")
+
+
+def effect_unknowns(model: Model) -> Iterator[Unknown]:
+    """The unknowns of the effects alone: all that may change beside a dispersion model that is given."""
+    for i, e in enumerate(model.effects):
+        for p in parameters_of(e):
+            yield Unknown(i, p, model.listed_as(i, p.name))
+
+
+def values(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
+    """Present values of the unknowns."""
+    return np.array([_value(model, u) for u in which])
+
+
+def _value(model: Model, u: Unknown) -> float:
+    if u.part == "shares":
+        return model.shares[int(u.parameter.name)]
+    thing = model.dispersion if u.part == "dispersion" else model.effects[u.part]
+    return float(getattr(thing, u.parameter.name))
+
+
+def with_values(model: Model, which: tuple[Unknown, ...], theta: np.ndarray) -> Model:
+    """The model with its unknowns set to `theta`, clipped to their bounds."""
+    dispersion, shares, effects = {}, list(model.shares), [{} for _ in model.effects]
+    for u, value in zip(which, theta, strict=True):
+        value = float(np.clip(value, u.parameter.lower, u.parameter.upper))
+        if u.part == "dispersion":
+            dispersion[u.parameter.name] = value
+        elif u.part == "shares":
+            shares[int(u.parameter.name)] = value
+        else:
+            effects[u.part][u.parameter.name] = value
+    return replace(
+        model,
+        dispersion=replace(model.dispersion, **dispersion),
+        shares=tuple(shares),
+        effects=tuple(e.with_values(**changed) if changed else e for e, changed in zip(model.effects, effects, strict=True)),
+    )
+
+
+def scales(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
+    """A sensible step of each unknown: a share of its value, or of its typical value where that is larger."""
+    total = model.dispersion.k1 + abs(model.dispersion.k2)
+    floor = {"m": 0.1, "b1": 0.02 * total, "b2": 0.02 * total, "k1": total, "k2": total}
+
+    def scale(u: Unknown) -> float:
+        p = u.parameter
+        usual = floor.get(p.name, 0.0) if u.part == "dispersion" else (0.0 if np.isnan(p.typical) else abs(p.typical))
+        present = abs(_value(model, u))
+        return max(present, usual) if p.role != SHAPE else max(present, 1e-9)
+
+    return np.array([scale(u) or 1.0 for u in which])

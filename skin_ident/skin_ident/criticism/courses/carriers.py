@@ -1,0 +1,54 @@
+"""What a session alone may have otherwise, and what a unit of it changes in every channel: the D of `course`, (C, N)."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.sessions.session import Session
+from skin_models.effects.position_offset import PositionOffset
+from skin_models.model import Model
+from skin_models.signals import Motion
+
+ZERO, SLOPE, DELAY, DEPTH = "zero", "slope", "delay", "zero of depth"
+DRIVE, DRIVEN = "zero of the driving force", "slope of the driving force"
+LOADED = 0.2  # of what the taxel under the plunger feels
+PROBE, PUSH = 1e-6, 1e-3  # m, N
+
+
+def carried(carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
+    """D in newtons for each unit of the carrier, where the session is simulated as `plain` (C, N); zero, slope (1) and delay (s) are those
+    of the channels `rows` alone."""
+    if carrier == DEPTH:
+        return _deeper(model, s, plain)
+    if carrier in (DRIVE, DRIVEN):
+        return _pushed(model, s, plain, 1.0 if carrier == DRIVE else s.drive)
+    own, out = plain[list(rows)], np.zeros_like(plain)
+    if carrier == SLOPE and not _loads(s, rows[0]):
+        return out
+    out[list(rows)] = 1.0 if carrier == ZERO else own if carrier == SLOPE else -np.gradient(own, s.motion.dt, axis=1)
+    return out
+
+
+def _loads(s: Session, row: int) -> bool:
+    """Whether the session loads a channel well enough to know its slope; not so a taxel far from where it presses."""
+    taxel = row - (len(s.channels) - s.n_taxels)
+    return s.spread is None or taxel < 0 or s.spread[taxel] > LOADED * s.spread.max()
+
+
+def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
+    """d(simulated)/d(zero of depth), (C, N) N/m."""
+    return (simulated(model.extended(PositionOffset("rig", offset=PROBE)), s) - plain) / PROBE
+
+
+def _pushed(model: Model, s: Session, plain: np.ndarray, by: np.ndarray | float = 1.0) -> np.ndarray:
+    """What a unit more of `by` (N) in the driving force changes, (C, N)."""
+    return (simulated(model, replace(s, drive=s.drive + PUSH * by)) - plain) / PUSH
+
+
+def after_jump(model: Model, s: Session, plain: np.ndarray, moment: float) -> np.ndarray:
+    """Newtons per metre by which the depth read is too small from `moment` on, as the session's filters have smoothed the jump."""
+    step, m = (s.motion.t >= moment).astype(float), s.motion
+    speed = s.band.speed(step)
+    jumped = Motion(m.t, m.x + PROBE * s.band.smooth(step), m.v + PROBE * speed, m.a + PROBE * np.gradient(speed, m.dt), m.dt)
+    return (simulated(model, replace(s, motion=jumped)) - plain) / PROBE

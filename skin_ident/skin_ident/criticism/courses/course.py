@@ -1,0 +1,296 @@
+"""What belongs to one session alone: a zero taken anew before it, a slope that changed on the way, counts of the encoder that got lost.
+
+No parameter that sessions share can carry these; left out, they are named by whatever bends most like them. So each session is offered a
+course of its own,
+
+    y(t) = simulated(t) + D(t) sum_k z_k phi_k(t),
+
+where D is what a zero (1 in one channel), a slope (one simulated channel), a delay (-dy/dt in channels of one clock), a zero of depth
+(dF/dx in all channels), or zero or slope of the force that drives the test (dT/dF in all taxels, times 1 or F) changes, and the phi_k are a
+constant, steps at moments to be found, or straight lines between knots. Courses compete with the catalogue's causes by the same likelihood,
+each amplitude and each moment charged.
+
+Whether sessions that were held out bear one out is asked in `gate`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
+from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, courses
+from skin_ident.criticism.gates.uncertain import Open, own_rows
+from skin_ident.criticism.noise.estimate import pursue
+from skin_ident.criticism.noise.steps import sharpest
+from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.said import Said
+from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
+
+SIZES = {SLOPE: ("{:+.1f} %", 1e2), DEPTH: ("{:+.1f} µm", 1e6), DELAY: ("{:+.2f} ms", 1e3)}  # of steps, and how many to a unit
+UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # of values, all others in N
+MOMENTS = 24  # where a step is looked for first, evenly through a session
+SHARPEST = 6  # and where a single one would explain most
+MOST_STEPS = 4  # of one session
+SEEN = 0.01  # of what a step would change if it was there from the start on, the least that must be left to tell of it
+LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
+KNOT_S = 20.0
+START_S = 5.0  # s, within which a step is how the session began
+SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
+AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
+MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
+LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
+BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
+
+
+@dataclass(frozen=True)
+class Run:
+    """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
+    values (C, N) N and its words by session, and the period of their samples, s."""
+
+    course: Course
+    score: float
+    charge: float
+    largest: float
+    values: dict[str, np.ndarray]
+    said: dict[str, str]
+    period: float
+
+    @property
+    def size(self) -> float:
+        """What it changes in the session where that is most (RMS), N: an amplitude says little where nothing is pressed."""
+        return max(float(np.sqrt(np.mean(v**2))) for v in self.values.values())
+
+    def worth(self, encoder_step: float) -> bool:
+        """Whether it explains anything, and is more than what a good stage does at rest or its encoder can tell."""
+        least = {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period}
+        return self.score > LEAST and self.largest >= least.get(self.course.carrier, 0.0)
+
+
+def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
+    """Every bend of every channel's zero, and another zero of depth, (K, C, n) by session; what bends one session's is nothing in the
+    others."""
+    every = [Course(ZERO, BEND, (c,), "") for c in range(len(sessions[0].channels))]
+
+    def of(s: Session) -> np.ndarray:
+        plain = simulated(model, s)
+        zeros = [s.band.thin(carried(ZERO, c.rows, model, s, plain) * phi) for c in every for phi in _on(_knots(c, s), c, s)]
+        return np.array([*zeros, s.band.thin(carried(DEPTH if s.drive is None else DRIVE, (), model, s, plain))])
+
+    rows = [of(s) for s in sessions]
+    return [
+        np.concatenate([r if i == j else np.zeros((len(r), *s.measured.shape)) for j, r in enumerate(rows)]) for i, s in enumerate(sessions)
+    ]
+
+
+def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
+    """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. A depth that is
+    read in steps cannot show less than one."""
+    Q = _basis(stack(own_rows(model, sessions, sessions), sessions, noise))
+    return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
+
+
+def beside_the_rest(model: Model, train: list[Session], held: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
+    """Courses that explain something of sessions `held` which `model` was not fitted to: what is wrong in them alone. The model is free
+    there as far as `train` leaves it: a taxel that nothing loaded so far may read anything."""
+    return _worthwhile(_held_ground(model, held, noise, Open.to(model, train, held, noise)), encoder_step)
+
+
+def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
+    runs = [_run(course, ground) for course in courses(ground.sessions[0])]
+    return sorted((r for r in runs if r.worth(encoder_step)), key=lambda r: -r.score)
+
+
+def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
+    """The sessions with a course beyond the model."""
+    return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
+
+
+def fitted(course: Course, model: Model, sessions: list[Session], noise: Whitener, free: Open | None = None) -> Run:
+    """The course fitted to what `model` leaves, beside what is `free` to change of it."""
+    return _run(course, _held_ground(model, sessions, noise, free) if free else _ground(model, sessions, noise))
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """What every course begins from: the sessions as simulated, (C, N) by name, and the whitened residual (R,) less what `Q` (R, U) spans,
+    which the model may change by itself (None: nothing). Rows of `Q` beyond those of the sessions are what others know of the model. Where
+    courses of these sessions are looked for `alone`, others say what the slopes are."""
+
+    model: Model
+    sessions: list[Session]
+    noise: Whitener
+    Q: np.ndarray | None
+    plain: dict[str, np.ndarray]
+    left: np.ndarray
+    alone: bool = False
+
+    def of(self, session: Session) -> np.ndarray:
+        """The part of `left` that belongs to one session, (C, n)."""
+        sizes = [s.measured.size for s in self.sessions]
+        i = next(i for i, s in enumerate(self.sessions) if s is session)
+        return self.left[sum(sizes[:i]) : sum(sizes[: i + 1])].reshape(session.measured.shape)
+
+    @cached_property
+    def _carriers(self) -> dict[tuple[str, tuple[int, ...], str], np.ndarray]:
+        return {}
+
+    def carrier(self, course: Course, s: Session) -> np.ndarray:
+        """D of the module's equation, (C, N), newtons for each unit of z; worked out once for all shapes."""
+        key = course.carrier, course.rows, s.name
+        if key not in self._carriers:
+            self._carriers[key] = carried(course.carrier, course.rows, self.model, s, self.plain[s.name])
+        return self._carriers[key]
+
+    def beside(self, rows: np.ndarray) -> np.ndarray:
+        """Whitened rows (R, …) less what `Q` spans."""
+        if self.Q is None:
+            return rows
+        rows = np.concatenate([rows, np.zeros((len(self.Q) - len(rows), *rows.shape[1:]))])
+        return rows - self.Q @ (self.Q.T @ rows)
+
+    def span(self, course: Course, s: Session) -> tuple[float, float]:
+        """The moments (s) from which on a course may step, and after which too little is compared to tell of it. A slope that is wrong from
+        the start on is the skin's own in a lone session, and the place's where sessions press at several."""
+        t = s.motion.t
+        own = course.carrier == SLOPE and self.Q is not None and not self.alone and (len(self.sessions) == 1 or s.spread is not None)
+        first = float(t[0] + own * (t[-1] - t[0]) / (MOMENTS + 1))
+        felt = np.sum((s.band.thin(self.carrier(course, s)) * s.weight) ** 2, axis=0)
+        told = np.cumsum(felt[::-1])[::-1] > SEEN * np.sum(felt)
+        return first, max([first, *s.t[told][-1:]])
+
+
+def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarray | None = None, alone: bool = False) -> _Ground:
+    plain = {s.name: simulated(model, s) for s in sessions}
+    r = stack([s.measured - s.band.thin(plain[s.name]) for s in sessions], sessions, noise)
+    ground = _Ground(model, sessions, noise, Q, plain, r, alone)
+    return replace(ground, left=ground.beside(r))
+
+
+def _held_ground(model: Model, held: list[Session], noise: Whitener, free: Open) -> _Ground:
+    return _ground(model, held, noise, _basis(free.rows(held, noise)), alone=True)
+
+
+def _basis(A: np.ndarray) -> np.ndarray:
+    """Of the span of the columns of `A` that are not nothing: for one that is, QR would invent a direction."""
+    return np.linalg.qr(A[:, np.any(A != 0.0, axis=0)])[0]
+
+
+def _run(course: Course, g: _Ground) -> Run:
+    run = _linear_run(course, g)
+    if course.carrier != DELAY or run.score <= 0.0:
+        return run
+    # y(t - d) - y(t) = -d y'(t - d / 2) to the second order: once more, with the slopes half way.
+    halfway = {name: plain + 0.5 * run.values[name] for name, plain in g.plain.items()}
+    return max(run, _linear_run(course, replace(g, plain=halfway)), key=lambda r: r.score)
+
+
+def _linear_run(course: Course, g: _Ground) -> Run:
+    moments = {s.name: _moments(course, g, s) for s in g.sessions}
+    z, score, charge = _solve(course, g, moments)
+    if course.shape == STEPS and score > 0.0:
+        moments = {s.name: _around(moments[s.name], z[s.name], s, g.span(course, s)) for s in g.sessions}
+        z, score, charge = _solve(course, g, moments, exactly=True)
+        lasting = {name: _lasting(m, z[name]) for name, m in moments.items()}
+        if any(lasting[name].size < np.count_nonzero(row) for name, row in z.items()):
+            moments = lasting
+            z, score, charge = _solve(course, g, moments, exactly=True)
+    if course.shape == STEPS:
+        moments = {name: m[z[name] != 0.0] for name, m in moments.items()}
+        z = {name: row[row != 0.0] for name, row in z.items()}
+    values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
+    said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
+    largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
+    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt)
+
+
+def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """The moments of steps that last; the first of all where none does. A single step that is undone soon after is an accident, or noise;
+    several are a loose contact."""
+    used, z = moments[z != 0.0], z[z != 0.0]
+    undone = (np.diff(used) < LASTING_S) & (np.abs(z[1:] + z[:-1]) < UNDONE * np.maximum(np.abs(z[1:]), np.abs(z[:-1])))
+    if np.count_nonzero(undone) != 1:
+        return used if used.size else moments[:1]
+    last = used[~(np.append(undone, False) | np.insert(undone, 0, False))]
+    return last if last.size else moments[:1]
+
+
+def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:
+    rows = _rows(course, g, s, moments, course.shape == STEPS)
+    return sum((a * row for a, row in zip(z, rows, strict=True)), np.zeros_like(s.raw))
+
+
+def _rows(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> Iterator[np.ndarray]:
+    """What a unit of every z_k adds, (C, N) N. A step of the depth is done `exactly` when the speed that it feigns is felt, too."""
+    if exactly and course.carrier == DEPTH:
+        yield from (after_jump(g.model, s, g.plain[s.name], m) for m in moments)
+    else:
+        yield from (g.carrier(course, s) * phi for phi in _on(moments, course, s))
+
+
+def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
+    """Moments of steps: some evenly through the session, and where the residual itself points to."""
+    t = s.motion.t
+    if course.shape != STEPS:
+        return _knots(course, s)
+    even = np.linspace(t[0], t[-1], MOMENTS + 2)[:-1]
+    sharp = sharpest(s.band.thin(g.carrier(course, s)), g.of(s), s.weight, s.t, g.noise, SHARPEST)
+    return np.unique(np.clip(np.union1d(even, sharp), *g.span(course, s)))
+
+
+def _knots(course: Course, s: Session) -> np.ndarray:
+    """Where the straight lines of a bend meet; one for a constant."""
+    t = s.motion.t
+    return np.linspace(t[0], t[-1], max(2, round((t[-1] - t[0]) / KNOT_S) + 1)) if course.shape == BEND else np.zeros(1)
+
+
+def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
+    """phi_k (K, N) of the module's equation."""
+    t = s.motion.t
+    if course.shape == CONSTANT:
+        return np.ones((1, t.size))
+    if course.shape == BEND:
+        return np.array([np.interp(t, moments, hat) for hat in np.eye(moments.size)])
+    return (t >= moments[:, None]).astype(float)
+
+
+def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, float]) -> np.ndarray:
+    """Finer grids about the moments that were used, within a span: one as wide as those were apart, one from sample to sample."""
+    dt, gap = s.motion.dt, (s.motion.t[-1] - s.motion.t[0]) / (MOMENTS + 1)
+    around = np.union1d(np.linspace(-gap, gap, 17), dt * s.band.every * np.linspace(-1.0, 1.0, 9))
+    used = moments[z != 0.0]
+    return np.unique(np.clip(np.add.outer(used, around), *span)) if used.size else moments[:1]
+
+
+def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: bool = False) -> tuple[dict[str, np.ndarray], float, float]:
+    """Amplitudes by session, the fall of the squared whitened error less the charge for each of them, and that charge."""
+    rows = [[s.band.thin(row) for row in _rows(course, g, s, moments[s.name], exactly)] for s in g.sessions]
+    A = g.beside(block_diag(*(stack([np.array(own)], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
+    steps, r = course.shape == STEPS, g.left
+    z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else np.linalg.lstsq(A, r, rcond=1e-8)[0]
+    charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)
+    split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
+    return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
+
+
+def _said(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:
+    """A session's course in words and numbers: steps are added up, a bend is read between its knots. `begin` of the session, s."""
+    unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
+    under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - begin) > START_S
+    return Said.of(_words(course, moments, z), values, unit, None if course.shape == CONSTANT else moments, under_way)
+
+
+def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
+    if course.carrier == DRIVE:
+        return f"{-z[0]:+.3g} N"  # what the load cell reads too much
+    if course.carrier == DRIVEN:
+        return f"{-1e2 * z[0]:+.1f} %"
+    if course.carrier == ZERO:
+        return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
+    size, scale = SIZES[course.carrier]
+    steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True)]
+    return ", ".join(steps) or "none"

@@ -1,0 +1,72 @@
+"""The gate of courses: in held-out sessions the course is fitted to every other block of a few seconds, and must predict the blocks
+between. A slow drift is told from strongly coloured noise in this way only: knots and blocks are longer than the memory of noise.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.courses.carriers import ZERO
+from skin_ident.criticism.courses.course import Run, fitted
+from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
+from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain, gain_of_residuals
+from skin_ident.criticism.gates.uncertain import Open, beside_uncertainty, left_open
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
+
+BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
+CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18}  # least relative fall: noise of long memory bends by itself
+PLAINLY = 0.15  # fall that needs no gain in likelihood
+FAINT = 0.2  # of what is left at full rate, which a course of a zero must exceed
+SURE = 0.25  # of the fall of the error, which its interval must exclude: seven courses are tried every time
+
+
+def stands(run: Run, gain: Gain, model: Model, sessions: list[Session]) -> bool:
+    """Whether a course of `sessions` beside `model` is believed, where it shows, and more than faint if it is one of a zero: zeros of good
+    hardware wander."""
+    faint = run.course.carrier == ZERO and _share(run, model, sessions) < FAINT
+    return believed(gain, run.course) and run.course.shows(gain) and not faint
+
+
+def _share(run: Run, model: Model, sessions: list[Session]) -> float:
+    """A course over what the model leaves at full rate, in its channels (RMS)."""
+    own = list(run.course.rows)
+    size = sum(np.sum(run.values[s.name][own] ** 2) for s in sessions)
+    left = sum(np.sum((s.raw - simulated(model, s))[own] ** 2) for s in sessions)
+    return float(np.sqrt(size / max(left, 1e-300)))
+
+
+def believed(gain: Gain, course: Course) -> bool:
+    """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
+    little too early or too late leaves a spike, which whitening would make the most of. But where the plain error falls by little, the
+    likelihood must gain, too."""
+    fall = 1.0 - gain.after / max(gain.before, 1e-300)
+    sure = gain.ci95[0] > SURE * (gain.before - gain.after) and fall > CLEARLY[course.shape]
+    return sure and (gain.relative > 0.0 or fall > PLAINLY)
+
+
+def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
+    """What the course gains in `held`, or in `train` where nothing is held out, fitted to every other block and predicting the blocks
+    between; the model is `before` or `after`, each free as far as training leaves it."""
+    free, sessions = left_open(after, train, held, noise), held or train
+    plain = [residual(before, s) for s in sessions]
+    predicted = [_predicted(course, after, s, noise, free and free.of(i)) for i, s in enumerate(sessions)]
+    if not held:
+        return gain_of_residuals(plain, predicted, train, noise, "every other block of each session")
+    if free:
+        plain, predicted = beside_uncertainty(plain, before, train, held, noise), free.beside(predicted, held, noise)
+    return gain_of_residuals(plain, predicted, held, noise, ", ".join(s.name for s in held))
+
+
+def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:
+    """Residual (C, n) with each block's course fitted to its neighbours."""
+    e = residual(model, s)
+    odd = ((s.t - s.t[0]) / BLOCK_S[course.shape]).astype(int) % 2
+    out = e.copy()
+    for side in (0, 1):
+        seen = replace(s, weight=s.weight * (odd == side))
+        run = fitted(course, model, [seen], noise, free)
+        out[:, odd != side] -= s.band.thin(run.values[s.name])[:, odd != side]
+    return out

@@ -1,0 +1,25 @@
+"""How long the description of a record is under a model, its noise fitted to what that very model leaves.
+
+The search takes the noise from the richest model, lest an effect be taken for noise. But noise that wanders is, to the richest model, two
+dozen effects; and what these leave of a short recording has too little slow noise, so that the next effect stands out of it. So before a
+cause is named it must also stand against the other account of the same record, that without it the noise is merely more coloured:
+
+    L = 2 N log |R| + U log(rows),        R R' the covariance of the innovations, N their number, U the unknowns of the model.
+
+Source: G. Schwarz, Estimating the dimension of a model, Annals of Statistics 6 (1978) 461-464.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.sessions.session import Session
+
+
+def description_length(fit: Fit, sessions: list[Session]) -> float:
+    """L of the fitted model over `sessions`, in twice nats."""
+    noise = fit_whitener([residual(fit.model, s) for s in sessions], [s.weight for s in sessions])
+    samples = sum(int(np.count_nonzero(s.weight.min(axis=0))) for s in sessions)
+    innovations = 2.0 * samples * float(np.sum(np.log(np.diag(noise.root))))
+    return innovations + len(fit.unknowns) * float(np.log(max(samples * len(noise.root), 2)))

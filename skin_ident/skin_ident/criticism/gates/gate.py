@@ -1,0 +1,171 @@
+"""The gate: a cause is believed when sessions that were not used to fit it are predicted better.
+
+The held-out sessions are cut into blocks, long against the memory of the noise; the whitened squared error of each block before and
+after is resampled by blocks (B. Efron, R. Tibshirani, An Introduction to the Bootstrap, 1993, ch. 8). Without sessions to hold out, each
+training session is held out in turn, and both models are fitted to the others.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.gates.uncertain import beside_uncertainty
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.sessions.session import Session, without
+from skin_models.model import Model
+
+BLOCK_S = 2.0
+FEWEST_BLOCKS = 3  # of a session; shorter ones in one that would have fewer
+RESAMPLES = 1000
+MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming
+MUCH = 0.25  # the same from which the plain error is asked no further
+MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
+HEARD, LOUD = 0.28, 0.35  # of what is left in a channel: what a change of that size can lower its error by, at most, is 4 and 6 %
+SPOILT = 1.25  # times what it was, to which no cause may let the error of a channel rise
+CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
+FOLD_ITERATIONS = 3
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Held-out error before and after, N, in `channel`, the one that gained most; `ci95` bounds the fall of the RMSE there.
+
+    `carried` are the channels whose error fell, `spoilt` those where it rose by much; `relative` and `lower` are the fall of the whitened
+    mean square over all channels and its lower 99 % bound: the gate itself.
+    """
+
+    channel: str
+    carried: tuple[str, ...]
+    before: float
+    after: float
+    ci95: tuple[float, float]
+    relative: float
+    lower: float
+    held_out: str
+    spoilt: tuple[str, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error, of other channels
+        neither; where the likelihood gains little, the plain error must fall beyond doubt, too."""
+        sure = self.lower > 0.0 and (self.ci95[0] > 0.0 or self.relative > MUCH)
+        return sure and not self.spoilt and self.relative > MATERIAL and self.after < (1.0 - MATERIAL_RMSE) * self.before
+
+    def shows_at(self, where: str) -> bool:
+        """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""
+        return any(c in self.carried for c in own_channels(where, self.carried))
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """The gain as findings.json writes it."""
+        errors = {"held_out_rmse_before": self.before, "held_out_rmse_after": self.after, "ci95": list(self.ci95)}
+        return {**errors, "channel": self.channel, "unit": "N"}
+
+    @property
+    def squares(self) -> float:
+        """Fall of the mean square in `channel`, N^2."""
+        return self.before**2 - self.after**2
+
+
+def deaf(before: Model, after: Model, train: list[Session], held: list[Session], where: str) -> bool:
+    """Whether `held` cannot be asked: what `after` changes there is too little to pass the gate, true or not, but much in `train`. Of a
+    sensor's fault its own channels tell."""
+    own = [i for i, c in enumerate(train[0].channels) if c in own_channels(where, train[0].channels)]
+    return len(train) > 1 and _felt(before, after, held, own) < HEARD < LOUD < _felt(before, after, train, own)
+
+
+def own_channels(where: str, channels: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of `channels` that show what is wrong at a place: a sensor's own, those on a clock, or all."""
+    taxels = tuple(c for c in channels if c.startswith("taxel"))
+    own = {"load_cell": ("force",), "taxel": taxels, "clock": ("force",), "clock_taxels": taxels}
+    return own.get(where, (where,) if where.startswith("taxel_") else channels)
+
+
+def _felt(before: Model, after: Model, sessions: list[Session], own: list[int]) -> float:
+    """By how much `after` differs from `before`, over what `before` leaves, in that of the channels `own` where it is most."""
+    e = [residual(before, s) for s in sessions]
+    left, changed = (
+        sum((rows**2 * s.weight).sum(axis=1) for rows, s in zip(each, sessions, strict=True))
+        for each in (e, [residual(after, settled(after, s)) - row for s, row in zip(sessions, e, strict=True)])
+    )
+    return float(np.sqrt(np.max((changed / np.maximum(left, 1e-300))[own], initial=0.0)))
+
+
+def held_out_gain(
+    before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener, refit_before: Callable = fit
+) -> Gain:
+    """What `after` gains over `before` on `held`, or by holding out each training session in turn where `held` is empty.
+
+    `refit_before` fits `before` to the remaining sessions, where it may not change all that `fit` changes.
+    """
+    if held:
+        rests = [beside_uncertainty([residual(m, settled(m, s)) for s in held], m, train, held, noise) for m in (before, after)]
+        return gain_of_residuals(*rests, held, noise, ", ".join(s.name for s in held))
+    if len(train) > 1:
+        folds = [without(train, s) for s in train]
+        pairs = [(s, *_refitted((before, refit_before), (after, fit), sessions=rest, noise=noise)) for rest, s in folds]
+        said = "each session in turn"
+    else:
+        pairs = [(s, before, after) for s in train]
+        said = "nothing: the only session was used to fit"
+    return _gain(pairs, noise, said)
+
+
+def _refitted(*pairs: tuple[Model, Callable], sessions: list[Session], noise: Whitener) -> tuple[Model, ...]:
+    return tuple(refit(model, sessions, noise, FOLD_ITERATIONS).model for model, refit in pairs)
+
+
+def bootstrap_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[float, float]:
+    """Relative fall of the mean square of whitened residuals [(C, n), …], and its lower 99 % bound by resampling blocks."""
+    sums = [np.concatenate([by_block((e**2).sum(axis=0), s) for e, s in zip(es, sessions, strict=True)]) for es in (before, after)]
+    draws = _draws(sums[0].size)
+    falls = 1.0 - sums[1][draws].sum(axis=1) / np.maximum(sums[0][draws].sum(axis=1), 1e-300)
+    return float(1.0 - sums[1].sum() / max(sums[0].sum(), 1e-300)), float(np.percentile(falls, 1.0))
+
+
+def rmse_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[np.ndarray, np.ndarray]:
+    """RMSE (2, C) before and after, N, and draws of both (2, C, RESAMPLES), from plain residuals [(C, n), …]."""
+
+    def sums(es: list[np.ndarray]) -> np.ndarray:
+        return np.concatenate([by_block(e**2 * s.weight, s) for e, s in zip(es, sessions, strict=True)], axis=-1)
+
+    squares = np.array([sums(before), sums(after)])
+    counts = np.concatenate([by_block(s.weight, s) for s in sessions], axis=-1)
+    draws = _draws(counts.shape[-1])
+    drawn = squares[:, :, draws].sum(axis=-1) / np.maximum(counts[:, draws].sum(axis=-1), 1e-300)
+    return np.sqrt(squares.sum(axis=-1) / np.maximum(counts.sum(axis=-1), 1e-300)), np.sqrt(drawn)
+
+
+def _gain(pairs: list[tuple[Session, Model, Model]], noise: Whitener, said: str) -> Gain:
+    sessions = [s for s, _, _ in pairs]
+    before, after = ([residual(m, settled(m, s)) for s, m in ((pair[0], pair[i]) for pair in pairs)] for i in (1, 2))
+    return gain_of_residuals(before, after, sessions, noise, said)
+
+
+def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session], noise: Whitener, said: str) -> Gain:
+    """The gain from residuals [(C, n), …] N of `sessions`, before and after."""
+    white = [[noise.apply(e, s.weight) for e, s in zip(es, sessions, strict=True)] for es in (before, after)]
+    total, lower = bootstrap_fall(*white, sessions)
+    rms, drawn = rmse_fall(before, after, sessions)
+    c = int(np.argmax((rms[0] - rms[1]) / np.maximum(rms[0], 1e-300)))
+    low, high = np.percentile(drawn[0, c] - drawn[1, c], [2.5, 97.5])
+    carried = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if b - a > CARRIES * b)
+    spoilt = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if a > SPOILT * b)
+    channel = sessions[0].channels[c]
+    return Gain(channel, carried or (channel,), float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said, spoilt)
+
+
+def _draws(blocks: int) -> np.ndarray:
+    return np.random.default_rng(0).integers(0, blocks, (RESAMPLES, blocks))
+
+
+def by_block(rows: np.ndarray, s: Session) -> np.ndarray:
+    """Sums over consecutive blocks of a session along the last axis; a short last block is left out."""
+    size = max(min(int(BLOCK_S / (s.band.dt * s.band.every)), rows.shape[-1] // FEWEST_BLOCKS), 1)
+    whole = rows.shape[-1] // size * size
+    return rows[..., :whole].reshape(*rows.shape[:-1], -1, size).sum(axis=-1)

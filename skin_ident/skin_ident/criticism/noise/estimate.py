@@ -1,0 +1,53 @@
+"""The noise model, from what is left when everything that any cause could explain is taken away.
+
+Whitening with the residual of a poor model would count the model's own error as noise, and a test built on it would be blind; whitening
+as if the noise were white would reject the truth half of the time. So the residual is first reduced by the directions that explain most
+of it, chosen one after the other (orthogonal matching pursuit), whatever their cause, and the noise is fitted to the rest. The first pass
+takes the noise as white: colour fitted to the residual itself would contain the very effect that is looked for, and an offset or a slow
+drift would drown in it. The second pass chooses again under the colour that the first has left.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, white
+from skin_ident.criticism.sessions.session import Session
+
+RICHEST = 24  # directions that the richest model may use
+PASSES = 2
+
+
+def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
+    """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
+    weights = [s.weight for s in sessions]
+    noise = white(residuals)
+    for _ in range(PASSES):
+        every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
+        A, r = stack(every, sessions, noise), stack(residuals, sessions, noise)
+        z = pursue(A, r, len(tangents[0]) + RICHEST, forced=len(tangents[0]))
+        left = [e - np.tensordot(z, a, 1) for e, a in zip(residuals, every, strict=True)]
+        noise = fit_whitener(left, weights)
+    return noise
+
+
+def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0) -> np.ndarray:
+    """Orthogonal matching pursuit: coefficients of at most `most` columns of A, the first `forced` always used, until nothing gains.
+
+    Inner products are taken with the chosen columns alone: of hundreds, two dozen are chosen.
+    """
+    product, size = A.T @ r, np.sqrt(np.einsum("ij,ij->j", A, A))
+    chosen = [i for i in range(forced) if size[i] > 0]
+    grams = [A.T @ A[:, i] for i in chosen]
+    z, charge = np.zeros(A.shape[1]), np.log(max(len(r), 2))
+    while True:
+        left = product
+        if chosen:
+            gram = np.array(grams)
+            z[chosen] = np.linalg.lstsq(gram[:, chosen], product[chosen], rcond=1e-10)[0]
+            left = product - z[chosen] @ gram
+        gains = np.where(size > 0, (left / np.where(size > 0, size, 1.0)) ** 2, 0.0)
+        gains[chosen] = 0.0
+        best = int(np.argmax(gains))
+        if len(chosen) >= most or gains[best] < charge:
+            return z
+        chosen.append(best)
+        grams.append(A.T @ A[:, best])

@@ -1,0 +1,43 @@
+"""Where in a session a step would explain most, at the resolution of its samples.
+
+With whitening W (a filter), whitened residual r and a carrier c(t), a step at moment m of the carrier explains
+
+    p_m^2 / e_m,    p_m = <W (c 1[t >= m]), r> = sum over t >= m of c W'r,    e_m = |W (c 1[t >= m])|^2,
+
+so that all p_m come from one adjoint filter and one running sum. Under coloured noise a step is a pulse as short as the filter: a grid of
+moments coarser than that misses it. e_m is the energy of the whitened carrier from m on, with the filter's start as if the carrier stood
+still for so long.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.noise.whitening import Whitener
+
+APART_S = 0.5
+
+
+def sharpest(carrier: np.ndarray, r: np.ndarray, weight: np.ndarray, t: np.ndarray, noise: Whitener, most: int) -> np.ndarray:
+    """At most `most` moments at which a step of `carrier` (C, n) explains most of the whitened `r` (C, n), at least half a second apart."""
+    explained = _from_here_on(np.sum(carrier * noise.turned(r, weight), axis=0)) ** 2 / _energy(carrier, weight, noise)
+    moments: list[float] = []
+    for i in np.argsort(explained)[::-1]:
+        if len(moments) == most:
+            break
+        if all(abs(t[i] - m) >= APART_S for m in moments):
+            moments.append(float(t[i]))
+    return np.sort(moments)
+
+
+def _energy(carrier: np.ndarray, weight: np.ndarray, noise: Whitener) -> np.ndarray:
+    order = noise.filters.shape[1] - 1
+    whole = _from_here_on(np.sum(noise.apply(carrier, weight) ** 2, axis=0))
+    settled = np.append(whole[order:], np.zeros(order))
+    alike = np.ones(order)
+    begun = np.array([noise.innovation(alike, alike > 0.0, c) for c in range(len(carrier))])  # what becomes of a step, sample by sample
+    mixed = noise.mix @ carrier
+    starting = sum(np.sum((noise.to_unit @ (taps[:, None] * mixed)) ** 2, axis=0) for taps in begun.T)
+    return np.maximum(settled + starting, 1e-12 * (1.0 + whole[0]))
+
+
+def _from_here_on(y: np.ndarray) -> np.ndarray:
+    return np.cumsum(y[::-1])[::-1]

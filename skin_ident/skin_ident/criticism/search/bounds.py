@@ -1,0 +1,91 @@
+"""For every cause that was not named: excluded above so much, or untestable and what would test it.
+
+A direction of the last survey has an amount z with standard error sd (in the directions' own, whitened inner products). The data speak
+about a cause where a typical amount of it would have stood out by `CLEAR` standard errors; it is then excluded above |z| + 1.96 sd.
+A cause may be both: a gain that changes part-way is excluded while one that was wrong throughout passes for another stiffness. What is
+seen in the record itself, as the steps of a converter are, is not excluded below its own size.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
+from skin_ident.criticism.search.survey import detectable
+from skin_ident.criticism.vocabulary import CAUSES, Cause
+from skin_models.parameter import SHAPE, parameters_of
+
+CLEAR = 3.0
+
+
+Seen = Mapping[str, Mapping[str, tuple[float, str]]]  # by cause and place: a size in the directions' unit, and why it is no finding
+
+
+def excluded_and_untestable(
+    p: Projected, named: set[str], known: dict[str, str], seen: Seen
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Entries of findings.json for all causes not in `named`. `known` gives the reason for causes that telemetry alone decides: an
+    empty text means looked for and not found. What is `seen` in the record bounds what may be excluded."""
+    excluded, untestable = [], []
+    for cause in CAUSES:
+        if cause.name in named:
+            continue
+        there = seen.get(cause.name, {})
+        entries = [e for e in _excluded(p, cause.name) if e["below"] >= there.get(e["where"], (0.0, ""))[0]]
+        excluded += entries
+        untestable += _imitated(p, cause, entries)
+        if there:
+            untestable += [{"cause": cause.name, "where": where, "because": why, "needs": cause.needs} for where, (_, why) in there.items()]
+            continue
+        if cause.name in known and not known[cause.name] and not entries:
+            excluded.append({"cause": cause.name, "below": None, "unit": "", "because": "looked for and not seen"})
+        elif not entries:
+            because = known.get(cause.name) or _because(p, cause.name)
+            untestable.append({"cause": cause.name, "because": because, "needs": cause.needs})
+    return excluded, untestable
+
+
+def _excluded(p: Projected, cause: str) -> list[dict[str, Any]]:
+    """One entry per place: the weakest of the bounds over the shapes that the data excite."""
+    limits = detectable(p, CLEAR)
+    places: dict[str, tuple[float, dict[str, Any]]] = {}
+    for i, d in enumerate(p.which):
+        if d.cause != cause or cause == AT_FULL_RATE or limits[i] > 1.0 or p.left[i] <= UNEXCITED:
+            continue
+        bound = abs(p.product[i] / p.energies[i]) + 1.96 / np.sqrt(p.energies[i])
+        unit = next(q.unit for q in parameters_of(d.effect) if q.name == d.parameter)
+        at = {q.name: {"value": q.value, "unit": q.unit} for q in parameters_of(d.effect) if q.role == SHAPE}
+        entry = {"cause": cause, "where": d.where, "parameter": d.parameter, "below": float(bound * d.size), "unit": unit}
+        if d.where not in places or bound > places[d.where][0]:
+            which = {name: said for name, said in (("form", d.effect.form), ("at", at)) if said}
+            places[d.where] = (float(bound), {**entry, **which})
+    return [entry for _, entry in places.values()]
+
+
+def _imitated(p: Projected, cause: Cause, excluded: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """One entry per place where some form of a cause is excluded, for the forms that the model's own parameters imitate entirely."""
+    left: dict[tuple[str, str], float] = {}
+    for d, share in zip(p.which, p.left, strict=True):
+        if d.cause == cause.name:
+            left[d.where, d.effect.form] = max(share, left.get((d.where, d.effect.form), 0.0))
+    hidden = {where: form or "a constant one" for (where, form), most in left.items() if 0.0 < most <= UNEXCITED}
+    return [
+        {
+            "cause": cause.name,
+            "where": where,
+            "because": f"{form} looks exactly like a change of the model's own parameters here; only its other forms are excluded",
+            "needs": cause.needs,
+        }
+        for where, form in hidden.items()
+        if any(e["where"] == where for e in excluded)
+    ]
+
+
+def _because(p: Projected, cause: str) -> str:
+    mine = [i for i, d in enumerate(p.which) if d.cause == cause]
+    if not mine:
+        return "no channel of these recordings carries it"
+    if all(p.left[i] <= UNEXCITED for i in mine):
+        return "in these recordings it looks exactly like a change of the model's own parameters, or does nothing at all"
+    return "even a typical amount of it would not stand out of the noise here: it was hardly excited"

@@ -1,0 +1,145 @@
+"""Adding one cause to a model: as many instances of its effect as the data ask for, each refitted with everything else."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.baseline.unknowns import unknowns
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.search.proposals import PROBE, Direction
+from skin_ident.criticism.search.ranking import Ranked
+from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.session import Session
+from skin_models.catalogue import effects
+from skin_models.effect import Effect
+from skin_models.effects.eyring_relaxation import EyringRelaxation
+from skin_models.effects.stress_relaxation import StressRelaxation
+from skin_models.model import Model
+from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
+
+MOST = 3  # instances of one cause at one place
+AT_SHAPE = 3  # iterations
+PROMISED = 0.5  # of what the ranking promised
+LITTLE = 0.05  # of an amount
+IN_TURN = 3  # times that shares are settled and the rest fitted
+WORTH = 0.02  # of what the first instance explained: less is not worth another one
+SURE = 2.0  # standard errors that a further instance must have for its size
+FINER = 0.002  # nor, which is the same name with one number more, a finer form of it
+AT_ONCE = 0.05  # s, what passes the common band as damping does
+SLIPPING = 3e-6  # m, a path that no skin is bent by before it slips
+
+
+def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> tuple[Fit, ...]:
+    """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters: the fit with
+    all that are, and that with the first alone where they are several."""
+    own = tuple(d for d in which if (d.cause, d.where) == (best.cause, best.where))
+    present, ranked, first, stages = start, best, 0.0, []
+    for _ in range(MOST):
+        trial, sessions = _settled(_with_instance(present, ranked, sessions, noise), sessions, noise)
+        gained = present.cost - trial.cost
+        first = first or gained
+        if gained < max(10.0, WORTH * first) or not (present is start or (determined(trial) and not unlike_skin(trial.model))):
+            break
+        present = _refined(trial, gained, sessions, noise)
+        stages.append(present)
+        own = tuple(d for d in own if _adds(d, present.model))
+        if not own:
+            break
+        ranked = survey(present.model, sessions, own, noise).ranked[0]
+        if ranked.best_gain < max(10.0, WORTH * first):
+            break
+    return (present, *stages[: len(stages) > 1])
+
+
+def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
+    """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
+    own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little.
+    Where little of what the ranking promised is kept, from the amounts at which an effect was scanned: of a delay by half a period of the
+    motion no small one shows the way."""
+    for share in (1.0, LITTLE):
+        trial = _begun_at(ranked.best, share * ranked.best_amount, present, sessions, noise)
+        if trial.cost < present.cost:
+            break
+    if present.cost - trial.cost > PROMISED * ranked.gain:
+        return trial
+    large = [(d, np.sign(z) * d.probe) for d, z in zip(ranked.used, ranked.amounts, strict=True) if d.probe != PROBE]
+    return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in large)], key=lambda f: f.cost)
+
+
+def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session], noise: Whitener) -> Fit:
+    model = present.model.extended(_ready(d, amount))
+    new = len(model.effects) - 1
+    sizes = tuple(u for u in unknowns(model, sessions[0]) if not (u.part == new and u.parameter.role == SHAPE))
+    return fit(fit(model, sessions, noise, AT_SHAPE, sizes).model, sessions, noise)
+
+
+def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit, list[Session]]:
+    """The fit with the sessions' own shares settled under it, in turn: what bends the reading of a taxel acts on its share of the force."""
+    if sessions[0].spread is None or not trial.model.effects[-1].where.startswith("taxel"):
+        return trial, sessions
+    for _ in range(IN_TURN):
+        sessions = [settled(trial.model, s) for s in sessions]
+        trial = fit(trial.model, sessions, noise, AT_SHAPE)
+    return trial, sessions
+
+
+def determined(trial: Fit) -> bool:
+    """Whether the instance that came last has a size of its own: two that all but cancel have none, nor has what the model's own numbers
+    may as well do."""
+    last = len(trial.model.effects) - 1
+    sizes = [p for p in parameters_of(trial.model.effects[last]) if p.role == AMPLITUDE]
+    return any(abs(p.value) > SURE * trial.std.get(trial.model.listed_as(last, p.name), 0.0) for p in sizes)
+
+
+def unlike_skin(model: Model) -> bool:
+    """Whether the skin would be a filter, or a brake: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor,
+    and what slips or flows at once, or is stiffer than all the skin until it slips, is friction or play."""
+    whole, own = model.dispersion.k1 + model.dispersion.k2, [e for e in model.effects if e.where == "skin"]
+
+    def unlike(e: Effect) -> bool:
+        if isinstance(e, StressRelaxation):
+            return e.tau < AT_ONCE and 2.0 * (e.k_sensed + e.k_dispersed) > whole
+        if isinstance(e, EyringRelaxation):
+            return e.stretch < SLIPPING
+        return e.cause == "hysteresis" and (e.threshold < SLIPPING or e.k_sensed + e.k_dispersed > whole)
+
+    return any(map(unlike, own))
+
+
+def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:
+    """The same, the effect that came last in the form that equals it when it is small, where one explains more."""
+    *others, last = present.model.effects
+    finer = [cls.typical(last.where, **last.values) for cls in effects() if cls.refines is type(last)]
+    trials = [fit(replace(present.model, effects=(*others, e)), sessions, noise) for e in finer]
+    best = min(trials, key=lambda trial: trial.cost, default=present)
+    return best if present.cost - best.cost > max(20.0, FINER * gained) else present
+
+
+def _ready(d: Direction, amount: float) -> Effect:
+    """The effect at the amount that the ranking found, its other amplitudes at a tenth of that, so that every unknown can move."""
+    values = {}
+    for p in parameters_of(d.effect):
+        if p.role != AMPLITUDE or p.typical != p.typical:
+            continue
+        share = 1.0 if p.name == d.parameter else (0.1 if p.lower >= 0.0 else 0.0)
+        values[p.name] = amount * share * abs(p.typical)
+    return d.effect.with_values(**clipped(type(d.effect), **values))
+
+
+def _adds(d: Direction, model: Model) -> bool:
+    """Whether another instance could be anything new: two delays are one delay, two relaxation times are two."""
+    shaped = any(p.role == SHAPE for p in parameters_of(d.effect))
+    return shaped or not any(type(d.effect) in (type(e), e.refines) and e.where == d.where for e in model.effects)
+
+
+def instances(model: Model, cause: str, where: str) -> tuple[Effect, ...]:
+    """The effects of a model that carry one cause at one place."""
+    return tuple(e for e in model.effects if (e.cause, e.where) == (cause, where))
+
+
+def negligible(e: Effect) -> bool:
+    """Whether every amplitude of an effect is within what good hardware has anyway."""
+    sizes = [p for p in parameters_of(e) if p.role == AMPLITUDE]
+    return bool(sizes) and all(abs(p.value) <= p.negligible for p in sizes)

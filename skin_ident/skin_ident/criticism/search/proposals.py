@@ -1,0 +1,101 @@
+"""What each cause would change: every effect of the catalogue, simulated on top of the present model.
+
+An effect switched on by a little, at one setting of its shape, changes every channel a little; that change is a *direction*. A cause
+at a place owns all directions of its classes and shapes: a Prony series of many arms, a Prandtl–Ishlinskii sum of many thresholds.
+Ranking with the whole span of a cause, not with one textbook form of it, is what makes a finding robust to forms that no catalogue holds.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.baseline.own_shares import beside_shares
+from skin_ident.criticism.baseline.residual import at_place, placed, rows
+from skin_ident.criticism.sessions.session import Session, motion_under
+from skin_models.catalogue import effects
+from skin_models.effect import Effect, Place
+from skin_models.model import Model
+from skin_models.parameter import AMPLITUDE, parameters_of, scan_of
+
+PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
+
+
+@dataclass(frozen=True)
+class Direction:
+    """One way to bend the model: `effect` (absent) with its amplitude `parameter` turned up. `sign` is +1, -1, or 0 for either."""
+
+    effect: Effect
+    parameter: str
+    size: float
+    sign: int
+    probe: float = PROBE  # of `size`: by how much the model is bent
+
+    @property
+    def cause(self) -> str:
+        return self.effect.cause
+
+    @property
+    def where(self) -> str:
+        return self.effect.where
+
+    def switched_on(self, amount: float) -> Effect:
+        """The effect with its amplitude at `amount` of its typical size."""
+        return self.effect.with_values(**{self.parameter: amount * self.size})
+
+
+def directions(session: Session) -> tuple[Direction, ...]:
+    """Every direction that the catalogue offers for the channels at hand."""
+    return tuple(d for cls in effects() for where in _wheres(cls, session) for d in _directions(cls, where, session))
+
+
+def _wheres(cls: type[Effect], session: Session) -> Iterator[str]:
+    for word in cls.places:
+        if _unseen(cls.places[word], session):
+            continue
+        if word.endswith("taxel") or word.endswith("taxels"):
+            if session.n_taxels == 0:
+                continue
+            if session.n_taxels > 1 and word == "taxel":
+                yield from (f"taxel_{i}" for i in range(session.n_taxels))
+        yield word
+
+
+def _unseen(place: Place, session: Session) -> bool:
+    """Whether no channel can carry an effect at this place: no load cell to compare, or no depth that could be wrong."""
+    return (place is Place.LOAD_CELL and "force" not in session.channels) or (place is Place.DEPTH and session.drive is not None)
+
+
+def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Direction]:
+    amplitudes = [p for p in parameters_of(cls) if p.role == AMPLITUDE and not np.isnan(p.typical) and p.typical != 0.0]
+    for shape in cls.shapes(session.motion):
+        absent = cls.typical(where, **shape).absent()
+        for p in amplitudes:
+            if p.name.endswith("_sensed") and session.n_taxels == 0:
+                continue
+            size = abs(p.typical)
+            yield from (Direction(absent, p.name, size, _sign(p), at / size) for at in scan_of(cls, p.name) or (PROBE * size,))
+
+
+def _sign(p) -> int:
+    return int(p.lower >= 0.0) - int(p.upper <= 0.0)
+
+
+def bank(model: Model, which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
+    """The change of every channel per unit of typical size, (directions, C, n) for each session, in the common band, beside what shares of
+    the session's own can follow."""
+    return [_bank(model, which, s) for s in sessions]
+
+
+def _bank(model: Model, which: tuple[Direction, ...], session: Session) -> np.ndarray:
+    model = placed(model, session)
+    run = model.trace(motion_under(session, model.dispersion))
+    base = rows(run.response, session)
+    out = np.zeros((len(which), *session.measured.shape))
+    for i, d in enumerate(which):
+        amount = d.probe if d.sign >= 0 else -d.probe
+        change = rows(model.bent(run, at_place(d.switched_on(amount), session)), session) - base
+        for c, row in enumerate(change):
+            if row.any():
+                out[i, c] = session.band.thin(row) / amount
+    return beside_shares(out, base, session)

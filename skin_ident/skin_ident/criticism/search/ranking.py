@@ -1,0 +1,138 @@
+"""How much of the residual each cause explains, once the model's own unknowns have had their say.
+
+With whitened residual r, base Jacobian J and a cause's directions A, both A and r are projected off J; the gain of the cause is the fall
+of |r|^2 by least squares on A with the signs that its physics allows,
+
+    gain = min |P r|^2 - |P (r - A z)|^2,        z_i >= 0 where the amplitude cannot be negative.
+
+It is twice a log likelihood ratio; `score` charges each direction used as in the Bayesian information criterion.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from skin_ident.criticism.search.proposals import Direction
+
+MOST_USED = 5
+UNEXCITED = 1e-6  # of a direction's own size: what is left after projection when the model can imitate it entirely
+AT_FULL_RATE = "interference"  # a tone may be part of what is no noise, but is looked for at full rate (`telemetry.lines`) and not named
+# here: of one above the common band its alias is left, a slow wave or a constant
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One cause at one place: its gain in squared whitened units, the directions it used and how much of each."""
+
+    cause: str
+    where: str
+    gain: float
+    score: float
+    used: tuple[Direction, ...]
+    amounts: np.ndarray
+    best: Direction
+    best_amount: float
+    best_gain: float
+
+
+@dataclass(frozen=True)
+class Projected:
+    """Directions and residual after the model's own unknowns are projected out: all that ranking needs, as inner products.
+
+    `grams` holds the inner products of the directions of one cause at one place, in the order of `which`: no cause is asked what it has
+    in common with another.
+    """
+
+    which: tuple[Direction, ...]
+    grams: dict[tuple[str, str], np.ndarray]
+    energies: np.ndarray  # of each direction
+    product: np.ndarray
+    left: np.ndarray  # share of each direction's energy that the model cannot imitate
+    energy: float  # of the residual
+    rows: int
+
+
+def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.ndarray) -> Projected:
+    """Project `A` (rows, directions) and `r` (rows,) off the columns of `J` (rows, unknowns)."""
+    Q, _ = np.linalg.qr(J) if J.size else (np.zeros((r.size, 0)), None)
+    before = np.einsum("ij,ij->j", A, A)
+    A = A - Q @ (Q.T @ A)
+    r = r - Q @ (Q.T @ r)
+    after = np.einsum("ij,ij->j", A, A)
+    left = np.where(before > 0, after / np.where(before > 0, before, 1.0), 0.0)
+    spans = {key: A[:, index] for key, index in _by_cause(which).items()}
+    return Projected(which, {key: B.T @ B for key, B in spans.items()}, after, A.T @ r, left, float(r @ r), int(np.count_nonzero(r)))
+
+
+def _by_cause(which: tuple[Direction, ...]) -> dict[tuple[str, str], np.ndarray]:
+    """The indices of the directions of every cause at every place."""
+    keys = [(d.cause, d.where) for d in which]
+    return {key: np.flatnonzero([k == key for k in keys]) for key in dict.fromkeys(keys)}
+
+
+def rank(p: Projected) -> list[Ranked]:
+    """Every cause at every place, the best first."""
+    return sorted((_ranked(p, *key, index) for key, index in _by_cause(p.which).items()), key=lambda r: -r.score)
+
+
+def _ranked(p: Projected, cause: str, where: str, index: np.ndarray) -> Ranked:
+    free = p.left[index] > UNEXCITED
+    able = index[free]
+    if able.size == 0:
+        return Ranked(cause, where, 0.0, 0.0, (), np.zeros(0), p.which[index[0]], 0.0, 0.0)
+    signs = np.array([p.which[i].sign for i in able])
+    z, gain = signed_pursuit(p.grams[cause, where][np.ix_(free, free)], p.product[able], signs)
+    used = np.flatnonzero(z)
+    charge = np.log(max(p.rows, 2))
+    best, amount, best_gain = _single(p, able, signs)
+    return Ranked(
+        cause, where, gain, gain - charge * used.size, tuple(p.which[able[i]] for i in used), z[used], p.which[best], amount, best_gain
+    )
+
+
+def _single(p: Projected, able: np.ndarray, signs: np.ndarray) -> tuple[int, float, float]:
+    """The one direction that explains most by itself."""
+    z = p.product[able] / p.energies[able]
+    z = np.where((signs != 0) & (np.sign(z) != signs), 0.0, z)
+    gains = z * p.product[able]
+    i = int(np.argmax(gains))
+    return int(able[i]), float(z[i]), float(gains[i])
+
+
+def signed_pursuit(gram: np.ndarray, product: np.ndarray, signs: np.ndarray) -> tuple[np.ndarray, float]:
+    """Orthogonal matching pursuit in terms of A'A and A'r, with sign constraints; returns the amounts and the fall of the squared error.
+
+    At most `MOST_USED` directions: enough for a spectrum of relaxation times, too few to let a cause bend into anything.
+    """
+    scale = np.sqrt(np.diag(gram))
+    G, b = gram / np.outer(scale, scale) + 1e-8 * np.eye(scale.size), product / scale
+    chosen: list[int] = []
+    z = np.zeros(scale.size)
+    while len(chosen) < min(MOST_USED, scale.size):
+        left = b - G @ z
+        left[(signs != 0) & (np.sign(left) != signs)] = 0.0
+        left[chosen] = 0.0
+        best = int(np.argmax(np.abs(left)))
+        if abs(left[best]) < 1e-9 * max(np.abs(b).max(), 1e-300):
+            break
+        chosen.append(best)
+        z = _signed_solution(G, b, signs, chosen)
+    gain = float(2.0 * z @ b - z @ G @ z)
+    return z / scale, max(gain, 0.0)
+
+
+def _signed_solution(G: np.ndarray, b: np.ndarray, signs: np.ndarray, chosen: list[int]) -> np.ndarray:
+    """Least squares on the chosen directions; those of one sign are flipped into `z >= 0`, those of either sign are split in two."""
+    index = np.array(chosen)
+    flips = np.where(signs[index] == 0, 1.0, signs[index])
+    free = index[signs[index] == 0]
+    split = np.concatenate([index, free])
+    turn = np.concatenate([flips, -np.ones(free.size)])
+    root = np.linalg.cholesky(G[np.ix_(index, index)])
+    rows = np.searchsorted(np.sort(index), split)
+    lifted = root.T[:, np.argsort(index)][:, rows] * turn
+    w, _ = nnls(lifted, np.linalg.solve(root, b[index]), maxiter=50 * split.size)
+    z = np.zeros(b.size)
+    np.add.at(z, split, w * turn)
+    return z

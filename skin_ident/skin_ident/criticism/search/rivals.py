@@ -1,0 +1,47 @@
+"""What passes for a named cause: shared causes and courses of a session's own that explain almost as much."""
+
+from dataclasses import dataclass
+
+from skin_ident.criticism.courses.course import Run
+from skin_ident.criticism.courses.kinds import CONSTANT
+from skin_models.model import Model
+
+EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift
+REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A cause that explains the data almost as well: by how much less (squared whitened units), and the model fitted with it."""
+
+    cause: str
+    where: str
+    short_by: float
+    model: Model | None = None
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return self.cause, self.where
+
+
+def reach(score: float) -> float:
+    """The score from which a rival cannot be told from a cause that scores `score`."""
+    return score - max(10.0, REACH * score)
+
+
+def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tuple[Rival, ...]:
+    """Courses of a session's own that explain as much as what scores `score`, and what is the same as they, by names not `said` yet; the
+    best first."""
+    near = sorted((r for r in runs if r.score > reach(score)), key=lambda r: -r.score)
+    short: dict[tuple[str, str], float] = {}
+    for r in near:
+        for key in r.course.keys:
+            if key not in said:
+                short.setdefault(key, score - r.score)
+    return tuple(Rival(*key, by) for key, by in short.items())
+
+
+def plainest_first(runs: list[Run]) -> list[Run]:
+    """The courses, zeros before all others that explain no more."""
+    best = runs[0].score if runs else 0.0
+    return sorted(runs, key=lambda r: (r.course.shape != CONSTANT or r.score < best - max(10.0, EQUAL * best), -r.score))

@@ -1,0 +1,53 @@
+"""One look at everything the catalogue offers, on top of the present model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import tangents
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.unknowns import unknowns
+from skin_ident.criticism.courses.course import own as of_each_session
+from skin_ident.criticism.noise.estimate import noise_model
+from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.search.proposals import Direction, bank
+from skin_ident.criticism.search.ranking import AT_FULL_RATE, Projected, Ranked, project, rank
+from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Every cause ranked against the residual of `model`, under the noise model that the survey itself found."""
+
+    model: Model
+    noise: Whitener
+    projected: Projected
+    ranked: tuple[Ranked, ...]
+
+    def directions_of(self, session: Session) -> tuple[np.ndarray, int]:
+        """All that may change a session as simulated, (M, C, n): first the model's own unknowns, whose number is returned too."""
+        own = tangents(self.model, [session], unknowns(self.model, session))[0]
+        return np.concatenate([own, bank(self.model, self.projected.which, [session])[0]]), len(own)
+
+
+def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
+    """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
+    residuals = [residual(model, s) for s in sessions]
+    own = tangents(model, sessions, unknowns(model, sessions[0]))
+    bends = bank(model, which, sessions)
+    noise = noise or noise_model(residuals, own, _richest(model, bends, which, sessions), sessions)
+    projected = project(which, stack(bends, sessions, noise), stack(own, sessions, noise), stack(residuals, sessions, noise))
+    return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE))
+
+
+def _richest(model: Model, bends: list[np.ndarray], which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
+    """All that may explain more than noise (M, C, n): the courses of each session's own, and small amounts of every cause. Large ones of
+    the same would be asked twice."""
+    small = [d.probe < 1.0 for d in which]
+    return [np.concatenate([bend[small], own]) for bend, own in zip(bends, of_each_session(model, sessions), strict=True)]
+
+
+def detectable(p: Projected, z: float = 3.0) -> np.ndarray:
+    """Amount of each direction, in typical sizes, that would stand out by `z` standard errors; inf where the data do not excite it."""
+    return np.where(p.energies > 0.0, z / np.sqrt(np.where(p.energies > 0.0, p.energies, 1.0)), np.inf)

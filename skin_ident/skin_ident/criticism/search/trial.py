@@ -1,0 +1,98 @@
+"""One cause tried: grown and refitted beside everything else, and what can be said of it before held-out data are asked."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.search.growing import determined, instances, unlike_skin
+from skin_ident.criticism.search.ranking import Ranked
+from skin_ident.criticism.search.rivals import Rival, reach
+from skin_ident.criticism.sessions.one_rate import at_one_rate
+from skin_ident.criticism.sessions.session import Session
+from skin_models.effects.drift import Creep
+from skin_models.effects.mount_compliance import DampedMount, JointedMount, YieldingMount
+from skin_models.parameter import AMPLITUDE, parameters_of
+
+FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
+SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
+HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
+MEMORY = ((HYSTERESIS, RELAXATION), (RELAXATION, HYSTERESIS))
+OFFSET, SWALLOWED = ("position_offset", "rig"), ("dead_zone", "skin")
+STIFFER = (("nonlinear_stiffness", "skin"), ("rate_dependence", "skin"))
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters; `plainer` is the same with its
+    first instance alone, where it has several."""
+
+    ranked: Ranked
+    fit: Fit
+    score: float
+    plainer: "Trial | None" = None
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Cause and place."""
+        return self.ranked.cause, self.ranked.where
+
+    @property
+    def forms(self) -> tuple["Trial", ...]:
+        """What may be believed of the cause: several instances may go wrong beyond what they were fitted to where the first does not."""
+        return (self, self.plainer) if self.plainer else (self,)
+
+
+def plausible(t: Trial, sessions: list[Session]) -> bool:
+    """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell, but for what the
+    skin hands round the taxels. Whether the skin is no filter and no brake. Whether what leaks from one taxel into another is of one sign
+    with it. And whether a spread grows with depth or shrinks, not both."""
+    if t.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(t.fit.model, *t.key)):
+        return False
+    if len({np.sign(getattr(e, "growth", 0.0)) for e in instances(t.fit.model, "spread_depth", "skin")}) > 1:
+        return False
+    if unlike_skin(t.fit.model):
+        return False
+    channels = sessions[0].channels
+    if t.ranked.where != "skin" or t.ranked.cause.startswith(("spread", "dead_zone")) or "force" not in channels or len(channels) == 1:
+        return True
+    without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
+    felt = np.sqrt(sum(np.sum((simulated(t.fit.model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
+    return bool(felt[0] > FELT * felt[1:].max())
+
+
+def sized(t: Trial) -> bool:
+    """Whether a cause that has one size is surely not of none; several sizes of one cause may stand for each other."""
+    mine = instances(t.fit.model, *t.key)
+    several = len(mine) > 1 or any(sum(p.role == AMPLITUDE for p in parameters_of(e)) > 1 for e in mine)
+    return several or t.fit.model.effects[-1] not in mine or determined(t.fit)
+
+
+def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]], sessions: list[Session]) -> tuple[Rival, ...]:
+    """Names, not `said` yet, that are the same signal: a force below a threshold is swallowed by skin or taxels; in contact a plunger that
+    has F / k less to go presses as if the skin swallowed F; a tip at g(x), as behind a joint, makes of a linear skin one whose spring
+    stiffens as g and whose damping grows as g' with depth; one that follows late makes of it one with an arm that relaxes fast; and at one
+    speed memory of time is memory of the path, of a skin that relaxes as of a sensor that creeps."""
+    at_one, (cause, where) = at_one_rate(sessions), trial.key
+    others = [other for one, other in (SAME + MEMORY if at_one else SAME) if one == trial.key]
+    if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
+        others.append(SWALLOWED)
+    mine = instances(trial.fit.model, *trial.key)
+    if at_one and cause == "hysteresis" and where != "skin":
+        others.append(("drift", where))
+    elif at_one and any(isinstance(e, Creep) for e in mine):
+        others.append(("hysteresis", where))
+    if any(isinstance(e, JointedMount) for e in mine):
+        others += STIFFER
+    elif any(isinstance(e, (DampedMount, YieldingMount)) for e in mine):
+        others.append(RELAXATION)
+    tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
+    return tuple(tried.get(other) or Rival(*other, 0.0) for other in others if other not in said)
+
+
+def all_alike(trials: list[Trial]) -> list[Trial]:
+    """Where the best trial is in one taxel and its cause may as well be the skin's: the same in all taxels, if that explains as much."""
+    best = trials[0] if trials else None
+    alike = [t for t in trials if (t.key, (t.ranked.cause, "skin")) in SAME and t.ranked.cause == best.ranked.cause]
+    return [t for t in alike if best.ranked.where != "taxel" and t.score > reach(best.score)]

@@ -1,0 +1,67 @@
+"""The mass of the dispersion model, where it is not that of the skin.
+
+A mass m under the plunger takes m g from the force while they touch, and nothing in the air. The skin's own weighs next to nothing (0.4 g,
+thesis 4.3.1), so it is set; but fits with a free mass, as those of Tables 4-1 to 4-4, find some 0.2 kg, which is 2 N. A record of such a
+model, or of a plunger that really leans on the skin, would be told as three faults of sensors; a declared mass that hangs on a load cell
+tared with it, as well. So when something is wrong the mass is tried beside all causes, and where it accounts for the record better than any
+of them it belongs to the baseline; of a mass that hangs its inertia does.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.search.rivals import reach
+from skin_ident.criticism.sessions.session import Session
+from skin_models.effects.inertia import Inertia
+from skin_models.model import Model
+from skin_models.signals import GRAVITY
+
+LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
+LEAST = 10.0  # where it explains so much
+
+
+def weighed(sessions: list[Session]) -> list[Session]:
+    """The sessions with the mass among their model's unknowns."""
+    return [replace(s, free_mass=True) for s in sessions]
+
+
+def with_mass(present: Fit, sessions: list[Session], noise: Whitener, best: float) -> Fit | None:
+    """The fit with the mass free, where that explains clearly more than the `best` of all causes does (squared whitened units); where it
+    takes from a mass that was declared, as much."""
+    if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
+        return None
+    free = fit(present.model, weighed(sessions), noise)
+    score = present.cost - free.cost - float(np.log(free.count))
+    lighter = free.model.dispersion.m < LIGHTER * present.model.dispersion.m
+    return free if (score > max(LEAST, reach(best)) if lighter else best < reach(score)) else None
+
+
+def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
+    """What is left of a mass that was set and does not lean on the skin: its inertia."""
+    m = before.dispersion.m - after.dispersion.m
+    return (Inertia("rig", mass=m),) if after.dispersion.m < LIGHTER * before.dispersion.m else ()
+
+
+def said_of(mass: float, before: float, declared: bool) -> str:
+    """The warning that the mass was fitted, where it had been set to that of the skin, or as `declared`."""
+    force = abs(mass - before) * GRAVITY
+    if declared and mass < before:
+        return (
+            f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) leaning on the skin the record cannot be "
+            f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "
+            "load cell that was tared with it, and to be felt by its inertia alone"
+        )
+    if mass < before:
+        return (
+            f"the model's mass was fitted, {mass:.3g} kg: with that of the skin ({1e3 * before:.3g} g) the record cannot be explained, "
+            f"since its weight would take {force:.3g} N from the load cell while the plunger touches"
+        )
+    of = "the declared one" if declared else "that of the skin"
+    return (
+        f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.3g} g) the record cannot be explained. It "
+        f"stands for a force of {force:.3g} N that is missing while the plunger touches; weigh what moves with the skin "
+        "(moving_mass_kg in rig.yaml), or look for what else takes that force"
+    )

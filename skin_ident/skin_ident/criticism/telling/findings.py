@@ -1,0 +1,215 @@
+"""The content of findings.json, schema 1, from a finished criticism."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from skin_ident.criticism.baseline.residual import residual, rmse
+from skin_ident.criticism.baseline.unknowns import Unknown, values
+from skin_ident.criticism.search.bounds import excluded_and_untestable
+from skin_ident.criticism.search.criticise import Criticism, Named
+from skin_ident.criticism.search.growing import instances
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.quantization import undeclared_steps
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of
+from skin_ident.criticism.telling.leftover import Rest
+from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.separating.choose import Experiment
+from skin_models.model import Model
+from skin_models.parameter import parameters_of
+
+SCHEMA = 1
+NOT_MEASURED = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": None, "unit": "N"}
+Experiments = Mapping[tuple[str, str], tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
+
+
+def place(where: str) -> str:
+    """The word of the vocabulary for a place of the catalogue: every clock is `clock`."""
+    return "clock" if where.startswith("clock") else where
+
+
+def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], train: list[Session], held: list[Session]) -> dict[str, Any]:
+    """A model as `baseline` and `extended` hold it: parameters and errors."""
+    present = values(model, which)
+    parameters = {
+        u.label: {"value": float(v), "unit": u.parameter.unit, "std": std.get(u.label)} for u, v in zip(which, present, strict=True)
+    }
+    errors = {
+        part: rmse([residual(model, s) for s in sessions], sessions) if sessions else {}
+        for part, sessions in (("train", train), ("held_out", held))
+    }
+    channels = train[0].channels
+    return {
+        "model": model.name,
+        "parameters": parameters,
+        "rmse": {c: {"train": errors["train"].get(c), "held_out": errors["held_out"].get(c), "unit": "N"} for c in channels},
+    }
+
+
+def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments) -> dict[str, Any]:
+    """One entry of `findings` that an effect stands for."""
+    effects = instances(model, named.cause, named.where)
+    parameters: dict[str, Any] = _dispersion(model, std) if named.cause == "parameters" else {}
+    for i, e in enumerate(effects):
+        for p in parameters_of(e):
+            name = p.name if i == 0 else f"{p.name}_{i + 1}"
+            parameters[name] = {"value": p.value, "unit": p.unit, "std": std.get(f"{e.cause}.{e.where}.{name}")}
+    gain = named.gain
+    return {
+        "cause": named.cause,
+        "where": place(named.where),
+        "channels": list(gain.carried),
+        "parameters": parameters,
+        "evidence": {
+            "likelihood_gain": float(named.explained),
+            "held_out_fall_of_mean_square": gain.relative,
+            "held_out": gain.held_out,
+            "forms": [type(e).__name__ for e in effects],
+            **_of_each_session(named),
+        },
+        "gain": gain.entry,
+        "alternatives": _alternatives(named),
+        **_separating(named, experiments),
+        "means": BY_NAME[named.cause].means,
+        "advice": advice_on(named),
+    }
+
+
+def advice_on(named: Named) -> str:
+    """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
+    usual, said = BY_NAME[named.cause].act, " ".join(named.courses.values())
+    if any(getattr(course, "under_way", False) for course in named.courses.values()):
+        return f"look for what happened at the moments that are named (a knock, a plug, a re-mount, a tare in between); then {usual}"
+    if " to " in said:
+        return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose plug or a tare in between"
+    return f"{usual}, before every session" if said else usual
+
+
+def _of_each_session(named: Named) -> dict[str, Any]:
+    if not named.courses:
+        return {}
+    said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())
+    why = f"each session has its own ({said}), which no parameter that they share could be"
+    sizes = {session: list(getattr(course, "sizes", ())) for session, course in named.courses.items()}
+    return {"why": why, "of_each_session": named.courses, "sessions": sizes}
+
+
+def _alternatives(named: Named) -> list[dict[str, Any]]:
+    """Every other name once: different clocks of the catalogue are one `clock` to the reader."""
+    unique = {(a.cause, place(a.where)): float(a.short_by) for a in reversed(named.alternatives)}
+    unique.pop((named.cause, place(named.where)), None)
+    return [{"cause": c, "where": w, "explains_less_by": short} for (c, w), short in reversed(unique.items())]
+
+
+def _dispersion(model: Model, std: dict[str, float]) -> dict[str, Any]:
+    return {p.name: {"value": p.value, "unit": p.unit, "std": std.get(p.name)} for p in parameters_of(model.dispersion)}
+
+
+def seen(symptom: Symptom) -> dict[str, Any]:
+    """One entry of `findings` that telemetry stands for: no term of the model, so no gain is claimed unless it is judged."""
+    return {
+        "cause": symptom.cause,
+        "where": symptom.where,
+        "channels": list(symptom.channels),
+        "parameters": symptom.parameters,
+        "evidence": dict(symptom.evidence),
+        "gain": {**NOT_MEASURED, "channel": symptom.channels[0]},
+        "alternatives": [{"cause": c, "where": w, "explains_less_by": 0.0} for c, w in symptom.alternatives],
+        "separating_experiment": symptom.apart,
+        "means": BY_NAME[symptom.cause].means,
+        "advice": BY_NAME[symptom.cause].act,
+    }
+
+
+def _separating(named: Named, experiments: Experiments) -> dict[str, Any]:
+    """The sentence, and the battery where one was computed; without a depth to command, what the rivals need in words."""
+    if not named.alternatives:
+        return {"separating_experiment": ""}
+    if (named.cause, named.where) in experiments:
+        file, experiment = experiments[named.cause, named.where]
+        return {"separating_experiment": experiment.sentence(file), "battery": file}
+    rivals = dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)])
+    return {"separating_experiment": "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))}
+
+
+def telemetry_words(recordings: list, symptoms: tuple[Symptom, ...], given: bool) -> dict[str, str]:
+    """For causes that telemetry decides: empty where it looked, or why it could not."""
+    declared = recordings[0].declared
+    undeclared = "rig.yaml does not declare"
+    words = {"outliers": "", "dead_taxel": "", "data_error": "", "interference": "", "saturation": ""}
+    words["quantization"] = ""  # but for `_steps_seen`
+    words["noise"] = "" if declared.force_noise_n or declared.taxel_noise_n else f"{undeclared} a noise level"
+    words["parameters"] = "" if given else "no model was given to compare with"
+    if not len(recordings[0].taxels):
+        words["dead_taxel"] = "there is no taxel in these recordings"
+    return words
+
+
+def _steps_seen(recordings: list) -> dict[str, tuple[float, str]]:
+    """By place: steps that nobody declared, N, so that nobody can say whether they are as they should be."""
+    n = len(recordings[0].taxels)
+    return {
+        place_of(channel, n): (step, f"the levels of {channel} are {step:.3g} N apart, and rig.yaml declares no step to compare with")
+        for channel, step in undeclared_steps(recordings).items()
+    }
+
+
+def as_findings(
+    c: Criticism,
+    symptoms,
+    recordings: list,
+    train: list[Session],
+    held: list[Session],
+    rest: Rest,
+    verdict: str,
+    given: bool,
+    experiments: Experiments,
+) -> dict[str, Any]:
+    """The whole of findings.json."""
+    before = [[replace(own, beyond=s.beyond) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
+    baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, *before)
+    entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
+    named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
+    known = telemetry_words(recordings, symptoms, given)
+    excluded, untestable = excluded_and_untestable(c.last.projected, named, known, {"quantization": _steps_seen(recordings)})
+    return {
+        "schema": SCHEMA,
+        "recordings": [
+            {
+                "name": r.name,
+                "samples": len(r),
+                "seconds": float(r.t[-1] - r.t[0]),
+                "rate_hz": float(1.0 / r.dt),
+                "held_out": any(r.name == s.name for s in held),
+                "warnings": list(r.warnings),
+            }
+            for r in recordings
+        ],
+        "baseline": baseline,
+        "findings": entries,
+        "excluded": excluded,
+        "untestable": untestable,
+        "extended": described(c.extended.model, c.extended.unknowns, c.extended.std, list(c.train), list(c.held)),
+        "systematic_rest": {
+            "fall_of_mean_square": rest.fall,
+            "lower_bound": rest.lower,
+            "rmse_before": rest.before,
+            "rmse_after": rest.after,
+            "unit": "N",
+        },
+        "verdict": verdict,
+        "warnings": _warnings(recordings, held),
+    }
+
+
+def _warnings(recordings: list, held: list[Session]) -> list[str]:
+    """What the reader must know before believing any of it."""
+    said = {r.name: dict.fromkeys((*r.warnings, *r.declared.warnings)) for r in recordings}
+    shared = [w for w in said[recordings[0].name] if len(recordings) > 1 and all(w in own for own in said.values())]
+    warnings = [f"every session: {w}" for w in shared]
+    warnings += [f"{name}: {w}" for name, own in said.items() for w in own if w not in shared]
+    if len(recordings) == 1:
+        warnings.append(
+            "only one session: blocks of it were held out instead of a session, which passes more than it should; record a second one"
+        )
+    return warnings

@@ -1,0 +1,153 @@
+"""What noise alone leaves, and whether more than that is left.
+
+The floor of a session is its residual less everything that any cause of the catalogue may explain in this session alone: no model that
+sessions share can do better. What the extended model leaves of sessions that did not fit it is held against the floor of the same
+sessions, for an encoder's steps or a noise that grows with load make one session's floor another's mountain.
+
+Noise as large as the wrong itself would be taken for the floor where the search took it for noise. So the same directions, and delayed
+copies of what is simulated, are also fitted to every other few seconds of the session and predict what is between, which no noise lets
+them do; the floor is the lower of the two.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.baseline.residual import residual, simulated, stiffness
+from skin_ident.criticism.gates.gate import by_block
+from skin_ident.criticism.gates.uncertain import beside_uncertainty
+from skin_ident.criticism.noise.estimate import RICHEST, pursue
+from skin_ident.criticism.noise.whitening import Whitener, stack, white
+from skin_ident.criticism.search.criticise import Criticism
+from skin_ident.criticism.search.survey import Survey
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.faults import PREDICTS
+from skin_ident.criticism.telemetry.quantization import step_of
+from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_models.model import Model
+
+ROUNDING = 1e-9  # N
+DOUBTED = 1.25  # times the floor of the session that tells most, from which the floor of every session is looked at
+WELL_ABOVE = 1.5  # times the floor of the very sessions: more than noise. Of 20 sound sets of another's making the most had 1.3
+TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
+SHADOW = 0.01  # of the mean square that the named causes explained: a remainder below is their own imperfect form
+BLOCK_S = 4.0
+DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
+RESOLVED = 0.3  # of a converter's step: what is smaller is its own unevenness
+
+
+def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, Any]]:
+    """By channel, what noise alone leaves in the common band, from the session that tells most, for time's sake.
+
+    It bounds what any model can gain. `rms` N; `lag_one` is the correlation of neighbouring samples.
+    """
+    longest = max(sessions, key=lambda s: float(s.weight.sum()))
+    rest = left_by_everything(last, longest)
+    rows = {c: e[w > 0] for c, e, w in zip(longest.channels, rest, longest.weight, strict=True)}
+    edge = float(longest.band.edge)
+    return {c: {"rms": _rms(e), "unit": "N", "lag_one": _lag_one(e), "band_hz": edge} for c, e in rows.items()}
+
+
+def left_by_everything(last: Survey, session: Session) -> np.ndarray:
+    """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
+    return _less(residual(last.model, session), *last.directions_of(session), last.noise, session)
+
+
+def _less(e: np.ndarray, every: np.ndarray, forced: int, noise: Whitener, session: Session) -> np.ndarray:
+    """`e` (C, n) less what the first `forced` rows of `every` (M, C, n), and the best of the others, explain of the samples believed."""
+    A, r = stack([every], [session], noise), stack([e], [session], noise)
+    return e - np.tensordot(pursue(A, r, forced + RICHEST, forced=forced), every, 1)
+
+
+def predicted_between(last: Survey, session: Session) -> np.ndarray:
+    """What is left (C, n) N where directions and delayed copies, fitted to every other block, predict the blocks between."""
+    every, own = last.directions_of(session)
+    every = np.concatenate([every, _delayed(last.model, session)])
+    e = residual(last.model, session)
+    odd = ((session.t - session.t[0]) / BLOCK_S).astype(int) % 2
+    out = e.copy()
+    for side in (0, 1):
+        seen = replace(session, weight=session.weight * (odd == side))
+        out[:, odd != side] = _less(e, every, own, white([e]), seen)[:, odd != side]
+    return out
+
+
+def _delayed(model: Model, session: Session) -> np.ndarray:
+    """Every simulated channel, earlier and later by each of `DELAYS_S`, (K, C, n): dynamics that no catalogue holds."""
+    y = simulated(model, session)
+    rows = []
+    for shift in (round(sign * d / session.motion.dt) for d in DELAYS_S for sign in (-1, 1)):
+        moved = session.band.thin(y[:, np.clip(np.arange(y.shape[1]) - shift, 0, y.shape[1] - 1)])
+        rows += [moved[c] * np.eye(len(y))[c][:, None] for c in range(len(y))]
+    return np.array(rows)
+
+
+def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float]) -> dict[str, dict[str, Any]]:
+    """The floor, from every session that was tested where `left` (N by channel) is doubtful beside that of the one that tells most."""
+    if all(rms <= DOUBTED * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
+        return floor
+    tested = list(c.held or c.train)
+    fitted = _pooled([left_by_everything(c.last, s) for s in tested], tested)
+    between = _pooled([predicted_between(c.last, s) for s in tested], tested)
+    return {name: {**floor[name], "rms": float(rms)} for name, rms in zip(floor, np.minimum(fitted, between), strict=True)}
+
+
+def left_beside(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float]) -> dict[str, float]:
+    """What is `left` (N, held out, by channel); where that is clearly above the floor, beside what training leaves uncertain."""
+    if not c.held or all(rms <= WELL_ABOVE * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
+        return left
+    tested, noise = list(c.held), c.last.noise
+    rests = beside_uncertainty([residual(c.extended.model, s) for s in tested], c.last.model, list(c.train), tested, noise)
+    return {name: min(left[name], float(rms)) for name, rms in zip(tested[0].channels, _pooled(rests, tested), strict=True)}
+
+
+def _pooled(rests: list[np.ndarray], sessions: list[Session]) -> np.ndarray:
+    squares = sum((e**2 * s.weight).sum(axis=1) for e, s in zip(rests, sessions, strict=True))
+    return np.sqrt(squares / np.maximum(sum(s.weight.sum(axis=1) for s in sessions), 1.0))
+
+
+def beyond_noise(
+    c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float], symptoms: Iterable[Symptom], encoder_step: float
+) -> dict[str, float]:
+    """Channels of which more is `left` (N, held out) than noise can leave, and how many times the floor that is, or where that is less
+    what is left of the sessions that were fitted.
+
+    Not so where a fault of the record is in the channel that nothing predicts, where the excess is one accident, within the steps of
+    converter (force k q / sqrt(12)) or encoder, or beside the named causes so small that it may be their own imperfect form.
+    """
+    random = {channel for s in symptoms if s.cause not in PREDICTS for channel in s.channels}
+    shadow = SHADOW * max((n.gain.squares for n in c.named), default=0.0)
+    above, fitted = {}, _pooled([residual(c.extended.model, s) for s in c.train], list(c.train))
+    lasting = _but_for_the_worst(c)
+    for i, (channel, rms) in enumerate(left.items()):
+        rms *= lasting[i]
+        low = max(min(floor[channel]["rms"], float(fitted[i]) * TWICE / WELL_ABOVE), ROUNDING)
+        least = max(shadow, _resolution(c, i, channel, encoder_step) ** 2)
+        if rms > WELL_ABOVE * low and rms**2 - low**2 > least and channel not in random:
+            above[channel] = rms / low
+    return above
+
+
+def _but_for_the_worst(c: Criticism) -> np.ndarray:
+    """What is left in each channel (C,) of what was tested without the two seconds that leave most, over all that is left (RMS): a spike is
+    an accident, and no sign that the model is wrong."""
+    tested = c.held or c.train
+    squares = np.concatenate([by_block(residual(c.extended.model, s) ** 2 * s.weight, s) for s in tested], axis=-1)
+    return np.sqrt(1.0 - squares.max(axis=-1) / np.maximum(squares.sum(axis=-1), 1e-300))
+
+
+def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:
+    """What steps of converter and encoder leave open in a channel, N."""
+    k = stiffness(c.extended.model, channel)
+    return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), k * encoder_step / np.sqrt(12.0)))
+
+
+def _rms(e: np.ndarray) -> float:
+    rms = float(np.sqrt(np.mean(e**2))) if e.size else 0.0
+    return rms if rms > ROUNDING else 0.0
+
+
+def _lag_one(e: np.ndarray) -> float:
+    return float(np.corrcoef(e[1:], e[:-1])[0, 1]) if e.size > 2 and np.ptp(e) > 0.0 else 0.0

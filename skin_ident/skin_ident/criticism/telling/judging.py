@@ -1,0 +1,139 @@
+"""What everything is worth together: the faults of the record put into the extended model, and the gain of every channel.
+
+The search runs without clipped samples and silent taxels, so that they bend nothing. Here they come back: the baseline is fitted to the
+whole record, as someone would who had not looked; the extended model is the search's with the faults as effects. What its numbers are
+beside the baseline's is what the faults had been hiding in.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.start import dispersion_start
+from skin_ident.criticism.gates.gate import FOLD_ITERATIONS, rmse_fall
+from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.search.criticise import Criticism
+from skin_ident.criticism.sessions.session import Session, with_reference, without_parting
+from skin_ident.criticism.telemetry.faults import PREDICTS, effect_of, effects_of, with_effects
+from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_models.model import Model
+
+MOST_FOLDS = 5
+IN_TURN = "each session in turn"
+
+
+@dataclass(frozen=True)
+class Judged:
+    """The criticism with the faults in it, what each symptom's effect gains (entries of findings.json; {} where it predicts nothing), and
+    what the extended model gains by channel."""
+
+    criticism: Criticism
+    symptoms: tuple[dict[str, Any], ...]
+    channels: dict[str, dict[str, Any]]
+    naive: Model  # the baseline as it was when the faults were left out of the fit
+
+
+def judge(
+    c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session], list[Session]], given: Model | None, mass: float
+) -> Judged:
+    """Put the faults into `c`. `whole`: training and held-out sessions with everything left in, in the order of `c.train` and `c.held`."""
+    clean = c.baseline.model
+    if effects := [e for e in effects_of(symptoms) if e.cause in PREDICTS]:
+        c = _carrying(c, effects, whole, given, mass)
+    tested = list(c.held or c.train)
+    gains = tuple(_gain_of(c.extended.model, s, tested) for s in symptoms)
+    return Judged(c, gains, _by_channel(c, whole, given is not None), clean)
+
+
+def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
+    start = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects)
+    plain = [[without_parting(s, start.dispersion) for s in sessions] for sessions in whole]
+    noise = fit_whitener([residual(start, s) for s in plain[0]], [s.weight for s in plain[0]])
+    baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
+    train, held = (
+        [replace(s, beyond=own.beyond, spread=own.spread) for s, own in zip(*pair, strict=True)]
+        for pair in zip(plain, (c.train, c.held), strict=True)
+    )
+    model = with_effects(c.extended.model, effects)
+    for e in (e for e in effects if e.cause == "quantization"):
+        model = _better(model.without(e), model, train)
+    return replace(c, baseline=baseline, extended=replace(c.extended, model=model), train=tuple(train), held=tuple(held))
+
+
+def _better(one: Model, other: Model, sessions: list[Session]) -> Model:
+    """The one that is nearer to the sessions."""
+    near, far = (sum(float(np.sum(residual(m, s) ** 2 * s.weight)) for s in sessions) for m in (one, other))
+    return one if near <= far else other
+
+
+def _gain_of(model: Model, symptom: Symptom, sessions: list[Session]) -> dict[str, Any]:
+    """What the effect of one symptom is worth: the extended model without and with it."""
+    mine = next((e for e in model.effects if e == effect_of(symptom)), None)
+    if mine is None:
+        return {}
+    without = model.without(mine)
+    before, after = ([residual(m, s) for s in sessions] for m in (without, model))
+    return _entry(symptom.channels[0], *rmse_fall(before, after, sessions), sessions)
+
+
+def _by_channel(c: Criticism, whole: tuple[list[Session], list[Session]], given: bool) -> dict[str, dict[str, Any]]:
+    """Errors of baseline and extended model on data that fitted neither, with the interval of the fall, by channel."""
+    said, pairs = _tested(c, whole, given)
+    sessions = [s for s, _, _ in pairs]
+    rms = rmse_fall([b for _, b, _ in pairs], [a for _, _, a in pairs], sessions)
+    return {channel: {**_entry(channel, *rms, sessions), "tested_on": said} for channel in sessions[0].channels}
+
+
+def _tested(
+    c: Criticism, whole: tuple[list[Session], list[Session]], given: bool
+) -> tuple[str, list[tuple[Session, np.ndarray, np.ndarray]]]:
+    """On what, and for each session of it the residuals of baseline and extended model."""
+    if c.held:
+        return ", ".join(s.name for s in c.held), [
+            _pair(c.baseline.model, c.extended.model, *p) for p in zip(c.held, whole[1], strict=True)
+        ]
+    if len(c.train) == 1 or c.baseline.model == c.extended.model:
+        said = "the sessions it was fitted to"
+        return said, [_pair(c.baseline.model, c.extended.model, *p) for p in zip(c.train, whole[0], strict=True)]
+    return IN_TURN, [pair for fold in _folds(len(c.train)) for pair in _fold(c, whole[0], fold, given)]
+
+
+def _folds(count: int) -> Iterator[list[int]]:
+    every = np.arange(count)
+    yield from (list(every[every % min(count, MOST_FOLDS) == k]) for k in range(min(count, MOST_FOLDS)))
+
+
+def _fold(c: Criticism, whole: list[Session], fold: list[int], given: bool) -> Iterator[tuple[Session, np.ndarray, np.ndarray]]:
+    """Both models fitted without the sessions of the fold, and tried on these."""
+    rest = [i for i in range(len(c.train)) if i not in fold]
+    others = with_reference([c.train[i] for i in rest])
+    plain = [replace(s, beyond=whole[i].beyond) for i, s in zip(rest, others, strict=True)]
+    before = c.baseline.model if given else _refitted(c.baseline, plain)
+    after = _refitted(c.extended, others)
+    yield from (_pair(before, after, replace(c.train[i], reference=None), whole[i]) for i in fold)
+
+
+def _refitted(known: Fit, sessions: list[Session]) -> Model:
+    noise = fit_whitener([residual(known.model, s) for s in sessions], [s.weight for s in sessions])
+    return fit(known.model, sessions, noise, FOLD_ITERATIONS, known.unknowns).model
+
+
+def _pair(before: Model, after: Model, own: Session, plain: Session) -> tuple[Session, np.ndarray, np.ndarray]:
+    return own, residual(before, replace(own, beyond=plain.beyond)), residual(after, own)
+
+
+def _entry(channel: str, rms: np.ndarray, drawn: np.ndarray, sessions: list[Session]) -> dict[str, Any]:
+    i = sessions[0].channels.index(channel)
+    low, high = np.percentile(drawn[0, i] - drawn[1, i], [2.5, 97.5])
+    before, after = map(float, rms[:, i])
+    return {
+        "held_out_rmse_before": before,
+        "held_out_rmse_after": after,
+        "ci95": [float(low), float(high)],
+        "channel": channel,
+        "unit": "N",
+    }

@@ -1,0 +1,65 @@
+"""What is still wrong when every named cause is in the model.
+
+A general predictor, the richest set of directions that the catalogue offers, is fitted to the training residual and asked to predict the
+residual of held-out sessions, both beside what training leaves uncertain. If it can, something systematic is left that no cause has been
+given for.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skin_ident.criticism.baseline.residual import residual, stiffness
+from skin_ident.criticism.gates.gate import bootstrap_fall, rmse_fall
+from skin_ident.criticism.gates.uncertain import beside_uncertainty
+from skin_ident.criticism.noise.estimate import RICHEST, pursue
+from skin_ident.criticism.noise.whitening import stack
+from skin_ident.criticism.search.survey import Survey
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.quantization import step_of
+
+SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
+SYSTEMATIC_RMSE = 0.05  # and of the plain error, in the channel that gains most
+RESOLVED = 0.2  # of a converter's step: what is smaller than that on average may be the converter's own unevenness
+SHADOW = 0.01  # of what the named causes explained: a remainder below is their own imperfect form
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What a general predictor gains on held-out data: fall of the whitened mean square, its lower 99 % bound, and plain RMSE (N) in the
+    channel that gains most; `resolution` (N) is what the steps of converter and encoder leave open there."""
+
+    fall: float
+    lower: float
+    before: float
+    after: float
+    resolution: float
+
+    def is_systematic(self, explained: float) -> bool:
+        """Whether the rest deserves the word `unexplained`, next to causes that made a mean square fall by `explained` (N^2)."""
+        sure = self.lower > 0.0 and self.fall > SYSTEMATIC and self.after < (1.0 - SYSTEMATIC_RMSE) * self.before
+        return sure and self.before**2 - self.after**2 > max(SHADOW * explained, self.resolution**2)
+
+
+def systematic_rest(last: Survey, train: list[Session], held: list[Session], encoder_step: float = 0.0) -> Rest:
+    """Fit the general predictor to the training residual and try it on `held` (the last training session where there is none).
+
+    An encoder that steps by `encoder_step` (m) leaves a force of k q / sqrt(12) open, and at the depths that every session returns to the
+    same one each time.
+    """
+    held = held or train[-1:]
+    fitted = [s for s in train if s not in held] or train
+    every = {s.name: last.directions_of(s) for s in [*fitted, *held]}
+    _, own = every[fitted[0].name]
+    A = stack([every[s.name][0] for s in fitted], fitted, last.noise)
+    r = stack([residual(last.model, s) for s in fitted], fitted, last.noise)
+    z = pursue(A, r, own + RICHEST, forced=own)
+    before = [residual(last.model, s) for s in held]
+    after = [e - np.tensordot(z, every[s.name][0], 1) for e, s in zip(before, held, strict=True)]
+    before, after = (beside_uncertainty(e, last.model, fitted, held, last.noise) for e in (before, after))
+    fall, lower = bootstrap_fall(*([last.noise.apply(e, s.weight) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
+    rms, _ = rmse_fall(before, after, held)
+    c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
+    k = stiffness(last.model, held[0].channels[c])
+    open_to = np.hypot(RESOLVED * max(step_of(s.raw[c]) or 0.0 for s in held), k * encoder_step / np.sqrt(12.0))
+    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to))

@@ -1,0 +1,139 @@
+"""What the judgement adds to findings.json: gains of telemetry's findings, gains by channel with the noise as their bound, what the
+baseline's numbers had been hiding, and how much of the record was compared."""
+
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.baseline.residual import stiffness
+from skin_ident.criticism.baseline.unknowns import unknowns, values
+from skin_ident.criticism.search.criticise import Criticism, Named
+from skin_ident.criticism.sessions.session import FITTED, KEPT
+from skin_ident.criticism.telemetry.faults import PREDICTS, UNLIKE, effect_of
+from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.telling.floor import beyond_noise, floor_of_all, left_beside, noise_floor
+from skin_ident.criticism.telling.judging import Judged
+from skin_models.model import Model
+
+OTHER_UNIT = 3.0  # times the applied force, which no taxel reads whose gain is merely off
+UNSURE = 1.5  # times what is left beside what training leaves uncertain
+MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is said to have moved
+
+
+def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...], encoder_step: float = 0.0) -> dict[str, Any]:
+    """The content of findings.json with all of that; `findings["findings"]` begins with the symptoms. The depth is known in steps of
+    `encoder_step`, m. Where clearly more is left than noise, the verdict says so."""
+    c = judged.criticism
+    left = {channel: gain["held_out_rmse_after"] for channel, gain in judged.channels.items()}
+    floor = floor_of_all(c, noise_floor(c.last, list(c.train)), left)
+    certain = left_beside(c, floor, left)
+    above = beyond_noise(c, floor, certain, symptoms, encoder_step)
+    entries = findings["findings"]
+    for entry, symptom, gain in zip(entries, symptoms, judged.symptoms, strict=False):
+        entry["gain"] |= gain
+        entry["evidence"] |= _simulated(symptom, bool(gain))
+        if symptom.evidence.get(UNLIKE):
+            entry["advice"] = (
+                f"{entry['advice'].partition(', or ')[0]}; the extended model does not do this, so do not rely on it near contact"
+            )
+        if gain:
+            entry["hid_in"] = moved(judged.naive, c.baseline.model, c)
+    for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):
+        entry["hid_in"] = hid_in(named, c)
+    bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
+    recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
+    warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above, left), *_never_loaded(certain, left)]
+    excluded = [_as_read(e, encoder_step, c.extended.model) for e in findings["excluded"]]
+    told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "excluded": excluded, "warnings": warnings}
+    return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
+
+
+def _more_than_applied(c: Criticism) -> list[str]:
+    """Where a taxel reads more than what presses on it, force and taxel are not in one unit: ratios hold, shares do not."""
+    share = c.baseline.model.dispersion.sensed_share
+    if share <= (OTHER_UNIT if c.train[0].drive is None else 1.0):
+        return []
+    return [
+        f"the strongest taxel reads {share:.3g} times the force that is applied: one of the two is in another unit, or wrongly "
+        "calibrated; causes are judged all the same, but stiffnesses and damping mean nothing"
+    ]
+
+
+def _more_than_noise(above: dict[str, float], left: dict[str, float]) -> list[str]:
+    return [
+        f"{channel}: what is left of data that were not fitted ({left[channel]:.3g} N) is {times:.2g} times what is left where every cause "
+        "may bend every session by itself: more than noise, and no cause that could be named accounts for it"
+        for channel, times in above.items()
+    ]
+
+
+def _as_read(bound: dict[str, Any], encoder_step: float, model: Model) -> dict[str, Any]:
+    """An entry of what is excluded. No length of the rig below the encoder's step is named, and so none is ruled out; nor is a force that
+    skin under load swallows as if the surface were half a step further."""
+    if bound["unit"] == "m" and bound.get("where") == "rig":
+        return {**bound, "below": max(bound["below"], encoder_step)}
+    if bound["cause"] == "dead_zone" and bound["unit"] == "N":
+        channels = {"skin": ["force"], "taxel": [f"taxel_{i}" for i in range(len(model.shares))]}.get(bound["where"], [bound["where"]])
+        return {**bound, "below": max(bound["below"], 0.5 * encoder_step * max(stiffness(model, c) for c in channels))}
+    return bound
+
+
+def _never_loaded(certain: dict[str, float], left: dict[str, float]) -> list[str]:
+    return [
+        f"{channel}: the sessions that were fitted hardly tell what it reads where the others press, so its error there "
+        f"({left[channel]:.3g} N) says nothing about the model; fit a session that loads it, too"
+        for channel, rms in certain.items()
+        if left[channel] > UNSURE * rms
+    ]
+
+
+def _verdict(verdict: str, more: bool) -> str:
+    return {"nothing_wrong": "unexplained", "explained": "partly_explained"}.get(verdict, verdict) if more else verdict
+
+
+def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
+    effect = effect_of(symptom)
+    if symptom.evidence.get(UNLIKE):
+        return {"simulated": "no: the simulated skin does it in another way, which would be further from the record than none"}
+    if effect is None:
+        return {"simulated": "no: the simulated chain has no place for this"}
+    reasons = dict.fromkeys(PREDICTS, "the noise carries readings across the steps") | {
+        "adhesion": "the moments at which it acts are not compared"
+    }
+    why = reasons.get(symptom.cause, "it comes at random")
+    said = "yes, and held-out data are predicted with it" if predicts else f"yes, but nothing is predicted with it, for {why}"
+    return {"simulated": said, "forms": [type(effect).__name__]}
+
+
+def hid_in(named: Named, c: Criticism) -> dict[str, Any]:
+    """The baseline's parameters that this cause had bent: before and after it was named."""
+    if named.before is None or named.model is None:
+        return {}
+    return moved(named.model, named.before, c)
+
+
+def moved(after: Model, before: Model, c: Criticism) -> dict[str, Any]:
+    """Parameters of dispersion model and shares that differ clearly between two models."""
+    which = [u for u in unknowns(before, c.train[0]) if isinstance(u.part, str)]
+    pairs = zip(which, values(before, tuple(which)), values(after, tuple(which)), strict=True)
+    return {
+        u.label: {"before": float(b), "after": float(a), "unit": u.parameter.unit}
+        for u, b, a in pairs
+        if abs(a - b) > max(MOVED * abs(b), SURE * (c.baseline.std.get(u.label) or 0.0))
+    }
+
+
+def believed(name: str, c: Criticism) -> np.ndarray | None:
+    """Which samples (n,) of a session, filtered and thinned, were compared; None for a session that is not there."""
+    mine = [s for s in (*c.train, *c.held) if s.name in (name, name + FITTED, name + KEPT)]
+    return np.any([s.weight.min(axis=0) > 0.0 for s in mine], axis=0) if mine else None
+
+
+def _compared(name: str, c: Criticism) -> dict[str, Any]:
+    """How many samples of a recording (filtered and thinned) were compared, and how many were not."""
+    seen = believed(name, c)
+    if seen is None:
+        return {}
+    kept, out = int(seen.sum()), int((~seen).sum())
+    because = "plunger and skin may have parted or met with a jump, or the record is wrong there"
+    return {"compared": {"samples": kept, "left_out": out, **({"because": because} if out else {})}}
