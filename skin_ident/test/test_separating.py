@@ -9,8 +9,8 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose, skin_mass
 from skin_ident.criticism.gates.gate import Gain
-from skin_ident.criticism.search.criticise import Named
 from skin_ident.criticism.search.growing import grow
+from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.survey import survey

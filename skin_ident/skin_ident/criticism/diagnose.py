@@ -30,7 +30,8 @@ from skin_ident.criticism.many import (
 )
 from skin_ident.criticism.record import Inspected, inspect
 from skin_ident.criticism.scan import diagnose_scans
-from skin_ident.criticism.search.criticise import Criticism, criticise
+from skin_ident.criticism.search.criticise import criticise
+from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.weighing import said_of
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, meeting, motion_under, with_reference
 from skin_ident.criticism.telemetry.bursts import told_of_bursts

@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from skin_ident.criticism.noise.whitening import Whitener
-from skin_ident.criticism.search.criticise import Criticism, Named
+from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.rivals import REACH
 from skin_ident.criticism.sessions.session import Session

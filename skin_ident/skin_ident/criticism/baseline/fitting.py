@@ -83,7 +83,7 @@ def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iteratio
 def _descend(model, sessions, noise, which, J, r, cost, damping):
     """Try steps of growing damping until the cost falls; returns (accepted, damping, model, cost)."""
     theta, scale = values(model, which), scales(model, which)
-    free = _free(theta, which, J.T @ r)
+    free = unpressed(theta, which, J.T @ r)
     gram = J[:, free].T @ J[:, free]
     gradient = J[:, free].T @ r
     for _ in range(8):
@@ -97,8 +97,8 @@ def _descend(model, sessions, noise, which, J, r, cost, damping):
     return False, damping, model, cost
 
 
-def _free(theta: np.ndarray, which: tuple[Unknown, ...], gradient: np.ndarray) -> np.ndarray:
-    """Unknowns not pressed against a bound by the step they would take."""
+def unpressed(theta: np.ndarray, which: tuple[Unknown, ...], gradient: np.ndarray) -> np.ndarray:
+    """Unknowns not pressed against a bound by the step they would take: `theta` their values, `gradient` J'r."""
     lower = np.array([u.parameter.lower for u in which])
     upper = np.array([u.parameter.upper for u in which])
     return ~(((theta <= lower) & (gradient < 0)) | ((theta >= upper) & (gradient > 0)))

@@ -4,7 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from skin_ident.criticism.baseline.residual import stiffness
+from skin_ident.criticism.baseline.residual import residual, simulated, stiffness
+from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.quantization import step_of
@@ -13,28 +14,46 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
-UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
+UNEVEN = 0.1  # of a converter's step, which a gain must exceed without noise: motion carries readings across steps, rest does not
 TREMBLING = 1e-6  # m, of a good stage at rest
+MOVING = 2.0  # times the greatest speed of such a tremble
 OF_SPEED = ("rate_dependence", "mount_compliance")
 
 
-def resolved(gain: Gain, cause: str, model: Model, train: list[Session], encoder_step: float) -> bool:
+def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float) -> bool:
     """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever the
     plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the readings
     across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed that, too, unless the
-    likelihood gains much by it."""
-    k, skin = stiffness(model, gain.channel), model.dispersion
-    felt = (skin.b1 + skin.b2) * _unread_speed(train, encoder_step) if cause in OF_SPEED and gain.relative < MUCH else 0.0
-    return gain.squares > OPEN * (k * encoder_step) ** 2 / 12.0 + felt**2 + (UNEVEN * _converter_step(train, gain.channel)) ** 2
+    likelihood gains much by it. A stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
+    k = stiffness(before, gain.channel)
+    least = OPEN * (k * encoder_step) ** 2 / 12.0 + _unevenness(gain.channel, after, train) ** 2
+    if gain.squares <= least or cause not in OF_SPEED or gain.relative >= MUCH:
+        return gain.squares > least
+    damping = before.dispersion.b1 + before.dispersion.b2
+    resting, moving = (damping * speed for speed in _unread_speeds(train, encoder_step))
+    if gain.squares > least + max(resting, moving) ** 2:
+        return True
+    return _fall_while_moving(gain.channel, before, after, train) > least + moving**2
 
 
-def _unread_speed(sessions: list[Session], encoder_step: float) -> float:
+def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float, float]:
     """What steps of the depth make of its speed within the band, m/s: a stage at rest trembles between them, evenly up to the band's edge;
     one that moves is rounded at every sample, evenly up to half the sampling rate."""
     band = sessions[0].band
-    at_rest = min(encoder_step, TREMBLING)
-    moving = encoder_step * np.sqrt(2.0 * band.edge * band.dt)
-    return 2.0 * np.pi * band.edge / np.sqrt(3.0) * max(at_rest, moving) / np.sqrt(12.0)
+    per_length = 2.0 * np.pi * band.edge / np.sqrt(3.0) / np.sqrt(12.0)
+    return per_length * min(encoder_step, TREMBLING), per_length * encoder_step * float(np.sqrt(2.0 * band.edge * band.dt))
+
+
+def _fall_while_moving(channel: str, before: Model, after: Model, sessions: list[Session]) -> float:
+    """Fall of the mean square in `channel` where the stage moves faster than it could tremble, N^2."""
+    fall, count = 0.0, 0.0
+    for s in sessions:
+        row = s.channels.index(channel)
+        quick = np.abs(np.interp(s.t, s.motion.t, s.motion.v)) > MOVING * 2.0 * np.pi * s.band.edge * TREMBLING
+        believed = s.weight[row] * quick
+        fall += float(np.sum(believed * (residual(before, s)[row] ** 2 - residual(after, settled(after, s))[row] ** 2)))
+        count += float(np.sum(believed))
+    return fall / max(count, 1.0)
 
 
 def readable(effects: Iterable[Effect], encoder_step: float) -> bool:
@@ -44,7 +63,13 @@ def readable(effects: Iterable[Effect], encoder_step: float) -> bool:
     return not lengths or max(lengths) > 0.5 * encoder_step
 
 
-def _converter_step(train: list[Session], channel: str) -> float:
-    """The converter's step in a channel, N; zero where none is seen."""
+def _unevenness(channel: str, after: Model, train: list[Session]) -> float:
+    """What a converter of step q does to readings wherever they come back to, N: with noise of standard deviation s on them, of what they
+    are off on average there exp(-2 pi^2 s^2 / q^2) remains (B. Widrow, I. Kollar, Quantization Noise, 2008, ch. 5)."""
     row = train[0].channels.index(channel)
-    return max(step_of(s.raw[row]) or 0.0 for s in train)
+    step = max(step_of(s.raw[row]) or 0.0 for s in train)
+    if step == 0.0:
+        return 0.0
+    noise = np.concatenate([s.raw[row] - simulated(after, settled(after, s))[row] for s in train])
+    dither = max(float(np.var(noise)) - step**2 / 12.0, 0.0)
+    return step * min(UNEVEN, float(np.exp(-2.0 * np.pi**2 * dither / step**2)) / np.sqrt(12.0))

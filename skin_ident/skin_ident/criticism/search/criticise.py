@@ -1,7 +1,7 @@
 """The loop: survey, try the best few, let held-out sessions decide, repeat, eliminate, and ask what is left."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -18,6 +18,7 @@ from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.gates.resolution import readable, resolved
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.growing import grow, instances, negligible
+from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
@@ -45,33 +46,6 @@ SHORTER = 15.0  # twice nats by which a cause must shorten the description: some
 WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Named:
-    """One cause in the extended model, with its evidence, and the models fitted without it (`before`) and with it, when it was named."""
-
-    cause: str
-    where: str
-    gain: Gain
-    explained: float
-    alternatives: tuple[Rival, ...]
-    before: Model | None = None
-    model: Model | None = None
-    courses: dict[str, str] = field(default_factory=dict)  # what belongs to one session alone, in words by session
-
-
-@dataclass(frozen=True)
-class Criticism:
-    """Everything the criticism found, before it is written down."""
-
-    baseline: Fit
-    extended: Fit
-    named: tuple[Named, ...]
-    last: Survey
-    rounds: tuple[tuple[Survey, str | None], ...] = ()
-    train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
-    held: tuple[Session, ...] = ()
 
 
 def criticise(
@@ -238,7 +212,8 @@ class Search:
             told = trial.score > MATERIAL * trial.fit.count and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self._fallen(gain.channel)
-            seen = self._resolved(gain, trial.key[0]) and readable(instances(trial.fit.model, *trial.key), self.encoder_step)
+            seen = readable(instances(trial.fit.model, *trial.key), self.encoder_step)
+            seen = seen and self._resolved(gain, trial.key[0], trial.fit.model)
             if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
                 return trial.fit, finding
         return None
@@ -257,7 +232,7 @@ class Search:
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         told = score > MATERIAL * after.count or run.course.shape != STEPS  # moments are searched for, and found in any noise
-        if not (told and stands(run, gain, self.present.model, self.train) and self._resolved(gain, run.course.cause)):
+        if not (told and stands(run, gain, self.present.model, self.train) and self._resolved(gain, run.course.cause, after.model)):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
@@ -274,7 +249,7 @@ class Search:
         gain = course_gain(run.course, self.present.model, self.present.model, self.train, self.held, self.noise)
         much = gain.after < ALONE * gain.before and gain.squares > FORM * self._fallen(gain.channel)
         wanders = run.score < WANDERING * self.wandering and gain.after > PLAIN * gain.before
-        stood = stands(run, gain, self.present.model, self.held) and self._resolved(gain, run.course.cause)
+        stood = stands(run, gain, self.present.model, self.held) and self._resolved(gain, run.course.cause, self.present.model)
         if not (much and stood and not wanders):
             return False
         if run.size < EXTRAORDINARY * fitted(run.course, self.present.model, self.train, self.noise).size:
@@ -301,12 +276,14 @@ class Search:
         """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
         return description_length(self.present, self.train) - description_length(after, self.train) > SHORTER
 
-    def _resolved(self, gain: Gain, cause: str) -> bool:
-        return resolved(gain, cause, self.present.model, self.train, self.encoder_step)
+    def _resolved(self, gain: Gain, cause: str, after: Model) -> bool:
+        return resolved(gain, cause, self.present.model, after, self.train, self.encoder_step)
 
     def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
-        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out."""
-        if other.score > reach(best.score):
+        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out. The same
+        cause at two places is compared by one instance each: a second one mends the form, wherever it is."""
+        alike = other.key[0] == best.key[0] and other.forms[-1].score > reach(best.forms[-1].score)
+        if alike or other.score > reach(best.score):
             return True
         if other.score <= (1.0 - WIDE) * best.score:
             return False

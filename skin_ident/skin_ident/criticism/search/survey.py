@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import tangents
+from skin_ident.criticism.baseline.fitting import tangents, unpressed
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.baseline.unknowns import unknowns
+from skin_ident.criticism.baseline.unknowns import unknowns, values
 from skin_ident.criticism.courses.course import own as of_each_session
 from skin_ident.criticism.noise.estimate import noise_model
 from skin_ident.criticism.noise.whitening import Whitener, stack
@@ -34,10 +34,13 @@ class Survey:
 def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
     """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
     residuals = [residual(model, s) for s in sessions]
-    own = tangents(model, sessions, unknowns(model, sessions[0]))
+    mine = unknowns(model, sessions[0])
+    own = tangents(model, sessions, mine)
     bends = bank(model, which, sessions)
     noise = noise or noise_model(residuals, own, _richest(model, bends, which, sessions), sessions)
-    projected = project(which, stack(bends, sessions, noise), stack(own, sessions, noise), stack(residuals, sessions, noise))
+    J, r = stack(own, sessions, noise), stack(residuals, sessions, noise)
+    J = J[:, unpressed(values(model, mine), mine, J.T @ r)]  # a mass that cannot fall below nothing explains nothing
+    projected = project(which, stack(bends, sessions, noise), J, r)
     return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE))
 
 

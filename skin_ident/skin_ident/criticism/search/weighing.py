@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.gates.gate import MATERIAL
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.sessions.session import Session
@@ -19,8 +20,7 @@ from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
 from skin_models.signals import GRAVITY
 
-LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
-LEAST = 10.0  # where it explains so much
+LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it
 
 
 def weighed(sessions: list[Session]) -> list[Session]:
@@ -29,14 +29,15 @@ def weighed(sessions: list[Session]) -> list[Session]:
 
 
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener, best: float) -> Fit | None:
-    """The fit with the mass free, where that explains clearly more than the `best` of all causes does (squared whitened units); where it
-    takes from a mass that was declared, as much."""
+    """The fit with the mass free, where that explains enough to matter and clearly more than the `best` of all causes does (squared
+    whitened units); where it takes from a mass that was declared, as much."""
     if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
         return None
     free = fit(present.model, weighed(sessions), noise)
     score = present.cost - free.cost - float(np.log(free.count))
     lighter = free.model.dispersion.m < LIGHTER * present.model.dispersion.m
-    return free if (score > max(LEAST, reach(best)) if lighter else best < reach(score)) else None
+    more = score > reach(best) if lighter else reach(score) > best
+    return free if more and score > MATERIAL * free.count else None
 
 
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:

@@ -7,8 +7,8 @@ from typing import Any
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
 from skin_ident.criticism.search.bounds import excluded_and_untestable
-from skin_ident.criticism.search.criticise import Criticism, Named
 from skin_ident.criticism.search.growing import instances
+from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of

@@ -20,7 +20,7 @@ from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import RICHEST, pursue
 from skin_ident.criticism.noise.whitening import Whitener, stack, white
-from skin_ident.criticism.search.criticise import Criticism
+from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.faults import PREDICTS

@@ -7,7 +7,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import stiffness
 from skin_ident.criticism.baseline.unknowns import unknowns, values
-from skin_ident.criticism.search.criticise import Criticism, Named
+from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.sessions.session import FITTED, KEPT
 from skin_ident.criticism.telemetry.faults import PREDICTS, UNLIKE, effect_of
 from skin_ident.criticism.telemetry.symptom import Symptom

@@ -1,0 +1,37 @@
+"""What the search for causes has named, and everything else that it found out on the way."""
+
+from dataclasses import dataclass, field
+
+from skin_ident.criticism.baseline.fitting import Fit
+from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.search.survey import Survey
+from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
+
+
+@dataclass(frozen=True)
+class Named:
+    """One cause in the extended model, with its evidence, and the models fitted without it (`before`) and with it, when it was named."""
+
+    cause: str
+    where: str
+    gain: Gain
+    explained: float
+    alternatives: tuple[Rival, ...]
+    before: Model | None = None
+    model: Model | None = None
+    courses: dict[str, str] = field(default_factory=dict)  # what belongs to one session alone, in words by session
+
+
+@dataclass(frozen=True)
+class Criticism:
+    """Everything the criticism found, before it is written down."""
+
+    baseline: Fit
+    extended: Fit
+    named: tuple[Named, ...]
+    last: Survey
+    rounds: tuple[tuple[Survey, str | None], ...] = ()
+    train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
+    held: tuple[Session, ...] = ()
