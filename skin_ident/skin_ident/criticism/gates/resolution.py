@@ -28,12 +28,12 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     k = stiffness(before, gain.channel)
     least = OPEN * (k * encoder_step) ** 2 / 12.0 + _unevenness(gain.channel, after, train) ** 2
     if gain.squares <= least or cause not in OF_SPEED or gain.relative >= MUCH:
-        return gain.squares > least
+        return bool(gain.squares > least)
     damping = before.dispersion.b1 + before.dispersion.b2
     resting, moving = (damping * speed for speed in _unread_speeds(train, encoder_step))
     if gain.squares > least + max(resting, moving) ** 2:
         return True
-    return _fall_while_moving(gain.channel, before, after, train) > least + moving**2
+    return bool(_fall_while_moving(gain.channel, before, after, train) > least + moving**2)
 
 
 def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float, float]:

@@ -280,10 +280,12 @@ class Search:
         return resolved(gain, cause, self.present.model, after, self.train, self.encoder_step)
 
     def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
-        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out. The same
-        cause at two places is compared by one instance each: a second one mends the form, wherever it is."""
-        alike = other.key[0] == best.key[0] and other.forms[-1].score > reach(best.forms[-1].score)
-        if alike or other.score > reach(best.score):
+        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out. Of the
+        same cause at two places one instance each is compared, where one explains most: a second mends its form, wherever it is."""
+        one = best.forms[-1].score
+        if other.key[0] == best.key[0] and one > (1.0 - WIDE) * best.score and other.forms[-1].score > reach(one):
+            return True
+        if other.score > reach(best.score):
             return True
         if other.score <= (1.0 - WIDE) * best.score:
             return False

@@ -1,0 +1,82 @@
+"""What must be passed before a cause is believed, each rule beside a record that it lets pass and one that it stops."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hide_and_seek import seek
+
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.gates.resolution import resolved
+from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.search.weighing import weighed, with_mass
+from skin_ident.criticism.sessions.session import prepare
+from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.effects.rate_dependence import PowerDamping
+from skin_models.model import Model
+from skin_models.signals import motion
+
+RATE = 100.0
+T = np.arange(4000) / RATE
+DEPTH = 0.5e-3 + 0.3e-3 * np.sin(0.9 * T) + 0.1e-3 * np.sin(4.1 * T)
+PLAIN = Model(Dispersion(m=0.0, b1=900.0, k1=9000.0, b2=600.0, k2=3000.0), shares=(1.0,))
+QUICK = Gain("force", ("force",), before=0.02, after=0.0185, ci95=(0.001, 0.002), relative=0.1, lower=0.05, held_out="")
+
+
+def recorded(model: Model, depth: np.ndarray = DEPTH, noise: float = 0.01, step: float = 0.0, zero: float = 0.0) -> Recording:
+    """Channels of `model`, the force off by `zero` N, with white noise and rounded to `step` N."""
+    rng = np.random.default_rng(3)
+    truth = model.simulate(motion(T, depth))
+    y = np.vstack([truth.force + zero, truth.taxels]) + noise * rng.standard_normal((2, T.size))
+    y = step * np.round(y / step) if step else y
+    return Recording("made", T, depth, y[0], y[1:])
+
+
+def test_a_mass_that_cannot_fall_below_nothing_explains_no_force_that_is_too_large():
+    """Its weight takes from the force: were it free to be negative, it would be the offset."""
+    sessions = weighed([prepare(recorded(PLAIN, zero=0.05))])
+    noise = fit_whitener([residual(PLAIN, prepare(recorded(PLAIN)))], [sessions[0].weight])
+    found = fit(PLAIN, sessions, noise)
+    assert found.model.dispersion.m == 0.0
+    best = survey(found.model, sessions, directions(sessions[0]), noise).ranked[0]
+    assert (best.cause, best.where) == ("force_offset", "load_cell") and best.score > 100.0
+
+
+def test_a_mass_that_hardly_matters_is_left_as_it_was():
+    session = prepare(recorded(PLAIN))
+    light = replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=1e-5))
+    noise = fit_whitener([residual(PLAIN, session)], [session.weight])
+    assert with_mass(fit(light, [session], noise), [session], noise, best=1.0) is None
+    heavy = [prepare(recorded(replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=0.5))))]
+    assert with_mass(fit(light, heavy, noise), heavy, noise, best=1.0).model.dispersion.m == pytest.approx(0.5, rel=0.2)
+
+
+@pytest.mark.parametrize(("noise", "passes"), [(0.0, False), (0.05, True)])
+def test_noise_carries_readings_across_the_steps_of_a_converter(noise, passes):
+    """A gain of a tenth of a step is that of a cause where noise of half a step is on the readings, and may be that of steps without."""
+    session = prepare(recorded(PLAIN, noise=noise, step=0.1))
+    assert resolved(QUICK, "hysteresis", PLAIN, PLAIN, [session], 0.0) is passes
+
+
+def test_damping_shows_while_the_stage_moves_and_a_tremble_at_rest_does_not():
+    tremble = 1e-6 * np.round(np.random.default_rng(0).random(T.size))
+    resting = np.where((T > 5.0) & (T < 35.0), 0.5e-3 + tremble, DEPTH)
+    skin = replace(PLAIN, effects=(PowerDamping("skin", force_sensed=20.0, force_dispersed=20.0, exponent=2.0),))
+    moving = [prepare(recorded(skin, noise=0.005))]
+    still = [prepare(recorded(PLAIN, depth=resting, noise=0.005))]
+    noise = fit_whitener([residual(skin, moving[0])], [moving[0].weight])
+    after = fit(skin, moving, noise).model
+    before = fit(PLAIN, moving, noise).model
+    small = replace(QUICK, before=0.010, after=0.005)
+    assert resolved(small, "rate_dependence", before, after, moving, 1e-6)
+    assert not resolved(small, "rate_dependence", PLAIN, skin, still, 1e-6)
+
+
+def test_a_quick_effect_under_slow_noise_is_named(tmp_path):
+    """Slow noise makes the plain error large, which then falls by little; the likelihood gains much."""
+    assert seek(tmp_path, "backlash", where="rig", form="several", size=0.5, seed=1827596594, protocol="full").right
