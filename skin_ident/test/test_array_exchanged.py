@@ -32,6 +32,16 @@ def test_exchanged_columns_are_put_right(tmp_path, taxels, pair, contacts):
     assert all(np.array_equal(a.taxels, b.taxels) for a, b in zip(right, recordings, strict=True))
 
 
+@pytest.mark.parametrize("session", [0, 2])
+def test_columns_that_are_exchanged_in_one_session_of_several_places_are_put_right(tmp_path, session):
+    recordings = record_at(tmp_path, ALONG, seed=3, taxels=3, **SHORT)
+    mixed = [exchanged([r], 0, 2)[0] if i == session else r for i, r in enumerate(recordings)]
+    right, (symptom,) = asked(mixed)
+    assert symptom.channels == ("taxel_0", "taxel_2")
+    assert symptom.evidence["session"] == recordings[session].name
+    assert all(np.array_equal(a.taxels, b.taxels) for a, b in zip(right, recordings, strict=True))
+
+
 @pytest.mark.parametrize(
     ("cause", "form", "where", "size"),
     [

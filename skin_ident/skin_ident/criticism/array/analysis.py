@@ -6,7 +6,7 @@ import numpy as np
 
 from skin_ident.criticism.array.gains import Gains, gains
 from skin_ident.criticism.array.gate import held_out_gain
-from skin_ident.criticism.array.judgement import Judgement, judge
+from skin_ident.criticism.array.judgement import Judgement, judge, unlike
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain
 from skin_ident.criticism.noise.whitening import Whitener
@@ -14,6 +14,7 @@ from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 MOST = 0.67  # of what the ratios get wrong (mean square), which a cause must account for to be named
+FAR = 0.25  # of the shares: so far off is no calibration
 DOUBTED = 0.1  # relative error granted to the share of a taxel in which another fault was found
 BENDING = ("saturation", "dead_zone", "hysteresis", "lag", "gain_error", "drift", "crosstalk", "nonlinear_stiffness")
 
@@ -21,13 +22,19 @@ BENDING = ("saturation", "dead_zone", "hysteresis", "lag", "gain_error", "drift"
 @dataclass(frozen=True, eq=False)
 class ArrayCriticism:
     """What was found: `gain` is None where no cause was sure enough to be tried on held-out data; `least` is what shares as measured leave
-    there, N."""
+    there, N; `unlike` is the part of the shares by which training differs from the declared layout."""
 
     layout: Layout
     measured: Gains
     judgement: Judgement
     gain: Gain | None
     least: float = 0.0
+    unlike: float = 0.0
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether the ratios are wrong by more than calibrations ever are, and no cause has been named for it."""
+        return not self.named and self.judgement.named is not None and self.unlike > FAR
 
     @property
     def named(self) -> bool:
@@ -55,7 +62,8 @@ def analyse(
     best = judgement.named
     if best is None:
         return ArrayCriticism(layout, measured, judgement, None)
-    return ArrayCriticism(layout, measured, judgement, *held_out_gain(model, layout, measured, sessions, held, noise, best))
+    gain, least = held_out_gain(model, layout, measured, sessions, held, noise, best)
+    return ArrayCriticism(layout, measured, judgement, gain, least, unlike(layout.of(train), measured.of(train), judgement.nothing))
 
 
 def _granted(measured: Gains, doubted: list[int]) -> Gains:

@@ -1,11 +1,12 @@
-"""Two columns of an array that are exchanged in all sessions: a taxel then stands where another one is declared to be.
+"""Two columns of an array that are exchanged, in all sessions or in one: a taxel then stands where another one is declared to be.
 
 A pair of taxels i, j is asked where exchanging their slopes g (S, T) brings them nearer to the declared layout s (S, T), with one free
 scale for every session,
 
     sum over sessions of  1 - (s . g)^2 / (|s|^2 |g|^2),      s . g -> s . g - (s_i - s_j) (g_i - g_j).
 
-An exchange is believed where the analysis of the ratios, with it, is more probable by far than with the best of all causes without it, and
+One session alone is asked where sessions press at different places; at one place the others show its order (`telemetry.odd_session`). An
+exchange is believed where the analysis of the ratios, with it, is more probable by far than with the best of all causes without it, and
 leaves little of what that leaves. Columns are then put right, so that everything else is judged as it was meant.
 """
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains
-from skin_ident.criticism.array.judgement import Judged, judge
+from skin_ident.criticism.array.judgement import judge, unlike
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.spreading import loads
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -38,34 +39,56 @@ class _Told:
     cause: str
 
 
+@dataclass(frozen=True)
+class _Exchange:
+    """The columns of a pair of taxels the other way round, in one session or (None) in all."""
+
+    pair: tuple[int, int]
+    session: int | None = None
+
+    def of(self, n: int, session: int) -> np.ndarray:
+        """The order of the n columns of a session."""
+        order = np.arange(n)
+        if self.session in (None, session):
+            order[list(self.pair)] = order[list(self.pair[::-1])]
+        return order
+
+
 def put_right(recordings: list, layout: Layout | str) -> tuple[list, tuple[Symptom, ...]]:
-    """The recordings with the columns of one pair of taxels exchanged in all of them, where that is sure, and what was wrong."""
+    """The recordings with the columns of one pair of taxels exchanged where that is sure, and what was wrong."""
     if isinstance(layout, str) or len(recordings[0].taxels) < 3:
         return recordings, ()
     declared = Family(layout).shares({})
     measured = _measured(recordings, declared)
-    pairs = _pairs(declared, measured.value)
-    if not pairs:
+    asked = _asked(declared, measured.value, layout.several_contacts)
+    if not asked:
         return recordings, ()
     thickness, n = recordings[0].declared.skin_thickness_mm, len(recordings[0].taxels)
     plain = _told(layout, measured, thickness)
-    every = [(_told(layout, _in_order(measured, _order(n, pair)), thickness), pair) for pair in pairs]
-    best, pair = max(every, key=lambda q: q[0].log)
-    odds = best.log - plain.log + np.log(PRIOR / (0.5 * n * (n - 1)))
+    every = [(_told(layout, _in_order(measured, x), thickness), x) for x in asked]
+    best, found = max(every, key=lambda q: q[0].log)
+    ways = 0.5 * n * (n - 1) * (1 + len(recordings) * layout.several_contacts)
+    odds = best.log - plain.log + np.log(PRIOR / ways)
     if odds < SURE or plain.left < SEEN or best.left > MENDS * plain.left:
         return recordings, ()
-    order = _order(n, pair)
-    return [replace(r, taxels=r.taxels[order]) for r in recordings], (_symptom(pair, plain, best, float(odds)),)
+    where = None if found.session is None else recordings[found.session].name
+    right = [replace(r, taxels=r.taxels[found.of(n, i)]) for i, r in enumerate(recordings)]
+    return right, (_symptom(found.pair, where, plain, best, float(odds)),)
 
 
-def _pairs(s: np.ndarray, g: np.ndarray) -> list[tuple[int, int]]:
-    """The pairs whose exchange brings slopes and declared shares, (S, T), nearest to each other; none where they agree as they are."""
+def _asked(s: np.ndarray, g: np.ndarray, one_by_one: bool) -> list[_Exchange]:
+    """The exchanges that bring slopes and declared shares, (S, T), nearest to each other; none where they agree as they are."""
     scale = np.maximum((s**2).sum(axis=1) * (g**2).sum(axis=1), 1e-300)[:, None]
     i, j = np.triu_indices(s.shape[1], 1)
     together = np.sum(s * g, axis=1)[:, None]
-    now = float(np.sum(1.0 - together**2 / scale))
-    then = np.sum(1.0 - (together - (s[:, i] - s[:, j]) * (g[:, i] - g[:, j])) ** 2 / scale, axis=0)
-    return [(int(i[k]), int(j[k])) for k in np.argsort(then)[:ASKED] if then[k] < NEARER * now]
+    now = 1.0 - together**2 / scale
+    then = 1.0 - (together - (s[:, i] - s[:, j]) * (g[:, i] - g[:, j])) ** 2 / scale
+    pairs = [(int(a), int(b)) for a, b in zip(i, j, strict=True)]
+    left = {_Exchange(pair): float(then[:, k].sum()) for k, pair in enumerate(pairs)}
+    if one_by_one:
+        gained = then - now
+        left |= {_Exchange(p, at): float(now.sum() + gained[at, k]) for k, p in enumerate(pairs) for at in range(len(s))}
+    return [x for x in sorted(left, key=left.get)[:ASKED] if left[x] < NEARER * now.sum()]
 
 
 def _measured(recordings: list, declared: np.ndarray) -> Gains:
@@ -91,36 +114,29 @@ def _slopes(r) -> tuple[np.ndarray, np.ndarray]:
     return g, scores.T @ scores * BLOCKS / (BLOCKS - 1) + rough
 
 
-def _order(n: int, pair: tuple[int, int]) -> np.ndarray:
-    order = np.arange(n)
-    order[list(pair)] = order[list(pair[::-1])]
-    return order
-
-
-def _in_order(measured: Gains, order: np.ndarray) -> Gains:
-    return Gains(measured.value[:, order], measured.covariance[:, order][:, :, order])
+def _in_order(measured: Gains, x: _Exchange) -> Gains:
+    orders = [x.of(measured.value.shape[1], i) for i in range(len(measured.value))]
+    return Gains(
+        np.array([row[o] for row, o in zip(measured.value, orders, strict=True)]),
+        np.array([c[np.ix_(o, o)] for c, o in zip(measured.covariance, orders, strict=True)]),
+    )
 
 
 def _told(layout: Layout, measured: Gains, thickness_mm: float | None) -> _Told:
     judgement = judge(layout, measured, thickness_mm)
     best = max((judgement.nothing, *judgement.causes), key=lambda j: j.log_odds)
     nothing = judgement.nothing.fit.log_evidence + float(np.log(judgement.nothing.background.weight))
-    return _Told(nothing + best.log_odds, _left(layout, measured, best), best.hypothesis.cause)
+    return _Told(nothing + best.log_odds, unlike(layout, measured, best), best.hypothesis.cause)
 
 
-def _left(layout: Layout, measured: Gains, j: Judged) -> float:
-    """What a cause leaves of the slopes, each session scaled by itself, as a part of them."""
-    s, g = Family(layout).shares(j.fit.member), measured.value
-    scale = np.sum(s * g, axis=1) / np.maximum(np.sum(s**2, axis=1), 1e-300)
-    return float(np.linalg.norm(g - scale[:, None] * s) / max(np.linalg.norm(g), 1e-300))
-
-
-def _symptom(pair: tuple[int, int], plain: _Told, best: _Told, odds: float) -> Symptom:
+def _symptom(pair: tuple[int, int], session: str | None, plain: _Told, best: _Told, odds: float) -> Symptom:
     channels = tuple(f"taxel_{i}" for i in pair)
     other = f"the best other cause ({plain.cause})" if plain.cause else "the declared layout"
+    where = f" in {session} alone" if session else ", or their places in taxel_positions_mm"
     why = (
-        f"columns of {channels[0]} and {channels[1]} are exchanged, or their places in taxel_positions_mm: with them the other way round "
+        f"columns of {channels[0]} and {channels[1]} are exchanged{where}: with them the other way round "
         f"{100.0 * best.left:.2g} % of the ratios is left unexplained, and {100.0 * plain.left:.2g} % with {other} as they are. They are "
         "judged the other way round"
     )
-    return Symptom("data_error", "taxel", channels, {}, {"why": why, "kind": "exchanged columns", "log_odds": odds})
+    evidence = {"why": why, "kind": "exchanged columns", "log_odds": odds, **({"session": session} if session else {})}
+    return Symptom("data_error", "taxel", channels, {}, evidence)

@@ -48,6 +48,8 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model) -> d
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
     kept = [u for u in findings["untestable"] if u["cause"] not in named and _about(u) not in decided]
     verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
+    if not isinstance(a, str) and a.unexplained:
+        verdict = "partly_explained" if entries else "unexplained"
     warnings = [*findings["warnings"], *([APART] if not isinstance(a, str) and a.named else [])]
     reasons = [u for u in reasons if u["cause"] not in {e["cause"] for e in bounds}]
     more = {"excluded": able, "untestable": kept + reasons, "verdict": verdict, "warnings": warnings}

@@ -92,6 +92,13 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     return replace(judgement, changed=(taxel, log - nothing.log_odds))
 
 
+def unlike(layout: Layout, measured: Gains, j: Judged) -> float:
+    """What a hypothesis leaves of the shares, each session scaled by itself, as a part of them."""
+    s, g = Family(layout).shares(j.fit.member), measured.value
+    scale = np.sum(s * g, axis=1) / np.maximum(np.sum(s**2, axis=1), 1e-300)
+    return float(np.linalg.norm(g - scale[:, None] * s) / max(np.linalg.norm(g), 1e-300))
+
+
 def _unaided(family: Family, measured: Gains, j: Judged) -> Judged:
     """The cause fitted with a prior too wide to help, in the component of the mixture that suits it best."""
     wide = {name: WIDER * std for name, std in j.hypothesis.free.items()}
