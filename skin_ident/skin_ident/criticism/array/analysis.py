@@ -56,6 +56,8 @@ def analyse(
 
     `doubted` are taxels in which another fault was found, whose share is not to be relied upon.
     """
+    if any(e.cause == "spread_depth" for e in model.effects):  # where it begins and how it grows stand for each other
+        layout = replace(layout, width_declared=False)
     measured = _granted(gains(model, sessions, noise), doubted)
     train = [i for i in range(len(sessions)) if i not in held]
     judgement = judge(layout.of(train), measured.of(train), thickness_mm)

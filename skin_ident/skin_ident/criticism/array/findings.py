@@ -118,8 +118,8 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
     if "spread_width" not in said:
         yield {
             "cause": "spread_width",
-            "because": "no width is declared (spread_width_mm) or given with a model",
-            "needs": "a declared width",
+            "because": "no width is declared (spread_width_mm) or given with a model, or one that changes with depth stands for another",
+            "needs": "a declared width, the same at all depths",
         }
     if "anisotropy" not in said:
         yield {"cause": "anisotropy", "because": "taxels and contacts lie in one row", "needs": BY_NAME["anisotropy"].needs}

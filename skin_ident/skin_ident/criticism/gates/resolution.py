@@ -15,6 +15,8 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed without noise: motion carries readings across steps, rest does not
+INTEGRAL = 0.5  # of a step, which what depends on the reading must exceed
+OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
 TREMBLING = 1e-6  # m, of a good stage at rest
 MOVING = 2.0  # times the greatest speed of such a tremble
 OF_SPEED = ("rate_dependence", "mount_compliance")
@@ -23,10 +25,11 @@ OF_SPEED = ("rate_dependence", "mount_compliance")
 def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float) -> bool:
     """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever the
     plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the readings
-    across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed that, too, unless the
-    likelihood gains much by it. A stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
+    across them, and what bends with the reading may be the converter's own nonlinearity. And damping feels speeds that nobody reads: what
+    depends on speed, or smooths the depth, must exceed that, too, unless the likelihood gains much by it. A stage that trembles at rest
+    does so no more while it moves: a fall there may be smaller."""
     k = stiffness(before, gain.channel)
-    least = OPEN * (k * encoder_step) ** 2 / 12.0 + _unevenness(gain.channel, after, train) ** 2
+    least = OPEN * (k * encoder_step) ** 2 / 12.0 + _unevenness(gain.channel, cause, after, train) ** 2
     if gain.squares <= least or cause not in OF_SPEED or gain.relative >= MUCH:
         return bool(gain.squares > least)
     damping = before.dispersion.b1 + before.dispersion.b2
@@ -63,13 +66,16 @@ def readable(effects: Iterable[Effect], encoder_step: float) -> bool:
     return not lengths or max(lengths) > 0.5 * encoder_step
 
 
-def _unevenness(channel: str, after: Model, train: list[Session]) -> float:
+def _unevenness(channel: str, cause: str, after: Model, train: list[Session]) -> float:
     """What a converter of step q does to readings wherever they come back to, N: with noise of standard deviation s on them, of what they
-    are off on average there exp(-2 pi^2 s^2 / q^2) remains (B. Widrow, I. Kollar, Quantization Noise, 2008, ch. 5)."""
+    are off on average there exp(-2 pi^2 s^2 / q^2) remains (B. Widrow, I. Kollar, Quantization Noise, 2008, ch. 5). Its integral
+    nonlinearity, half a step in good ones, no noise smooths away: it bends with the reading, as a skin or a sensor may."""
     row = train[0].channels.index(channel)
     step = max(step_of(s.raw[row]) or 0.0 for s in train)
     if step == 0.0:
         return 0.0
+    if cause in OF_READING:
+        return INTEGRAL * step
     noise = np.concatenate([s.raw[row] - simulated(after, settled(after, s))[row] for s in train])
     dither = max(float(np.var(noise)) - step**2 / 12.0, 0.0)
     return step * min(UNEVEN, float(np.exp(-2.0 * np.pi**2 * dither / step**2)) / np.sqrt(12.0))

@@ -1,7 +1,9 @@
 """For every cause that was not named: excluded above so much, or untestable and what would test it.
 
 A direction of the last survey has an amount z with standard error sd (in the directions' own, whitened inner products). The data speak
-about a cause where a typical amount of it would have stood out by `CLEAR` standard errors; it is then excluded above |z| + 1.96 sd.
+about a cause where a typical amount of it would have stood out by `CLEAR` standard errors; it is then excluded above |z| + 1.96 sd, where
+that is most: alone, beside any of the causes that explain most of what is left (two effects may hide each other), or in a round of the
+search in which the cause came near the one that was named then (which may have taken its place).
 A cause may be both: a gain that changes part-way is excluded while one that was wrong throughout passes for another stiffness. What is
 seen in the record itself, as the steps of a converter are, is not excluded below its own size.
 """
@@ -12,27 +14,30 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
-from skin_ident.criticism.search.survey import detectable
+from skin_ident.criticism.search.survey import Survey, detectable
 from skin_ident.criticism.vocabulary import CAUSES, Cause
 from skin_models.parameter import SHAPE, parameters_of
 
 CLEAR = 3.0
-
+NEAR = 0.35  # of the best score of a round
+ALIKE = 0.98  # correlation above which two directions are one
 
 Seen = Mapping[str, Mapping[str, tuple[float, str]]]  # by cause and place: a size in the directions' unit, and why it is no finding
 
 
 def excluded_and_untestable(
-    p: Projected, named: set[str], known: dict[str, str], seen: Seen
+    last: Survey, rounds: list[Survey], named: set[str], known: dict[str, str], seen: Seen
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Entries of findings.json for all causes not in `named`. `known` gives the reason for causes that telemetry alone decides: an
-    empty text means looked for and not found. What is `seen` in the record bounds what may be excluded."""
+    """Entries of findings.json for all causes not in `named`, from the last survey and those of all `rounds`. `known` gives the reason for
+    causes that telemetry alone decides: an empty text means looked for and not found. What is `seen` in the record bounds what may be
+    excluded."""
+    p, bounds = last.projected, _bounds(last, rounds)
     excluded, untestable = [], []
     for cause in CAUSES:
         if cause.name in named:
             continue
         there = seen.get(cause.name, {})
-        entries = [e for e in _excluded(p, cause.name) if e["below"] >= there.get(e["where"], (0.0, ""))[0]]
+        entries = [e for e in _excluded(p, bounds, cause.name) if e["below"] >= there.get(e["where"], (0.0, ""))[0]]
         excluded += entries
         untestable += _imitated(p, cause, entries)
         if there:
@@ -46,14 +51,49 @@ def excluded_and_untestable(
     return excluded, untestable
 
 
-def _excluded(p: Projected, cause: str) -> list[dict[str, Any]]:
+def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:
+    """What the amount of every direction of the `last` survey is surely below."""
+    p = last.projected
+    bounds = np.maximum(_amounts(p), _beside_others(p))
+    for s in rounds:
+        if s.projected.which != p.which:
+            continue
+        near = {(r.cause, r.where) for r in s.ranked if r.score > NEAR * s.ranked[0].score > 0.0}
+        contends = np.array([(d.cause, d.where) in near for d in p.which])
+        bounds = np.where(contends, np.maximum(bounds, _amounts(s.projected)), bounds)
+    return bounds
+
+
+def _amounts(p: Projected) -> np.ndarray:
+    """|z| + 1.96 sd of every direction by itself."""
+    energies = np.where(p.energies > 0.0, p.energies, np.inf)
+    return np.abs(p.product / energies) + 1.96 / np.sqrt(energies)
+
+
+def _beside_others(p: Projected) -> np.ndarray:
+    """The same beside that leading direction with which it is most, where that one still explains something beside it."""
+    bounds = np.zeros(len(p.which))
+    keys = [(d.cause, d.where) for d in p.which]
+    for column, j in enumerate(p.leading):
+        both = p.beside[:, column]
+        fit = p.energies * p.energies[j] - both**2
+        able = (fit > (1.0 - ALIKE**2) * p.energies * p.energies[j]) & np.array([key != keys[j] for key in keys])
+        fit = np.where(able, fit, 1.0)
+        other = (p.product[j] * p.energies - p.product * both) / fit
+        there = able & (other**2 * fit > np.log(max(p.rows, 2)) * p.energies)
+        own = np.abs(p.product * p.energies[j] - p.product[j] * both) / fit + 1.96 * np.sqrt(p.energies[j] / fit)
+        bounds = np.where(there, np.maximum(bounds, own), bounds)
+    return bounds
+
+
+def _excluded(p: Projected, bounds: np.ndarray, cause: str) -> list[dict[str, Any]]:
     """One entry per place: the weakest of the bounds over the shapes that the data excite."""
     limits = detectable(p, CLEAR)
     places: dict[str, tuple[float, dict[str, Any]]] = {}
     for i, d in enumerate(p.which):
         if d.cause != cause or cause == AT_FULL_RATE or limits[i] > 1.0 or p.left[i] <= UNEXCITED:
             continue
-        bound = abs(p.product[i] / p.energies[i]) + 1.96 / np.sqrt(p.energies[i])
+        bound = bounds[i]
         unit = next(q.unit for q in parameters_of(d.effect) if q.name == d.parameter)
         at = {q.name: {"value": q.value, "unit": q.unit} for q in parameters_of(d.effect) if q.role == SHAPE}
         entry = {"cause": cause, "where": d.where, "parameter": d.parameter, "below": float(bound * d.size), "unit": unit}

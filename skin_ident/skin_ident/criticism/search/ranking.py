@@ -16,6 +16,7 @@ from scipy.optimize import nnls
 from skin_ident.criticism.search.proposals import Direction
 
 MOST_USED = 5
+LEADING = 6
 UNEXCITED = 1e-6  # of a direction's own size: what is left after projection when the model can imitate it entirely
 AT_FULL_RATE = "interference"  # a tone may be part of what is no noise, but is looked for at full rate (`telemetry.lines`) and not named
 # here: of one above the common band its alias is left, a slow wave or a constant
@@ -40,8 +41,8 @@ class Ranked:
 class Projected:
     """Directions and residual after the model's own unknowns are projected out: all that ranking needs, as inner products.
 
-    `grams` holds the inner products of the directions of one cause at one place, in the order of `which`: no cause is asked what it has
-    in common with another.
+    `grams` holds the inner products of the directions of one cause at one place, in the order of `which`; `beside` those of every direction
+    with the `leading` ones, the best of each cause and place that explain most.
     """
 
     which: tuple[Direction, ...]
@@ -51,6 +52,8 @@ class Projected:
     left: np.ndarray  # share of each direction's energy that the model cannot imitate
     energy: float  # of the residual
     rows: int
+    leading: np.ndarray  # (L,) indices
+    beside: np.ndarray  # (directions, L)
 
 
 def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.ndarray) -> Projected:
@@ -61,8 +64,17 @@ def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.nd
     r = r - Q @ (Q.T @ r)
     after = np.einsum("ij,ij->j", A, A)
     left = np.where(before > 0, after / np.where(before > 0, before, 1.0), 0.0)
-    spans = {key: A[:, index] for key, index in _by_cause(which).items()}
-    return Projected(which, {key: B.T @ B for key, B in spans.items()}, after, A.T @ r, left, float(r @ r), int(np.count_nonzero(r)))
+    product = A.T @ r
+    causes = _by_cause(which)
+    grams = {key: A[:, index].T @ A[:, index] for key, index in causes.items()}
+    leading = _leading(causes, np.where(left > UNEXCITED, product**2 / np.where(after > 0, after, 1.0), 0.0))
+    return Projected(which, grams, after, product, left, float(r @ r), int(np.count_nonzero(r)), leading, A.T @ A[:, leading])
+
+
+def _leading(causes: dict[tuple[str, str], np.ndarray], gains: np.ndarray) -> np.ndarray:
+    """The best direction of every cause at every place, of those the `LEADING` best."""
+    best = np.array([index[np.argmax(gains[index])] for index in causes.values()], int)
+    return best[np.argsort(-gains[best])][:LEADING]
 
 
 def _by_cause(which: tuple[Direction, ...]) -> dict[tuple[str, str], np.ndarray]:

@@ -20,7 +20,8 @@ from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
 from skin_models.signals import GRAVITY
 
-LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it
+LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
+HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
 
 
 def weighed(sessions: list[Session]) -> list[Session]:
@@ -35,15 +36,22 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener, best: floa
         return None
     free = fit(present.model, weighed(sessions), noise)
     score = present.cost - free.cost - float(np.log(free.count))
-    lighter = free.model.dispersion.m < LIGHTER * present.model.dispersion.m
-    more = score > reach(best) if lighter else reach(score) > best
+    if _hangs(present.model, free.model):
+        more = score > reach(best)
+    else:
+        more = free.model.dispersion.m > present.model.dispersion.m and reach(score) > best
     return free if more and score > MATERIAL * free.count else None
 
 
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
     """What is left of a mass that was set and does not lean on the skin: its inertia."""
     m = before.dispersion.m - after.dispersion.m
-    return (Inertia("rig", mass=m),) if after.dispersion.m < LIGHTER * before.dispersion.m else ()
+    return (Inertia("rig", mass=m),) if _hangs(before, after) else ()
+
+
+def _hangs(before: Model, after: Model) -> bool:
+    """Whether the mass that was set leans on the skin no more."""
+    return before.dispersion.m >= HANGS and after.dispersion.m < LIGHTER * before.dispersion.m
 
 
 def said_of(mass: float, before: float, declared: bool) -> str:

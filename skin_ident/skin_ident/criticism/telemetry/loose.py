@@ -18,6 +18,7 @@ FALLS = 0.6  # of the reading that ought to be there, by which it must jump
 CALM = 0.2  # of the load, by which it may itself change within
 NEAR = 3  # samples of the jump
 LASTS_S, LASTS = 0.1, 12  # seconds, and samples, for which the reading must stay
+OFF = 0.3  # of what ought to be there, by which the silent reading must differ from it: a kick of noise comes back to what ought to be
 SAME = 0.1  # of what ought to be there, within which it must stay
 WIDE = 5.0  # standard deviations of the silent reading
 FEWEST = 4  # jumps
@@ -49,7 +50,12 @@ def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float, by_de
         return None
     level = float(np.median(readings))
     wide = SAME * slope * least
-    near_it = [[s for s in sides if np.all(np.abs(y[s[0] : s[1]] - level) < wide)] for y, sides in zip(rows, silent, strict=True)]
+
+    def silent_at(y: np.ndarray, load: np.ndarray, a: int, b: int) -> bool:
+        ought = slope * float(np.median(load[a:b]))
+        return bool(np.all(np.abs(y[a:b] - level) < wide) and abs(level - ought) > OFF * ought)
+
+    near_it = [[s for s in sides if silent_at(y, load, *s[:2])] for y, load, sides in zip(rows, loads, silent, strict=True)]
     kept = [[(a, b) for a, b, _ in sides] for sides in near_it]
     ways = [down for sides in near_it for _, _, down in sides]
     if len(ways) < FEWEST or min(sum(ways), len(ways) - sum(ways)) < WAYS:

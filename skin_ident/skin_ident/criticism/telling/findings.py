@@ -171,7 +171,8 @@ def as_findings(
     entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     known = telemetry_words(recordings, symptoms, given)
-    excluded, untestable = excluded_and_untestable(c.last.projected, named, known, {"quantization": _steps_seen(recordings)})
+    steps = {"quantization": _steps_seen(recordings)}
+    excluded, untestable = excluded_and_untestable(c.last, [s for s, _ in c.rounds], named, known, steps)
     return {
         "schema": SCHEMA,
         "recordings": [
