@@ -52,6 +52,9 @@ def test_a_mass_that_hardly_matters_is_left_as_it_was():
     light = replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=1e-5))
     noise = fit_whitener([residual(PLAIN, session)], [session.weight])
     assert with_mass(fit(light, [session], noise), [session], noise, best=1.0) is None
+    gram = replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=0.001))
+    above = [prepare(recorded(PLAIN, zero=0.05))]  # which asks for less than the gram that a skin weighs, and there is no such thing
+    assert with_mass(fit(gram, above, noise), above, noise, best=1.0) is None
     heavy = [prepare(recorded(replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=0.5))))]
     assert with_mass(fit(light, heavy, noise), heavy, noise, best=1.0).model.dispersion.m == pytest.approx(0.5, rel=0.2)
 

@@ -10,6 +10,7 @@ from world import make_sessions, write_case
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.telemetry.loose import contact_of
 from skin_ident.recordings.load import load
 
 
@@ -88,3 +89,16 @@ def test_its_share_at_every_place_is_that_of_the_samples_in_which_it_lives(tmp_p
     assert [(s.cause, s.where) for s in looked.symptoms] == [("dead_taxel", "taxel_1")]
     found = np.array([s.spread for s in looked.sessions])
     assert np.abs(found / true - 1.0).max() < 0.02 < np.abs(raw / true - 1.0).max()
+
+
+def test_a_kick_of_noise_at_rest_is_no_loose_contact():
+    """The reading jumps away and comes back to what it ought to be: neither side of the kick is silent."""
+    rng, at = np.random.default_rng(0), [300, 900, 1500, 2100]
+    load = np.where(np.arange(3000) % 600 < 500, 1.0, 3.0)
+    reading = load + 0.01 * rng.standard_normal(load.size)
+    reading[at] += 0.8
+    assert contact_of([reading], [load], 0.01) is None
+    open_now = np.zeros(load.size, bool)
+    for k in at:
+        open_now[k : k + 60] = True
+    assert contact_of([np.where(open_now, 0.0, reading)], [load], 0.01).level == pytest.approx(0.0, abs=0.05)

@@ -5,6 +5,7 @@ import pytest
 from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.recordings.load import load
 
 FAULTS = [
@@ -46,3 +47,18 @@ def test_bad_samples_have_no_weight_and_are_bridged(tmp_path):
     row = found.sessions[0].channels.index("force")
     assert np.any(found.sessions[0].weight[row] == 0.0)
     assert np.all(found.sessions[0].weight[found.sessions[0].channels.index("taxel_0")] == 1.0)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_spikes_of_nine_standard_deviations_stand_apart_and_heavy_tails_do_not(seed):
+    rng = np.random.default_rng(seed)
+    slow = np.sin(np.arange(20_000) / 300.0)
+    spikes = np.zeros(slow.size)
+    spikes[rng.choice(slow.size, 40, replace=False)] = 9.0 * rng.choice([-1.0, 1.0], 40)
+
+    def found(e):
+        return find_outliers(["a"], ("force",), [e[None]], [slow[None] + e[None]], [np.zeros(slow.size, bool)], 0, 0.01)
+
+    (symptom,) = found(spikes + rng.standard_normal(slow.size))
+    assert 20 <= symptom.evidence["excursions"] <= 42
+    assert not found(rng.standard_t(3, slow.size))

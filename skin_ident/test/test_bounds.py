@@ -1,0 +1,45 @@
+"""What is said to be excluded holds: a true effect that another one hides, or has taken the place of, is never excluded below its size."""
+
+import numpy as np
+import pytest
+
+from skin_ident.criticism.noise.whitening import white
+from skin_ident.criticism.search.bounds import excluded_and_untestable
+from skin_ident.criticism.search.proposals import Direction
+from skin_ident.criticism.search.ranking import project, rank
+from skin_ident.criticism.search.survey import Survey
+from skin_models.dispersion import Dispersion
+from skin_models.effects.backlash import Backlash
+from skin_models.effects.inertia import Inertia
+from skin_models.model import Model
+
+SKIN = Model(Dispersion(m=0.0, b1=900.0, k1=9000.0, b2=600.0, k2=3000.0))
+GAP, MASS = Direction(Backlash("rig"), "gap", 1.0, 1), Direction(Inertia("rig"), "mass", 1.0, 1)
+ROWS = 4000
+
+
+def surveyed(alike: float, gap: float, mass: float, seed: int = 0) -> Survey:
+    """A survey of two directions of correlation `alike`, of which the residual holds `gap` and `mass`, in unit noise."""
+    rng = np.random.default_rng(seed)
+    a, b = rng.standard_normal((2, ROWS))
+    A = np.column_stack([a, alike * a + np.sqrt(1.0 - alike**2) * b])
+    p = project((GAP, MASS), A, np.empty((ROWS, 0)), A @ [gap, mass] + rng.standard_normal(ROWS))
+    return Survey(SKIN, white([np.ones((1, ROWS))]), p, tuple(rank(p)))
+
+
+def below(last: Survey, rounds: tuple[Survey, ...] = ()) -> dict[str, float]:
+    entries, _ = excluded_and_untestable(last, list(rounds), set(), {}, {})
+    return {e["cause"]: e["below"] for e in entries if e["below"] is not None}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_two_effects_that_hide_each_other_are_not_excluded_below_their_size(seed):
+    said = below(surveyed(-0.9, 1.0, 0.9, seed))
+    assert 1.0 < said["backlash"] < 1.4 and 0.9 < said["inertia"] < 1.3
+    assert below(surveyed(0.0, 0.0, 0.0, seed))["backlash"] < 0.1  # and where nothing is hidden, the bound is as near as noise lets it
+
+
+def test_what_has_taken_the_place_of_a_cause_does_not_exclude_it():
+    before, after = surveyed(0.95, 1.0, 0.0), surveyed(0.95, 0.0, 0.0)
+    assert below(after)["backlash"] < 0.1
+    assert below(after, (before,))["backlash"] > 0.9
