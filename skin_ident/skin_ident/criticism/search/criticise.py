@@ -23,6 +23,7 @@ from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.survey import Survey, survey
+from skin_ident.criticism.search.together import two_at_once
 from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.search.weighing import hanging, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session, longest, without_parting
@@ -106,11 +107,8 @@ class Search:
         """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
         self.present = fitted
         while len(self.rounds) < MOST_FINDINGS:
-            self.progress("surveying every cause")
-            last = self.survey()
-            self.noise = last.noise
-            self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
-            trials = self._trials(last)
+            last = self.look()
+            trials = self.trials(last)
             had = {r.course for r in self.runs}
             runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
             runs = plainest_first([r for r in runs if r.course not in had])
@@ -118,12 +116,14 @@ class Search:
                 continue
             own, shared = self._choose(trials, runs)
             taken = own or shared
-            alone = not taken and self._take_alone()
-            self.rounds.append((last, taken[1].cause if taken else self.named[-1].cause if alone else None))
+            pair = () if taken or self.named else two_at_once(self, trials, runs)
+            alone = not (taken or pair) and self._take_alone()
+            self.rounds.append((last, (taken or pair[0])[1].cause if taken or pair else self.named[-1].cause if alone else None))
             if own:
                 self._take_course(*own)
-            elif shared:
-                self._accept(*shared)
+            elif shared or pair:
+                for fitted, finding in pair or (shared,):
+                    self._accept(fitted, finding)
             elif not alone:
                 return
 
@@ -155,7 +155,7 @@ class Search:
         own = self._own_course(runs, trials) if first or (same and self._refitted(runs[0])[1] > best) else None
         if first and not own and runs[0].course.carrier == DELAY:
             return self._choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
-        shared = None if own or first else self._first_believed(trials, runs)
+        shared = None if own or first else self.first_believed(trials, runs)
         if not (own or shared or first) and runs and runs[0].score > BEHIND * best:
             own = self._own_course(runs, trials)
         return own, shared
@@ -165,13 +165,21 @@ class Search:
         after = fit(self.present.model, added(self.train, run.values), self.noise)
         return after, self.present.cost - after.cost - run.charge
 
+    def look(self) -> Survey:
+        """Survey what the present model leaves, in the noise that the survey finds."""
+        self.progress("surveying every cause")
+        last = self.survey()
+        self.noise = last.noise
+        self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
+        return last
+
     def survey(self) -> Survey:
         """Every cause ranked against the present model; that of last time where neither model nor sessions have changed since."""
         if self._surveyed is None or self._surveyed[0] is not self.present.model or self._surveyed[1] is not self.train:
             self._surveyed = self.present.model, self.train, survey(self.present.model, self.train, self.which)
         return self._surveyed[2]
 
-    def _trials(self, last: Survey) -> list[Trial]:
+    def trials(self, last: Survey) -> list[Trial]:
         """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, all
         taxels alike before one of them, and one that the record itself has shown before all that explain little more."""
         known = {(n.cause, n.where) for n in self.named}
@@ -197,13 +205,13 @@ class Search:
         charge = np.log(after.count) * (len(after.unknowns) - len(self.present.unknowns))
         return Trial(r, after, float(self.present.cost - after.cost - charge))
 
-    def _first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
+    def first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support. What is small beside the largest effect so far in a channel may be its imperfect
         form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
         for trial in (form for t in trials for form in t.forms if form.score > 0.0):
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
-            gain = self._gain(self.present.model, trial.fit.model, trial.key[1])
+            gain = self.gain(self.present.model, trial.fit.model, trial.key[1])
             rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
             alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
@@ -213,7 +221,7 @@ class Search:
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self._fallen(gain.channel)
             seen = readable(instances(trial.fit.model, *trial.key), self.encoder_step)
-            seen = seen and self._resolved(gain, trial.key[0], trial.fit.model)
+            seen = seen and self.resolved(gain, trial.key[0], trial.fit.model)
             if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
                 return trial.fit, finding
         return None
@@ -232,7 +240,7 @@ class Search:
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         told = score > MATERIAL * after.count or run.course.shape != STEPS  # moments are searched for, and found in any noise
-        if not (told and stands(run, gain, self.present.model, self.train) and self._resolved(gain, run.course.cause, after.model)):
+        if not (told and stands(run, gain, self.present.model, self.train) and self.resolved(gain, run.course.cause, after.model)):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
@@ -249,7 +257,7 @@ class Search:
         gain = course_gain(run.course, self.present.model, self.present.model, self.train, self.held, self.noise)
         much = gain.after < ALONE * gain.before and gain.squares > FORM * self._fallen(gain.channel)
         wanders = run.score < WANDERING * self.wandering and gain.after > PLAIN * gain.before
-        stood = stands(run, gain, self.present.model, self.held) and self._resolved(gain, run.course.cause, self.present.model)
+        stood = stands(run, gain, self.present.model, self.held) and self.resolved(gain, run.course.cause, self.present.model)
         if not (much and stood and not wanders):
             return False
         if run.size < EXTRAORDINARY * fitted(run.course, self.present.model, self.train, self.noise).size:
@@ -276,7 +284,7 @@ class Search:
         """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
         return description_length(self.present, self.train) - description_length(after, self.train) > SHORTER
 
-    def _resolved(self, gain: Gain, cause: str, after: Model) -> bool:
+    def resolved(self, gain: Gain, cause: str, after: Model) -> bool:
         return resolved(gain, cause, self.present.model, after, self.train, self.encoder_step)
 
     def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
@@ -289,7 +297,7 @@ class Search:
             return True
         if other.score <= (1.0 - WIDE) * best.score:
             return False
-        return self._gain(self.present.model, other.fit.model, other.key[1]).relative >= NEARLY * gain.relative
+        return self.gain(self.present.model, other.fit.model, other.key[1]).relative >= NEARLY * gain.relative
 
     def _accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
@@ -299,7 +307,7 @@ class Search:
         if same is None:
             self.named.append(finding)
         else:
-            more = replace(same, gain=self._gain(start, after.model, finding.where), explained=same.explained + finding.explained)
+            more = replace(same, gain=self.gain(start, after.model, finding.where), explained=same.explained + finding.explained)
             self.named = [more if n is same else n for n in self.named]
         self.present = after
         self.train, self.held = ([settled(after.model, s) for s in sessions] for sessions in (self.train, self.held))
@@ -310,19 +318,19 @@ class Search:
         for finding in reversed([n for n in self.named[:-1] if not n.courses]):
             rest = tuple(e for e in self.present.model.effects if (e.cause, e.where) != (finding.cause, finding.where))
             without = fit(replace(self.present.model, effects=rest), self.train, self.noise)
-            if not self._gain(without.model, self.present.model, finding.where).passed:
+            if not self.gain(without.model, self.present.model, finding.where).passed:
                 self.present, self.named = without, [n for n in self.named if n is not finding]
 
     def check_numbers(self, given: Model) -> None:
         """Whether the numbers of the given model are wrong once every named cause is in it; where they are not, they stay as given."""
         as_given = replace(self.present.model, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)
         frozen = fit_effects(as_given, self.train, self.noise)
-        gain = self._gain(frozen.model, self.present.model, "skin", fit_effects)
+        gain = self.gain(frozen.model, self.present.model, "skin", fit_effects)
         if gain.passed and gain.before - gain.after > NUMBERS * gain.before:
             self.named.insert(0, Named("parameters", "skin", gain, frozen.cost - self.present.cost, ()))
         else:
             self.present = frozen
 
-    def _gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
+    def gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
         held = [] if self.held and deaf(before, after, self.train, self.held, where) else self.held
         return held_out_gain(before, after, self.train, held, self.noise, refit_before)

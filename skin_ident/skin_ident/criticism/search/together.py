@@ -1,0 +1,62 @@
+"""Two causes that hide each other: a worn nut that takes load away where a stiffening skin adds it.
+
+Neither predicts held-out data alone, for the fit bends it to stand for the other as well. So where no single cause is believed, the best
+are taken for granted one after the other, and the search looks one step further: beside which of them is a second one believed, and is the
+first one then believed beside the second?
+"""
+
+from copy import copy
+from dataclasses import replace
+from typing import Any
+
+from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.courses.course import Run
+from skin_ident.criticism.gates.gate import MATERIAL
+from skin_ident.criticism.gates.resolution import readable, resolved
+from skin_ident.criticism.search.growing import instances
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import Rival, reach
+from skin_ident.criticism.search.trial import Trial, sized
+
+ASKED = 3  # causes that are taken for granted
+
+Pair = tuple[tuple[Fit, Named], tuple[Fit, Named]]
+
+
+def two_at_once(search: Any, trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
+    """The two findings that explain most together, the first with its fit alone; `search` is the state of `criticise`. Nothing where what
+    belongs to each session alone explains more than the causes, or no two are believed beside each other."""
+    promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL * t.fit.count and sized(t.forms[-1])]
+    if not promising or (runs and runs[0].score > promising[0].score):
+        return ()
+    pairs = sorted(filter(None, (_beside(search, t) for t in promising)), key=lambda pair: -_explained(pair))
+    if not pairs:
+        return ()
+    (alone, first), second = pairs[0]
+    near = [p for p in pairs[1:] if p[1][1].cause == second[1].cause and _explained(p) > reach(_explained(pairs[0]))]
+    rivals = tuple(Rival(p[0][1].cause, p[0][1].where, _explained(pairs[0]) - _explained(p)) for p in near)
+    return (alone, replace(first, alternatives=rivals)), second
+
+
+def _explained(pair: Pair) -> float:
+    return sum(finding.explained for _, finding in pair)
+
+
+def _beside(search: Any, first: Trial) -> Pair | None:
+    """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together."""
+    ahead = copy(search)
+    ahead.present = first.fit
+    second = ahead.first_believed(ahead.trials(ahead.look()), [])
+    if second is None or (second[1].cause, second[1].where) == first.key:
+        return None
+    after, train = second[0], ahead.train
+    rest = tuple(e for e in after.model.effects if (e.cause, e.where) != first.key)
+    without = fit(replace(after.model, effects=rest), train, ahead.noise).model
+    gain = ahead.gain(without, after.model, first.key[1])
+    seen = readable(instances(after.model, *first.key), ahead.encoder_step)
+    seen = seen and resolved(gain, first.key[0], without, after.model, train, ahead.encoder_step)
+    both = search.gain(search.present.model, after.model, "skin")
+    if not (gain.passed and seen and gain.shows_at(first.key[1]) and both.passed):
+        return None
+    finding = Named(*first.key, gain, first.score, (), without, after.model)
+    return (first.fit, finding), second
