@@ -115,4 +115,4 @@ def test_the_battery_is_one_that_the_server_reads(tmp_path):
     battery = entry_from_words(str(tmp_path / "separating.yaml"))
     assert battery.kind == "battery" and battery.about == found.name
     sentence = found.sentence("separating.yaml")
-    assert sentence.startswith("record separating.yaml (") and "to tell lag from time_shift" in sentence
+    assert sentence.startswith("record separating.yaml (") and "tell lag from time shift" in sentence and "e+" not in sentence

@@ -3,10 +3,11 @@
 from typing import Any
 
 from skin_ident.criticism.above import above_noise
+from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, plain
 from skin_ident.report.tolerant import mapping, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
-from skin_ident.report.words import advice, cause_at, effect_words, parameter_words, spoken
+from skin_ident.report.words import advice, effect_words, parameter_words, sentence
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")
@@ -74,6 +75,12 @@ def recording_name(r: Any) -> str:
     return text(entry.get("name") or entry.get("session") or entry.get("path")) or text(r) or "recording"
 
 
+def warning_sentences(v: View) -> list[str]:
+    """The warnings as sentences; the name of a session that one begins with is written as it is."""
+    names = tuple(f"{recording_name(r)}:" for r in v.recordings)
+    return [sentence(w, begins_with_name=w.startswith(names)) for w in v.warnings]
+
+
 def parameter_label(name: str) -> str:
     """Words for `k1` or `share_2`."""
     if name.startswith("share_"):
@@ -118,6 +125,7 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         tuple(_alternative(a) for a in sequence(f.get("alternatives"))),
         text(f.get("separating_experiment")),
         tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
+        text(f.get("battery")),
         text(f.get("advice")) or advice(cause),
     )
 
