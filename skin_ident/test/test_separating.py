@@ -7,7 +7,7 @@ import pytest
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.diagnose import diagnose, skin_mass
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.search.growing import grow
 from skin_ident.criticism.search.named import Named
@@ -16,6 +16,7 @@ from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
+from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.candidates import candidates
 from skin_ident.separating.choose import Experiment, separating_experiment
 from skin_models.catalogue import effect_class
@@ -61,7 +62,7 @@ def experiment(pair: Pair, recordings: list) -> Experiment:
     """What the criticism would compute if it had found the recordings unable to tell the pair apart."""
     sessions = [prepare(r) for r in recordings]
     which = directions(sessions[0])
-    start = dispersion_start(sessions, skin_mass(recordings[0]))
+    start = dispersion_start(sessions, known_mass(recordings[0].declared).kg)
     first = survey(start, sessions, which)
     before = fit(start, sessions, first.noise)
     ranked = {(r.cause, r.where): r for r in survey(before.model, sessions, which, first.noise).ranked}

@@ -9,9 +9,13 @@ from test_faults import session
 
 from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.telling.outcome import Outcome
+from skin_ident.estimators.fit import fit_recordings
 from skin_ident.recordings.declared import Declared
 from skin_ident.report.gains import better
+from skin_ident.report.markdown import markdown
 from skin_ident.report.reading import view
+from skin_ident.report.story import tell
 
 
 def bent(r, power):
@@ -50,6 +54,18 @@ def grows(r):
 def test_noise_of_any_kind_is_nothing_wrong(spoil):
     findings = diagnose([spoil(session(i)) for i in (11, 12, 13)]).findings
     assert findings["verdict"] == "nothing_wrong" and not findings["warnings"]
+
+
+@pytest.mark.parametrize("declared", [Declared(), Declared(skin_thickness_mm=6.0), Declared(moving_mass_kg=0.0005)])
+def test_fit_and_diagnosis_hold_one_mass_and_say_where_it_is_from(declared):
+    sessions = [replace(session(i), declared=declared) for i in (1, 2)]
+    findings, estimate = diagnose(sessions).findings, fit_recordings(sessions)
+    held = findings["baseline"]["held"]["m"]
+    assert held["value"] == pytest.approx(estimate.values["m"]) == pytest.approx(
+        declared.moving_mass_kg or 0.108e-3 * (declared.skin_thickness_mm or 4.0)
+    )
+    assert held["because"] in summary(findings) and held["because"] in estimate.verdicts["m"].sentence and "rig.yaml" in held["because"]
+    assert held["because"] in markdown(tell(Outcome(findings)))
 
 
 def lagging(r):

@@ -26,7 +26,6 @@ from skin_models.model import Model
 from skin_models.parameter import Parameter, parameters_of
 from skin_models.signals import Motion
 
-MASS_PER_THICKNESS = 0.108  # kg/m: silicone above one taxel's sensing area, thesis section 4.3.1
 FREE = "free"
 ROBUST_ROUNDS = 20
 ROUNDS = 10  # at most, until the samples where skin and plunger touch no longer change
@@ -76,16 +75,6 @@ def fit_dispersion(
     more = noted(loss, dict(zip(channel_names(shape), held, strict=False)))
     method += "" if loss == LINEAR else f", {loss} loss"
     return _estimate(method, sessions, shape, regression, theta, to_theta @ known @ to_theta.T, warnings, more)
-
-
-def known_mass(recordings: Sequence[Recording], thickness_mm: float | None = None) -> float:
-    """The mass to hold fixed, kg: as declared, or of the silicone over one taxel at the declared thickness, or none. Raises `FitError`."""
-    if thickness_mm is not None and not 0.0 < thickness_mm < 1e3:
-        raise FitError(f"a skin is not {thickness_mm:g} mm thick")
-    declared = recordings[0].declared
-    if declared.moving_mass_kg is not None:
-        return declared.moving_mass_kg
-    return MASS_PER_THICKNESS * 1e-3 * (thickness_mm or declared.skin_thickness_mm or 0.0)
 
 
 def _at_bound(recordings, motions, offsets: bool, method: str, loss: str) -> Estimate:

@@ -24,7 +24,13 @@ def parameters(v: View) -> Safe | None:
     )
     if [(a.name, a.value) for a in v.before] == [(a.name, a.value) for a in v.after]:
         note = "Nothing was added to the model, so its parameters stay as they were."
-    return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v))
+    held = [el("p", sentence(said), class_="note") for said in held_at(v)]
+    return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v), held)
+
+
+def held_at(v: View) -> list[str]:
+    """What was not fitted, and where it is from."""
+    return [f"{a.words} was not fitted: it is held at {amount(a.value, a.unit)}, {source}" for a, source in v.held]
 
 
 def excluded(v: View) -> Safe | None:

@@ -50,6 +50,7 @@ def view(findings: dict[str, Any]) -> View:
         ),
         in_turn=any(g.get("tested_on") == IN_TURN for g in gains.values()),
         other={k: v for k, v in findings.items() if k not in _KNOWN},
+        held=tuple(_held(str(name), mapping(h)) for name, h in mapping(baseline.get("held")).items()),
         above=above_noise(findings),
     )
 
@@ -107,6 +108,10 @@ def _model_amounts(entries: Any) -> tuple[Amount, ...]:
 def _amount(name: str, entry: Any, words: str) -> Amount:
     entry = entry if isinstance(entry, dict) else {"value": entry}
     return Amount(name, words, finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")))
+
+
+def _held(name: str, entry: dict[str, Any]) -> tuple[Amount, str]:
+    return _amount(name, entry, parameter_label(name)), text(entry.get("because"))
 
 
 def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:

@@ -118,6 +118,7 @@ class View:
     band_hz: float | None  # errors are taken below this frequency
     in_turn: bool  # the errors are of sessions that were held out in turn
     other: dict[str, Any]
+    held: tuple[tuple[Amount, str], ...] = ()  # parameters that were not fitted, and where their values are from
     above: tuple[str, float] | None = None  # the channel whose error is clearly above its noise, and how many times
 
     @property
