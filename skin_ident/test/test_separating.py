@@ -9,6 +9,7 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.many import renamed
 from skin_ident.criticism.search.growing import grow
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
@@ -117,3 +118,15 @@ def test_the_battery_is_one_that_the_server_reads(tmp_path):
     assert battery.kind == "battery" and battery.about == found.name
     sentence = found.sentence("separating.yaml")
     assert sentence.startswith("record separating.yaml (") and "tell lag from time shift" in sentence and "e+" not in sentence
+
+
+def test_what_an_experiment_decides_is_said_in_words_and_its_numbers_are_for_programs():
+    found = Experiment("sine", "", 20.0, 4.09e3, 0.15, ("lag", "time shift"), (), ("drift in taxel 1",))
+    assert found.sentence("a.yaml") == (
+        "record a.yaml (sine; 20 s): it would clearly tell lag from time shift, which what was recorded cannot; "
+        "it says nothing of drift in taxel 1"
+    )
+    assert found.numbers == {"expected": 4.09e3, "recorded": 0.15}
+    unsure = replace(found, together=(("lag", "time shift"),), unasked=()).sentence("a.yaml")
+    assert "does most to tell lag from time shift, though it may leave lag with time shift" in unsure
+    assert renamed(found.sentence("a.yaml"), [4, 7]).endswith("drift in taxel 7")
