@@ -14,10 +14,11 @@ from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.diagnose import diagnose, skin_mass
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.sessions.session import prepare, without_parting
 from skin_ident.recordings.load import load
+from skin_ident.recordings.mass import known_mass
 
 CAREFUL = 0.005  # relative uncertainty of calibrations that were checked one against the other
 
@@ -84,7 +85,7 @@ def analysed(recordings: list) -> ArrayCriticism:
     """The ratios alone, the last session held out, under a dispersion model that is fitted with nothing else in it."""
     layout = layout_of(recordings)
     sessions = [prepare(r) for r in with_spread(recordings, layout)]
-    model = dispersion_start(sessions[:-1], skin_mass(recordings[0]))
+    model = dispersion_start(sessions[:-1], known_mass(recordings[0].declared).kg)
     sessions = [without_parting(s, model.dispersion) for s in sessions]
     for steps in (6, 4):
         noise = fit_whitener([residual(model, s) for s in sessions[:-1]], [s.weight for s in sessions[:-1]])

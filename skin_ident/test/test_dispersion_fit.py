@@ -1,5 +1,7 @@
 """The dispersion model comes back out of data made with it, with errors that hold; what the data do not know is said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from making import SILICONE, recording
@@ -31,6 +33,14 @@ def test_shares_of_several_taxels():
     fit = fit_dispersion([recording(shares=(0.5, 1.0, 0.2), sigma=0.01)], SILICONE[4][0])
     assert fit.model.shares == pytest.approx((0.5, 1.0, 0.2), abs=0.005) and fit.model.shares[1] == 1.0
     assert fit.values["k1"] == pytest.approx(9619, rel=2e-3)
+
+
+def test_a_taxel_that_is_upside_down_is_named():
+    r = recording(shares=(0.5, 1.0), sigma=0.01)
+    with pytest.raises(FitError, match="for taxel_1 falls while the skin is pressed"):
+        fit_dispersion([replace(r, taxels=np.array([[1.0], [-1.0]]) * r.taxels)], SILICONE[4][0])
+    weaker = fit_dispersion([replace(r, taxels=np.array([[-1.0], [1.0]]) * r.taxels)], SILICONE[4][0])
+    assert any(w.startswith("taxel_0: its share") and "its sign is wrong" in w for w in weaker.warnings)
 
 
 def test_many_sessions_shrink_the_error():

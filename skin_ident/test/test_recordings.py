@@ -144,6 +144,16 @@ def test_force_counted_negative_in_compression_is_turned_round(tmp_path):
     assert np.allclose(read.force, R.force, atol=1e-6) and "sign" in " ".join(read.warnings)
 
 
+def test_all_loads_counted_negative_are_one_convention_and_one_warning(tmp_path):
+    quiet = 1e-3 * np.random.default_rng(1).standard_normal(R.t.size)  # a taxel that feels nothing
+    taxels = np.vstack([R.taxels, quiet])
+    read = load(write_table(tmp_path / "a.csv", Recording("a", R.t, R.depth, -R.force, -taxels)))[0]
+    assert np.allclose(read.force, R.force, atol=1e-6) and np.allclose(read.taxels, taxels, atol=1e-6)
+    assert len([w for w in read.warnings if "sign of all of them" in w]) == 1 and len(read.warnings) == 1
+    one = load(write_table(tmp_path / "b.csv", Recording("b", R.t, R.depth, -R.force, np.vstack([R.taxels, -R.taxels]))))[0]
+    assert np.allclose(one.taxels, np.vstack([R.taxels, -R.taxels]), atol=1e-6)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("shown", [{}, {"taxels": np.empty((0, 0))}])
 def test_a_depth_counted_away_from_the_skin_is_turned_round(tmp_path, shown, sign):

@@ -28,7 +28,7 @@ def test_a_table_becomes_findings_a_model_and_a_report(tmp_path, capsys):
     findings = json.loads((tmp_path / "out" / "findings.json").read_text())
     assert findings["schema"] == 1 and findings["findings"][0]["cause"] == "spread_shape"
     assert "quantization" in {e["cause"] for e in findings["excluded"]}
-    assert isinstance(kernel_of(load_model(tmp_path / "out" / "model.yaml")), Tabulated)
+    assert isinstance(kernel_of(load_model(tmp_path / "out" / "model.yaml").notes), Tabulated)
     assert load_model(tmp_path / "out" / "baseline.yaml").dispersion.k1 > 0.0
     assert (tmp_path / "out" / "report.html").stat().st_size > 10_000 and (tmp_path / "out" / "before_after.png").exists()
     assert "spread_shape" in capsys.readouterr().out

@@ -7,8 +7,9 @@ import pytest
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.diagnose import diagnose, skin_mass
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.many import renamed
 from skin_ident.criticism.search.growing import grow
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
@@ -16,6 +17,7 @@ from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
+from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.candidates import candidates
 from skin_ident.separating.choose import Experiment, separating_experiment
 from skin_models.catalogue import effect_class
@@ -61,7 +63,7 @@ def experiment(pair: Pair, recordings: list) -> Experiment:
     """What the criticism would compute if it had found the recordings unable to tell the pair apart."""
     sessions = [prepare(r) for r in recordings]
     which = directions(sessions[0])
-    start = dispersion_start(sessions, skin_mass(recordings[0]))
+    start = dispersion_start(sessions, known_mass(recordings[0].declared).kg)
     first = survey(start, sessions, which)
     before = fit(start, sessions, first.noise)
     ranked = {(r.cause, r.where): r for r in survey(before.model, sessions, which, first.noise).ranked}
@@ -115,4 +117,16 @@ def test_the_battery_is_one_that_the_server_reads(tmp_path):
     battery = entry_from_words(str(tmp_path / "separating.yaml"))
     assert battery.kind == "battery" and battery.about == found.name
     sentence = found.sentence("separating.yaml")
-    assert sentence.startswith("record separating.yaml (") and "to tell lag from time_shift" in sentence
+    assert sentence.startswith("record separating.yaml (") and "tell lag from time shift" in sentence and "e+" not in sentence
+
+
+def test_what_an_experiment_decides_is_said_in_words_and_its_numbers_are_for_programs():
+    found = Experiment("sine", "", 20.0, 4.09e3, 0.15, ("lag", "time shift"), (), ("drift in taxel 1",))
+    assert found.sentence("a.yaml") == (
+        "record a.yaml (sine; 20 s): it would clearly tell lag from time shift, which what was recorded cannot; "
+        "it says nothing of drift in taxel 1"
+    )
+    assert found.numbers == {"expected": 4.09e3, "recorded": 0.15}
+    unsure = replace(found, together=(("lag", "time shift"),), unasked=()).sentence("a.yaml")
+    assert "does most to tell lag from time shift, though it may leave lag with time shift" in unsure
+    assert renamed(found.sentence("a.yaml"), [4, 7]).endswith("drift in taxel 7")

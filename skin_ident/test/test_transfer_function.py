@@ -9,7 +9,7 @@ from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import IDENTIFIABLE, NOT_IDENTIFIABLE
 from skin_ident.estimators.force_to_force import fit_force_to_force
 from skin_ident.estimators.transfer_data import Pair
-from skin_ident.estimators.transfer_fit import _system, output_error, riv, svf
+from skin_ident.estimators.transfer_fit import _system, output_error, riv
 from skin_ident.estimators.transfer_function import TransferFunction, derivatives, discretised
 from skin_ident.recordings.recording import Recording
 
@@ -119,13 +119,6 @@ def test_an_unrelated_taxel_is_called_unexplained():
     r = recording(n=2000)
     fit = fit_force_to_force([Recording("f", r.t, None, r.force, np.random.default_rng(0).normal(size=(1, 2000)))])
     assert "explains" in " ".join(fit.warnings)
-
-
-def test_state_variable_filter_is_near_without_noise_and_biased_with_it():
-    assert svf([pair(THESIS[2], level=0.0)], 10.0).theta == pytest.approx(THESIS[2].theta, rel=5e-3)
-    noisy = pair(THESIS[2], level=0.3)
-    far = [np.max(np.abs(f.theta / THESIS[2].theta - 1)) for f in (svf([noisy], 60.0), riv([noisy]))]
-    assert far[1] < far[0]
 
 
 SHARE = dict(zip(("share", "lead", "lag"), (9619 / 12385, 939.5 / 9619, 1568.7 / 12385), strict=True))

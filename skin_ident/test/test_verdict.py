@@ -4,10 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from test_faults import session
 
+from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.telling.outcome import Outcome
+from skin_ident.estimators.fit import fit_recordings
 from skin_ident.recordings.declared import Declared
+from skin_ident.report.gains import better
+from skin_ident.report.markdown import markdown
+from skin_ident.report.reading import view
+from skin_ident.report.story import tell
 
 
 def bent(r, power):
@@ -46,3 +54,33 @@ def grows(r):
 def test_noise_of_any_kind_is_nothing_wrong(spoil):
     findings = diagnose([spoil(session(i)) for i in (11, 12, 13)]).findings
     assert findings["verdict"] == "nothing_wrong" and not findings["warnings"]
+
+
+@pytest.mark.parametrize("declared", [Declared(), Declared(skin_thickness_mm=6.0), Declared(moving_mass_kg=0.0005)])
+def test_fit_and_diagnosis_hold_one_mass_and_say_where_it_is_from(declared):
+    sessions = [replace(session(i), declared=declared) for i in (1, 2)]
+    findings, estimate = diagnose(sessions).findings, fit_recordings(sessions)
+    held = findings["baseline"]["held"]["m"]
+    assert held["value"] == pytest.approx(estimate.values["m"]) == pytest.approx(
+        declared.moving_mass_kg or 0.108e-3 * (declared.skin_thickness_mm or 4.0)
+    )
+    assert held["because"] in summary(findings) and held["because"] in estimate.verdicts["m"].sentence and "rig.yaml" in held["because"]
+    assert held["because"] in markdown(tell(Outcome(findings)))
+
+
+def lagging(r):
+    share = 1.0 - np.exp(-r.dt / 0.05)
+    return replace(r, taxels=np.array([r.taxels[0], lfilter([share], [1.0, share - 1.0], r.taxels[1]), r.taxels[2]]))
+
+
+@pytest.mark.parametrize("held_out", [0, 1])
+def test_the_gain_of_the_only_cause_is_one_number_in_terminal_findings_and_report(held_out):
+    sessions = [lagging(session(i)) for i in (1, 2, 3)]
+    findings = diagnose(sessions[held_out:], sessions[:held_out]).findings
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("lag", "taxel_1")]
+    gain, whole = findings["findings"][0]["gain"], findings["gain_by_channel"]["taxel_1"]
+    assert gain["ci95"] == whole["ci95"] and gain["held_out_rmse_after"] == whole["held_out_rmse_after"]
+    error = next(e for e in view(findings).errors if e.channel == "taxel_1")
+    assert error.pair == pytest.approx((gain["held_out_rmse_before"], gain["held_out_rmse_after"]), rel=1e-9)
+    printed = [f"{1e3 * x:.3g}\u00a0mN" for x in error.pair]
+    assert f"-> {error.pair[1]:.3g} N" in summary(findings) and all(x in better(view(findings)).sentences[0] for x in printed)

@@ -27,6 +27,8 @@ from skin_models.errors import ModelError
 from skin_models.layout import A201_AREA, Layout, grid
 from skin_models.spread.kernels import Gaussian, Kernel
 
+CELL = 30  # places along the cell between taxels; even, so that its middle is one of them
+
 
 @dataclass(frozen=True, eq=False)
 class Design:
@@ -170,7 +172,7 @@ def _newton_step(design: Design, place: np.ndarray, readings: np.ndarray, dampin
 
 @dataclass(frozen=True)
 class Acuity:
-    """What one pitch gives over the cell between the taxels."""
+    """What one pitch gives over the cell between the taxels, away from the edges of a patch."""
 
     pitch: float  # m
     error_median: float  # m, bound on the position
@@ -192,7 +194,7 @@ def acuity(width: float, pitches: np.ndarray, force: float, noise: float, peak: 
 def _acuity(kernel: Gaussian, pitch: float, force: float, noise: float, peak: float, area: float) -> Acuity:
     side = 2 * max(int(np.ceil(4.0 * kernel.width / pitch)), 2)  # even: the middle of the patch is the middle of a cell
     design = Design(grid(side, side, pitch, min(area, pitch**2)), kernel, noise, peak, area)
-    u = (np.arange(15) / 14.0 - 0.5) * pitch
+    u = (np.arange(CELL) / CELL - 0.5) * pitch  # without the far border, which is the near one of the next cell
     cell = np.stack(np.meshgrid(u, u), axis=-1).reshape(-1, 2)
     error = localisation_bound(design, cell, force)
     return Acuity(pitch, float(np.median(error)), float(error.max()), float(detectable_force(design, cell).max()))

@@ -191,7 +191,7 @@ class Model:
 
     @cached_property
     def _kernel(self) -> Kernel:
-        return kernel_of(self)
+        return kernel_of(self.notes)
 
     @cached_property
     def _gains(self) -> np.ndarray:

@@ -105,7 +105,7 @@ def model_from_dict(content: Any) -> Model:
         notes=_mapping(content.get("notes", {}), "notes"),
         positions=_positions(content["positions"]) if "positions" in content else (),
     )
-    kernel_of(model)  # raises for notes on the spread that cannot be understood
+    kernel_of(model.notes)  # raises for notes on the spread that cannot be understood
     return model
 
 

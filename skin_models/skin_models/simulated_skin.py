@@ -125,7 +125,7 @@ class SimulatedSkin:
             if e.taxel is not None and e.taxel >= len(layout):
                 raise ModelError(f"{e.cause} sits in {e.where}, but the layout has {len(layout)} taxels, counted from taxel_0")
         self.model, self.layout, self.dt = model, layout, dt
-        self.kernel = _bent(kernel or kernel_of(model), model.at(Place.SPREAD))
+        self.kernel = _bent(kernel or kernel_of(model.notes), model.at(Place.SPREAD))
         self._shift = np.sum([e.shift() for e in model.at(Place.SPREAD)] + [(0.0, 0.0)], axis=0)
         self._share = min(model.dispersion.sensed_share, 1.0) if model.dispersion.k1 > 0.0 else 0.0
         self._skin, self._sensors = skin_of(model), model.at(Place.TAXEL)

@@ -19,6 +19,9 @@ def test_in_the_middle_of_a_wide_patch_it_is_the_acuity_of_the_pitch():
     known = acuity(5.25e-3, [9e-3], force=5.0, noise=0.02, peak=0.777)[0]
     inner = np.abs(over.x) <= 4.5e-3
     assert over.error[np.ix_(inner, inner)].max() == pytest.approx(known.error_worst, rel=0.05)
+    assert np.median(over.error[np.ix_(inner, inner)]) == pytest.approx(known.error_median, rel=0.05)
+    assert over.error[over.inside].max() == pytest.approx(known.error_worst, rel=0.05)
+    assert f"near the edge ({1e3 * over.error[over.inside].max():.3g} mm away from it)" in over.sentence()
 
 
 def test_a_row_is_located_along_itself_and_a_lone_taxel_locates_nothing():

@@ -175,9 +175,9 @@ def test_nothing_touching_is_nothing_felt():
 
 
 def test_width_comes_from_the_models_notes():
-    assert spread_width(SILICONE) == 5.25e-3 and spread_width(Model(SILICONE.dispersion)) == 5.25e-3
+    assert spread_width(SILICONE.notes) == 5.25e-3 and spread_width({}) == 5.25e-3
     with pytest.raises(ModelError, match="spread_width"):
-        spread_width(Model(SILICONE.dispersion, notes={"spread_width": {"value": 5.25, "unit": "mm"}}))
+        spread_width({"spread_width": {"value": 5.25, "unit": "mm"}})
 
 
 def test_the_example_of_the_readme_runs():

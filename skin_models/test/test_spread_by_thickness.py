@@ -44,4 +44,5 @@ def test_thicker_skin_spreads_more_and_is_less_certain():
 def test_an_estimated_spread_goes_with_the_model():
     skin = with_spread(silicone(6e-3))
     assert np.isnan(silicone(6e-3).spread_width)
-    assert kernel_of(skin.model) == Gaussian(width=skin.spread_width) and skin.spread_width == silicone_spread(6e-3, extrapolate=True).value
+    assert kernel_of(skin.model.notes) == Gaussian(width=skin.spread_width)
+    assert skin.spread_width == silicone_spread(6e-3, extrapolate=True).value

@@ -126,5 +126,5 @@ def test_lateral_spread_scan_shows_the_gaussian_of_table_4_8():
     felt = np.array([run.taxels[deep, 0][offsets == mm].mean() for mm in range(13)])
     near = felt > 0.05 * felt[0]
     slope = np.polyfit((np.arange(13)[near] * 1e-3) ** 2, np.log(felt[near]), 1)[0]
-    assert (-slope) ** -0.5 == pytest.approx(spread_width(material("silicone_4mm").model), rel=0.05)
+    assert (-slope) ** -0.5 == pytest.approx(spread_width(material("silicone_4mm").model.notes), rel=0.05)
     assert (np.diff(felt[near]) < 0.0).all()

@@ -20,11 +20,17 @@ from skin_ident.estimators.robust import LINEAR, LOSSES
 from skin_ident.estimators.spread import with_spread
 from skin_ident.estimators.text import as_dict, as_table
 from skin_ident.recordings.load import find, load
+from skin_ident.recordings.mass import USUAL_MM
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import without_repeats
 from skin_ident.recordings.timing import counted
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model_file import save_model
+
+_MASS = (
+    "free, a value in kg, or fixed (the default): moving_mass_kg of rig.yaml, or that of silicone as thick as --thickness_mm or rig.yaml "
+    f"says, or else {USUAL_MM:g} mm"
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -158,8 +164,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--arms", type=int, help="how many of --what prony; left out: as few as explain the data")
     parser.add_argument("--log-time", action="store_true", help="take the times of recording, not the stamps in the messages")
     parser.add_argument("--keep-stamps", action="store_true", help="leave uneven samples where they are instead of resampling them")
-    parser.add_argument("--mass", default="fixed", help="free, fixed (from rig.yaml or the thickness; the default), or a value in kg")
-    parser.add_argument("--thickness_mm", type=float, help="thickness of the skin, for the fixed mass")
+    parser.add_argument("--mass", default="fixed", help=_MASS)
+    parser.add_argument("--thickness_mm", type=float, help="thickness of the skin, for a fixed mass that is not declared")
     parser.add_argument("--motion", default=MEASURED, choices=(MEASURED, SINUSOID), help="depth as measured, or the sinusoid fitted to it")
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")

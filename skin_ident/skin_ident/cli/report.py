@@ -15,7 +15,7 @@ def report(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("directory", type=Path, metavar="DIR", help="what diagnose wrote with --out: findings.json and traces.npz")
     parser.add_argument("--out", type=Path, metavar="DIR", help="where to write the report (default: the same directory)")
     given = parser.parse_args(arguments)
-    print(write_report(load_outcome(given.directory), given.out or given.directory))
+    print(write_report(load_outcome(given.directory), given.out or given.directory, given.directory))
     return 0
 
 

@@ -48,12 +48,12 @@ from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import believed, tell
 from skin_ident.criticism.usable import belong_together, doubted, something_moves
+from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
 from skin_models.errors import ModelError
 from skin_models.model import Model
 
-MASS_PER_THICKNESS = 0.108  # kg/m
 BESIDE = ("adhesion",)  # causes that act in moments which are not compared, and follow from the motion: the curves show them
 BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out;
 FEWEST_BLOCKS = 9  # shorter ones in a session that would have fewer
@@ -111,13 +111,14 @@ class _Part:
 def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: Model | None, twins: list | None, progress) -> _Part:
     progress("inspecting the recordings")
     looked = inspect(every)
+    known = known_mass(every[0].declared)
+    mass = known.kg
     if twins:
-        twin = read_twins(looked.sessions, every, twins, skin_mass(every[0]))
+        twin = read_twins(looked.sessions, every, twins, mass)
         model, looked = twin.surrogate, looked.carrying(twin.beyond, twin.known)
         every[0] = every[0].warned(*twin.warnings) if twin.warnings else every[0]
     train, held = _split(looked.sessions, training)
     step = _encoder_step(every)
-    mass = skin_mass(every[0])
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step)
     if c.train[0].free_mass:
         looked = looked.weighed()
@@ -135,6 +136,8 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     judged = judge(c, symptoms, whole, model, mass)
     findings = as_findings(judged.criticism, symptoms, every, *whole, rest, verdict, model is not None, experiments)
     findings = tell(findings, judged, symptoms, step)
+    if model is None and every[0].depth is not None and not c.train[0].free_mass:
+        findings["baseline"]["held"] = {"m": {"value": mass, "unit": "kg", "because": known.source}}
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
 
 
@@ -181,12 +184,6 @@ def are_scans(recordings: list) -> bool:
     if scans and len(scans) < len(recordings):
         raise DiagnosisError(f"static scans and sessions in time are diagnosed apart: leave out {', '.join(scans[:3])}, or everything else")
     return bool(scans)
-
-
-def skin_mass(recording) -> float:
-    """Mass of the skin under the plunger, kg: what rig.yaml says, or silicone of the declared thickness (4 mm: thesis 4.3.1, 0.432 g)."""
-    declared = recording.declared
-    return declared.moving_mass_kg or MASS_PER_THICKNESS * 1e-3 * (declared.skin_thickness_mm or 4.0)
 
 
 def _encoder_step(recordings: list) -> float:

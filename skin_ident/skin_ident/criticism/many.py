@@ -33,7 +33,7 @@ from skin_models.model import Model
 FEW = 8  # taxels that are searched together
 JOINT = 6  # of more, those that are
 GROUP = 5  # and of the others at a time
-NUMBERED = re.compile(r"\b(taxel|share)_(\d+)\b")
+NUMBERED = re.compile(r"\b(taxel[_ ]|share_)(\d+)\b")
 
 Split = Callable[[list[Session]], tuple[list[Session], list[Session]]]
 
@@ -76,7 +76,7 @@ def some(recordings: list, taxels: list[int]) -> list:
 def renamed(thing: Any, taxels: list[int]) -> Any:
     """Anything made of texts, with the numbers of `taxels` in place of their order among themselves."""
     if isinstance(thing, str):
-        return NUMBERED.sub(lambda m: f"{m[1]}_{taxels[int(m[2])]}" if int(m[2]) < len(taxels) else m[0], thing)
+        return NUMBERED.sub(lambda m: f"{m[1]}{taxels[int(m[2])]}" if int(m[2]) < len(taxels) else m[0], thing)
     if isinstance(thing, dict):
         return {renamed(k, taxels): renamed(v, taxels) for k, v in thing.items()}
     if isinstance(thing, (list, tuple)):

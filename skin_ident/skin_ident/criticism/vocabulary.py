@@ -1,4 +1,4 @@
-"""The words of a finding: what each cause means, what to do about it, and which experiment would show it.
+"""The words of a finding: what each cause and place is called, what a cause means, what to do about it, and which experiment would show it.
 
 The names and their meaning are fixed: reports, tests and other people's tools rely on them.
 """
@@ -166,3 +166,38 @@ CAUSES: tuple[Cause, ...] = (
 )
 
 BY_NAME = {c.name: c for c in CAUSES}
+
+PLACES = {
+    "skin": "the skin",
+    "rig": "the rig",
+    "load_cell": "the load cell",
+    "taxel": "all taxels alike",
+    "taxel_alone": "the taxel",
+    "clock": "the clock",
+    "clock_taxels": "the clock of the taxels",
+    "clock_depth": "the clock of the encoder",
+}
+
+
+def spoken(name: str) -> str:
+    """A name of code as words: `stress_relaxation` becomes `stress relaxation`."""
+    return str(name).replace("_", " ").strip()
+
+
+def place(where: str) -> str:
+    """Where something sits: `taxel_3` becomes `taxel 3`."""
+    head, _, index = str(where).partition("_")
+    if head == "taxel" and index.isdigit():
+        return f"taxel {index}"
+    return PLACES.get(where, spoken(where))
+
+
+def cause_at(cause: str, where: str) -> str:
+    """`stress relaxation in the skin`, `time shift of the clock`, `dead taxel 3`."""
+    if cause == "dead_taxel" and where == "taxel_alone":
+        return "dead taxel"
+    if cause == "dead_taxel" and where.startswith("taxel_"):
+        return f"dead {spoken(where)}"
+    if cause == "parameters":
+        return "wrong parameters of the model"
+    return f"{spoken(cause)} {'of' if where.startswith('clock') else 'in'} {place(where)}" if where else spoken(cause)

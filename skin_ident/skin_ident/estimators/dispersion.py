@@ -26,8 +26,8 @@ from skin_models.model import Model
 from skin_models.parameter import Parameter, parameters_of
 from skin_models.signals import Motion
 
-MASS_PER_THICKNESS = 0.108  # kg/m: silicone above one taxel's sensing area, thesis section 4.3.1
 FREE = "free"
+FAINT = 0.02  # a share that a taxel far from the plunger may come out at, with either sign
 ROBUST_ROUNDS = 20
 ROUNDS = 10  # at most, until the samples where skin and plunger touch no longer change
 
@@ -76,16 +76,6 @@ def fit_dispersion(
     more = noted(loss, dict(zip(channel_names(shape), held, strict=False)))
     method += "" if loss == LINEAR else f", {loss} loss"
     return _estimate(method, sessions, shape, regression, theta, to_theta @ known @ to_theta.T, warnings, more)
-
-
-def known_mass(recordings: Sequence[Recording], thickness_mm: float | None = None) -> float:
-    """The mass to hold fixed, kg: as declared, or of the silicone over one taxel at the declared thickness, or none. Raises `FitError`."""
-    if thickness_mm is not None and not 0.0 < thickness_mm < 1e3:
-        raise FitError(f"a skin is not {thickness_mm:g} mm thick")
-    declared = recordings[0].declared
-    if declared.moving_mass_kg is not None:
-        return declared.moving_mass_kg
-    return MASS_PER_THICKNESS * 1e-3 * (thickness_mm or declared.skin_thickness_mm or 0.0)
 
 
 def _at_bound(recordings, motions, offsets: bool, method: str, loss: str) -> Estimate:
@@ -203,8 +193,11 @@ def _estimate(
 ) -> Estimate:
     m, b1, k1, b2, k2, *shares = (float(value) for value in theta)
     if k1 < 0.0:
-        raise FitError(f"the stiffness comes out negative ({k1:.4g} N/m): force and depth do not belong together, or a sign is wrong")
-    notes = [f"taxel_{i}: its share came out at {s:.3g} and was set to 0" for i, s in zip(shape.live, shares, strict=True) if s < 0.0]
+        falling = [name for name, c in zip(channel_names(shape), regression.coefficients, strict=True) if c[-1] < 0.0]
+        falls = f"{' and '.join(falling) or 'what was measured'} fall{'' if len(falling) > 1 else 's'} while the skin is pressed"
+        mend = "turn the sign round there, or leave out what does not belong to this depth"
+        raise FitError(f"the stiffness comes out negative ({k1:.4g} N/m), for {falls}: {mend}")
+    notes = [_of_negative(i, s) for i, s in zip(shape.live, shares, strict=True) if s < 0.0]
     source = ", ".join(s.name for s in sessions)
     model = Model(Dispersion(m=m, b1=b1, k1=k1, b2=b2, k2=k2), _placed(shares, shape), source=source)
     covariance = _with_silent(covariance, shape)
@@ -227,6 +220,11 @@ def _estimate(
         warnings=(*warnings, *notes),
         notes={"telemetry": {s.name: s.quality.as_dict() for s in sessions}, **_zeros(sessions, shape, regression), **more},
     )
+
+
+def _of_negative(taxel: int, share: float) -> str:
+    falls = ": it falls while the skin is pressed, so its sign is wrong" if share < -FAINT else ""
+    return f"taxel_{taxel}: its share came out at {share:.3g} and was set to 0{falls}"
 
 
 def _placed(shares: list[float], shape: Shape) -> tuple[float, ...]:

@@ -3,22 +3,22 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from skin_ident.estimators.dispersion import FREE, fit_dispersion, known_mass
+from skin_ident.estimators.dispersion import FREE, fit_dispersion
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.estimate import FIXED, Estimate, Verdict
 from skin_ident.estimators.force_to_force import fit_force_to_force
 from skin_ident.estimators.robust import LINEAR
 from skin_ident.estimators.sinusoid import as_sinusoids
+from skin_ident.recordings.mass import KnownMass, known_mass
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import without_repeats
 
-FIXED = "fixed"
 MEASURED, SINUSOID = "measured", "sinusoid"
 
 
 @dataclass(frozen=True)
 class Options:
-    """`mass`: free, fixed (from rig.yaml or the thickness), or kg; `thickness_mm` for the fixed mass; `motion` as measured or the sinusoid
+    """`mass`: free, fixed (see `known_mass`), or kg; `thickness_mm` for the fixed mass; `motion` as measured or the sinusoid
     fitted to it; `offsets`: a zero of every channel in every session; `order` of the transfer function from force to force; `loss`: one of
     `robust.LOSSES`.
     """
@@ -39,7 +39,13 @@ def fit_recordings(recordings: Sequence[Recording], options: Options = Options()
     recordings = without_repeats(recordings)
     if all(r.depth is None for r in recordings):
         return fit_force_to_force(recordings, options.order, loss=options.loss)
-    mass = mass_of(options, recordings)
+    known = held_mass(options, recordings)
+    estimate = _fitted(recordings, FREE if known is None else known.kg, options)
+    held = {"m": Verdict(FIXED, f"held at {known.source}")} if known else {}
+    return replace(estimate, verdicts={**estimate.verdicts, **held})
+
+
+def _fitted(recordings: Sequence[Recording], mass: float | str, options: Options) -> Estimate:
     if options.motion == MEASURED:
         return fit_dispersion(recordings, mass, offsets=options.offsets, loss=options.loss)
     parts, motions, found = as_sinusoids(recordings)
@@ -50,15 +56,24 @@ def fit_recordings(recordings: Sequence[Recording], options: Options = Options()
 
 def mass_of(options: Options, recordings: Sequence[Recording]) -> float | str:
     """FREE, or the mass in kg. Raises `FitError` for a text that is neither."""
+    known = held_mass(options, recordings)
+    return FREE if known is None else known.kg
+
+
+def held_mass(options: Options, recordings: Sequence[Recording]) -> KnownMass | None:
+    """The mass that is held, and where it is from; None where it is free. Raises `FitError` for a text that is no mass."""
+    thick = options.thickness_mm
+    if thick is not None and not 0.0 < thick < 1e3:
+        raise FitError(f"a skin is not {thick:g} mm thick")
     if options.mass in (FREE, FIXED):
-        return FREE if options.mass == FREE else known_mass(recordings, options.thickness_mm)
+        return None if options.mass == FREE else known_mass(recordings[0].declared, thick)
     try:
         mass = float(options.mass)
     except ValueError:
         raise FitError(f"the mass is {FREE}, {FIXED}, or a number in kg, not {options.mass!r}") from None
     if not 0.0 <= mass < 1e3:
         raise FitError(f"a mass of {options.mass} kg is negative, or a ton")
-    return mass
+    return KnownMass(mass, "what was asked for")
 
 
 def sessions_of(loaded: Sequence) -> tuple[list[Recording], list[str]]:

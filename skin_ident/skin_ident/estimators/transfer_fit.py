@@ -9,7 +9,7 @@ Sampled Data, Springer 2008, ch. 4.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -189,18 +189,6 @@ def riv(pairs: Sequence[Pair], zeros: int = 1, poles: int = 2, *, offset: bool =
     return best[0]
 
 
-def svf(pairs: Sequence[Pair], corner: float, zeros: int = 1, poles: int = 2, *, offset: bool = False) -> TransferFunction:
-    """Least squares on state-variable-filtered derivatives, with all poles of the filter at `corner` (rad/s): quick, and biased by noise.
-
-    Raises `FitError` where the result is no number.
-    """
-    filtering = TransferFunction((0.0,) * (zeros + 1), tuple(np.poly([-corner] * poles)[1:]))
-    theta = _instrumental(pairs, filtering, offset, False)
-    if theta is None:
-        raise FitError("the filtered input and output do not determine a transfer function")
-    return filtering.with_theta(theta)
-
-
 def _corners(pairs: Sequence[Pair]) -> list[float]:
     """Where to begin (rad/s): where the input's power lies, then above and below."""
     p = max(pairs, key=lambda p: p.u.size)
@@ -262,8 +250,3 @@ def _selecting(powers: np.ndarray, block: int, width: int) -> np.ndarray:
     out = np.zeros((len(powers), width))
     out[:, block * len(powers) : (block + 1) * len(powers)] = powers
     return out
-
-
-def without_noise(pair: Pair, f: TransferFunction) -> Pair:
-    """The same session with the output that `f` gives."""
-    return replace(pair, y=f.simulate(pair.u, pair.dt))

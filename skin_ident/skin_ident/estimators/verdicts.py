@@ -71,7 +71,7 @@ def _carried(p: Parameter, parameters: tuple[Parameter, ...], shape, rms: dict[s
 
 def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verdict:
     if p.name == "m":
-        return Verdict(FIXED, "held at a known value")
+        return Verdict(FIXED, "held at the value that was given")
     if p.name in ("b2", "k2") and not (shape.force and shape.taxels):
         why = "the load cell is missing" if shape.taxels else "there is no taxel: b1 and k1 stand for the whole skin"
         return Verdict(NOT_IDENTIFIABLE, f"{why}, so what is dispersed cannot be told from what is sensed; set to 0")

@@ -8,12 +8,12 @@ from skin_ident.criticism.baseline.fitting import fit, tangents
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.baseline.unknowns import unknowns
-from skin_ident.criticism.diagnose import skin_mass
 from skin_ident.criticism.noise.estimate import RICHEST, pursue
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.proposals import bank, directions
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import Session, prepare, without_parting
+from skin_ident.recordings.mass import known_mass
 from skin_ident.recordings.recording import Recording
 from skin_models.model import Model
 
@@ -33,7 +33,7 @@ def ground(recordings: list[Recording]) -> Ground:
     """Fit the dispersion model and measure the noise in the common band."""
     sessions = [prepare(r) for r in recordings]
     which = directions(sessions[0])
-    start = dispersion_start(sessions, skin_mass(recordings[0]))
+    start = dispersion_start(sessions, known_mass(recordings[0].declared).kg)
     sessions = [without_parting(s, start.dispersion) for s in sessions]
     model = fit(start, sessions, survey(start, sessions[:1], which).noise).model
     noise = survey(model, sessions[:1], which).noise

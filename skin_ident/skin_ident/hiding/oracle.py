@@ -3,11 +3,11 @@
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.diagnose import skin_mass
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import prepare, without_parting
 from skin_ident.hiding.hide import Hidden
+from skin_ident.recordings.mass import known_mass
 from skin_ident.recordings.recording import Recording
 from skin_models.model import Model
 
@@ -20,7 +20,7 @@ def oracle_errors(train: list[Recording], held: list[Recording], hidden: Hidden 
     if hidden is not None and (hidden.effect.cause in UNKNOWABLE or hidden.effect.form in RANDOM):
         return None
     fitted, tried = [prepare(r) for r in train], [prepare(r) for r in held]
-    start: Model = dispersion_start(fitted, skin_mass(train[0]))
+    start: Model = dispersion_start(fitted, known_mass(train[0].declared).kg)
     fitted, tried = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (fitted, tried))  # as the criticism does
     knowing = start if hidden is None else start.extended(hidden.effect)
     noise = survey(knowing, fitted[:1], directions(fitted[0])).noise

@@ -156,7 +156,18 @@ def _turned(r: Recording) -> Recording:
     against = r.depth if r.depth is not None else r.taxels.sum(axis=0) if len(r.taxels) and "V" not in r.taxel_units else None
     if r.force is None or against is None or not _falls(r.force, against):
         return r
+    if r.depth is not None and _falls_too(r):
+        signs = np.array([-1.0 if unit == "N" else 1.0 for unit in r.taxel_units])[:, None]
+        return replace(r, force=-r.force, taxels=signs * r.taxels).warned(
+            "force and taxels fall when the skin is pressed: the sign of all of them was turned round (compression is positive)"
+        )
     return replace(r, force=-r.force).warned("force falls when the skin is pressed: its sign was turned round (compression is positive)")
+
+
+def _falls_too(r: Recording) -> bool:
+    """Whether compression is negative by convention, not by a fault of one channel: taxels in newtons fall, too, and none of them rises."""
+    taxels = [row for row, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"]
+    return any(_falls(row, r.depth) for row in taxels) and not any(_falls(-row, r.depth) for row in taxels)
 
 
 def _with_depth_turned(r: Recording) -> Recording:

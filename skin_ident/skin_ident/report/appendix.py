@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 
+from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.bars import parameter_table
 from skin_ident.report.markup import Safe, el, join, section, table
 from skin_ident.report.numbers import amount, finite, percent
-from skin_ident.report.reading import recording_name
+from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.tolerant import mapping, sequence, text
 from skin_ident.report.view import View
-from skin_ident.report.words import capital, cause_at, effect_words, meaning, sentence, spoken
+from skin_ident.report.words import capital, effect_words, meaning, sentence
 
 MOST_ROWS = 15  # of a table, before it is folded
 
@@ -23,7 +24,13 @@ def parameters(v: View) -> Safe | None:
     )
     if [(a.name, a.value) for a in v.before] == [(a.name, a.value) for a in v.after]:
         note = "Nothing was added to the model, so its parameters stay as they were."
-    return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v))
+    held = [el("p", sentence(said), class_="note") for said in held_at(v)]
+    return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v), held)
+
+
+def held_at(v: View) -> list[str]:
+    """What was not fitted, and where it is from."""
+    return [f"{a.words} was not fitted: it is held at {amount(a.value, a.unit)}, {source}" for a, source in v.held]
 
 
 def excluded(v: View) -> Safe | None:
@@ -102,7 +109,7 @@ def recordings(v: View) -> Safe | None:
     """What was read, and what was odd about it."""
     said = set(v.warnings)
     items = [el("li", _recording(r, said)) for r in v.recordings]
-    warned = [el("p", el("b", "Warnings")), el("ul", [el("li", sentence(w)) for w in v.warnings])] if v.warnings else []
+    warned = [el("p", el("b", "Warnings")), el("ul", [el("li", w) for w in warning_sentences(v)])] if v.warnings else []
     rest = [[el("dt", spoken(k)), el("dd", text(x))] for k, x in v.other.items() if x not in (None, "", [], {})]
     more = el("details", el("summary", "More from findings.json"), el("dl", rest)) if rest else None
     return section("recordings", "Recordings", el("ul", items), warned, more) if items or warned or more else None
@@ -137,8 +144,8 @@ def _facts(r: dict) -> Iterator[str]:
     yield from (f"{spoken(k)} {text(x)}" for k, x in r.items() if k not in known and x not in (None, "", [], {}))
 
 
-def reading() -> Safe:
-    """A glossary."""
+def reading(folder: str) -> Safe:
+    """A glossary, and where the other files are: beside the page, or what belongs to the diagnosis in its `folder`."""
     words = (
         ("before, after", "the simulation without and with the causes named here, both fitted to the same data"),
         ("measured − simulated", "what the simulation misses; zero is perfect"),
@@ -150,10 +157,9 @@ def reading() -> Safe:
         ("could not be tested", "the motion never brought it out, so the data are silent"),
         ("where", "skin: the material; taxel: a sensor in it; load cell: the reference; rig: mount and stage; clock: timing of a channel"),
     )  # fmt: skip
-    files = (
-        "Beside this file: findings.json (everything here, for programs), model.yaml (the extended model), "
-        "report.md and pictures (for a mail), traces.npz (the curves)."
-    )
+    kept = "findings.json (everything here, for programs), model.yaml (the extended model) and traces.npz (the curves)"
+    text_too = "report.md and pictures (for a mail)"
+    files = f"Beside this file: {text_too}. In {folder}: {kept}." if folder else f"Beside this file: {text_too}, {kept}."
     return section(
         "reading",
         "How to read this",

@@ -1,12 +1,13 @@
 """Bars and tables of numbers: errors by channel, the ranking of causes, parameters before and after."""
 
 from skin_ident.criticism.telling.outcome import Round
+from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.gains import fall
 from skin_ident.report.markup import Safe, el, table
 from skin_ident.report.numbers import UNKNOWN, amount, percent, plain, span
-from skin_ident.report.story import named_cause
+from skin_ident.report.story import explaining, named_cause
 from skin_ident.report.view import Amount, ChannelError, View
-from skin_ident.report.words import capital, cause_at, channel
+from skin_ident.report.words import capital, channel
 
 MOST_RANKED = 8
 
@@ -42,7 +43,7 @@ def _bar(value: float | None, top: float, kind: str) -> Safe | None:
 
 def ranking(round_: Round, number: int) -> Safe:
     """One round of the search: what each cause explains, the longest bar first."""
-    ranked = [r for r in sorted(round_.ranked, key=lambda r: -r[2]) if r[2] > 0][:MOST_RANKED]
+    ranked = explaining(round_, MOST_RANKED)
     named = named_cause(round_.named or "")
     title = f"Round {number}: {cause_at(named, '')} named" if named else f"Round {number}: nothing more could be named"
     if not ranked:

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 
+from skin_ident.criticism.vocabulary import cause_at, place
 from skin_ident.report.numbers import percent
 from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
-from skin_ident.report.words import capital, cause_at, place, rebuild, sentence
+from skin_ident.report.words import Rebuild, capital, rebuild, sentence
 
 NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
 TESTED = {
@@ -14,6 +15,7 @@ TESTED = {
     UNTESTED: "the data it was fitted to",
 }
 MOST_ADVICE = 4
+LATER = "not before the next experiment"
 
 
 def sure(v: View) -> tuple[str, tuple[str, ...]]:
@@ -78,24 +80,42 @@ def rebuild_answer(v: View) -> tuple[str, str]:
         return "No", "nothing in these data speaks against the sensor"
     if not v.findings:
         return "Not on this evidence", "no cause could be named"
-    answers = [rebuild(f.cause, f.where) for f in v.findings]
-    for grave in ("yes", "perhaps", "cannot say"):
+    answers = [_of_all_names(f) for f in v.findings]
+    for grave in ("yes", "perhaps", "cannot say", LATER):
         for a in answers:
             if a.answer == grave:
                 return capital(grave), a.because
-    if any(rebuild(c, w).answer != "no" for f in v.findings for c, w, _ in f.alternatives):
-        return "Not before the next experiment", "one of the rival names would put the fault in the sensor"
     return "No", "; ".join(dict.fromkeys(a.because for a in answers))
 
 
-def next_steps(v: View) -> Iterator[str]:
-    """What to do, the most pressing first."""
+def _of_all_names(f: Finding) -> Rebuild:
+    """What is true of a finding whichever of its names it is: a reason holds that all share."""
+    each = [rebuild(cause, where) for cause, where in f.names]
+    answers, reasons = {a.answer for a in each}, {a.because for a in each}
+    if len(reasons) == 1:
+        return each[0]
+    if answers == {"no"} and not any(where.startswith("taxel") for _, where in f.names):
+        return Rebuild("no", "none of the names that are left is a fault of a taxel")
+    if answers == {"no"}:
+        return Rebuild("no", "none of the names that are left asks for another taxel; at most for its calibration, zero or wiring")
+    if answers <= {"yes", "perhaps"}:
+        return Rebuild("perhaps", "every name that is left puts the fault in a sensor, and not every one asks for another")
+    if answers == {"no", "cannot say"}:
+        return Rebuild(LATER, "one of the names that are left is a wrong record, which proves nothing about a sensor")
+    return Rebuild(LATER, "of the names that are left, one puts the fault in a sensor, and another does not")
+
+
+def next_steps(v: View, folder: str = "") -> Iterator[str]:
+    """What to do, the most pressing first. `folder` holds the model and the batteries, where they are not beside the report."""
     for f in v.findings:
-        if f.separating:
-            yield sentence(f"To tell {cause_at(f.cause, f.where)} from {_rivals(f)}, run: {f.separating}")
+        if f.battery:
+            yield sentence(f.separating.replace(f.battery, f"{folder}/{f.battery}" if folder else f.battery, 1))
+        elif f.separating:
+            yield sentence(f"To tell {cause_at(f.cause, f.where)} from {_rivals(f)}: {f.separating}")
     yield from _advice(v)
     if v.judged or any(f.simulated for f in v.findings):
-        yield f"Load model.yaml, beside this report, into the simulated skin: {_carried(v)} named here is in it."
+        lies = f"in {folder}" if folder else "beside this report"
+        yield f"Load model.yaml, {lies}, into the simulated skin: {_carried(v)} named here is in it."
     if v.verdict in (PARTLY, UNEXPLAINED):
         yield "See below which way the remaining error leans, and record what the untested causes need."
     if v.errors and v.tested in (UNTESTED, STRETCHES):
@@ -121,4 +141,4 @@ def _advice(v: View) -> Iterator[str]:
 
 
 def _rivals(f: Finding) -> str:
-    return " or ".join(cause_at(c, w) for c, w, _ in f.alternatives) or "its rivals"
+    return " or ".join(cause_at(*name) for name in f.names[1:]) or "its rivals"

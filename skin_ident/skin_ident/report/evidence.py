@@ -3,13 +3,14 @@
 import re
 
 from skin_ident.criticism.telling.outcome import Outcome
+from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.bars import ranking
 from skin_ident.report.markup import Safe, el, join, section
 from skin_ident.report.numbers import amount, percent, span
 from skin_ident.report.story import amounts_line
 from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
-from skin_ident.report.words import EVIDENCE, SHARES, capital, cause_at, channel, meaning, sentence, signal, spoken
+from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, meaning, sentence, signal
 
 UNTOLD = ("why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std", "sessions")  # said elsewhere, or for programs
 

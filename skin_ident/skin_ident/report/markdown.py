@@ -1,13 +1,14 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
-from skin_ident.report.appendix import size_ruled_out, why_untestable
+from skin_ident.criticism.vocabulary import cause_at
+from skin_ident.report.appendix import held_at, size_ruled_out, why_untestable
 from skin_ident.report.gains import fall
 from skin_ident.report.numbers import UNKNOWN, amount, percent
-from skin_ident.report.reading import recording_name
+from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.story import Told, Wrong
 from skin_ident.report.tolerant import text
 from skin_ident.report.view import Amount, View
-from skin_ident.report.words import capital, cause_at, channel, sentence
+from skin_ident.report.words import capital, channel, sentence
 
 
 def markdown(all_: Told, pictures: tuple[str, ...] = ()) -> str:
@@ -21,7 +22,7 @@ def markdown(all_: Told, pictures: tuple[str, ...] = ()) -> str:
         [
             "## How much better is the model",
             "",
-            f"**{told.better.number}** {told.better.caption}.",
+            f"**{told.better.number}**{f' {told.better.caption}' if told.better.caption else ''}.",
             "",
             *(f"- {s}" for s in told.better.sentences),
         ],
@@ -71,7 +72,8 @@ def _parameters(v: View) -> list[str]:
 
     names = dict.fromkeys([*before, *after])
     rows = [[capital((before.get(n) or after[n]).words), f"`{n}`", cell(before.get(n)), cell(after.get(n))] for n in names]
-    return _rows("Parameters before and after", ["parameter", "name", "before", "after"], rows)
+    table = _rows("Parameters before and after", ["parameter", "name", "before", "after"], rows)
+    return [*table, *(line for said in held_at(v) for line in ("", sentence(said)))] if table else []
 
 
 def _excluded(v: View) -> list[str]:
@@ -86,5 +88,5 @@ def _untestable(v: View) -> list[str]:
 
 def _recordings(v: View) -> list[str]:
     names = [f"- {recording_name(r)}" for r in v.recordings]
-    warned = [f"- Warning: {sentence(w)}" for w in v.warnings]
+    warned = [f"- Warning: {w}" for w in warning_sentences(v)]
     return ["## Recordings", "", *names, *warned] if names or warned else []

@@ -27,7 +27,7 @@ def page(told: Told) -> str:
         appendix.excluded(v),
         appendix.untestable(v),
         appendix.recordings(v),
-        appendix.reading(),
+        appendix.reading(told.folder),
     ]
     main = el("main", _first_screen(told.story, _picture(outcome, v, seen)), _contents([p for p in parts if p]), [p for p in parts if p])
     head = el(

@@ -7,17 +7,19 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from skin_ident.criticism.telling.outcome import Outcome, ScanTrace
+from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.charts import below_band, simulations
 from skin_ident.report.focus import Focus
 from skin_ident.report.numbers import scale
 from skin_ident.report.shapes import residuals, smooth, spectrum, thinned
-from skin_ident.report.story import Told, named_cause
+from skin_ident.report.story import Told, explaining, named_cause
 from skin_ident.report.view import View, unit_of
-from skin_ident.report.words import capital, cause_at, channel, short
+from skin_ident.report.words import capital, channel, short
 
 COLOURS = {"measured": "#9aa0aa", "before": "#c8500a", "after": "#0068b0"}
 WIDTHS = {"measured": 3.2, "before": 1.3, "after": 1.3}
 POINTS = 1500
+MOST_RANKED, MOST_ROUNDS = 6, 6
 
 
 def pictures(told: Told) -> dict[str, Callable[[], Figure]]:
@@ -29,7 +31,7 @@ def pictures(told: Told) -> dict[str, Callable[[], Figure]]:
         drawn["residual.png"] = lambda: _left(seen, v)
     elif outcome.scans:
         drawn["before_after.png"] = lambda: _scan(outcome.scans[0], _title(told, outcome.scans[0].session))
-    if any(r.ranked for r in outcome.rounds):
+    if any(explaining(r, 1) for r in outcome.rounds):
         drawn["evidence.png"] = lambda: _evidence(outcome)
     return drawn
 
@@ -142,8 +144,8 @@ def _scan(scan: ScanTrace, title: str) -> Figure:
 
 
 def _evidence(outcome: Outcome) -> Figure:
-    """The ranking of every round, the named cause in blue."""
-    rounds = [(i, r.named, sorted(r.ranked, key=lambda one: -one[2])[:6]) for i, r in enumerate(outcome.rounds, 1) if r.ranked][:6]
+    """The ranking of every round in which anything explains something, the named cause in blue."""
+    rounds = [(i, r.named, best) for i, r in enumerate(outcome.rounds, 1) if (best := explaining(r, MOST_RANKED))][:MOST_ROUNDS]
     heights = [len(best) + 2 for _, _, best in rounds]
     figure = Figure(figsize=(8.5, 0.3 + 0.25 * sum(heights)), dpi=110, layout="constrained")
     axes = figure.subplots(len(rounds), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
@@ -151,7 +153,7 @@ def _evidence(outcome: Outcome) -> Figure:
         chosen = next((i for i, (cause, _, _) in enumerate(best) if named and cause == named_cause(named)), None)
         colours = [COLOURS["after" if i == chosen else "measured"] for i in range(len(best))]
         labels = [short(capital(cause_at(c, w))) for c, w, _ in best]
-        ax.barh(range(len(best)), [max(g, 0.0) for _, _, g in best], color=colours, height=0.7)
+        ax.barh(range(len(best)), [g for _, _, g in best], color=colours, height=0.7)
         ax.set_yticks(range(len(best)), labels, fontsize=8)
         ax.invert_yaxis()
         ax.set_title(f"round {number}: what each cause alone explains (squared error in units of the noise)", fontsize=9, loc="left")

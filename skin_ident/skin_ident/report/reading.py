@@ -3,10 +3,11 @@
 from typing import Any
 
 from skin_ident.criticism.above import above_noise
+from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, plain
 from skin_ident.report.tolerant import mapping, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
-from skin_ident.report.words import advice, cause_at, effect_words, parameter_words, spoken
+from skin_ident.report.words import advice, effect_words, parameter_words, sentence
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")
@@ -49,6 +50,7 @@ def view(findings: dict[str, Any]) -> View:
         ),
         in_turn=any(g.get("tested_on") == IN_TURN for g in gains.values()),
         other={k: v for k, v in findings.items() if k not in _KNOWN},
+        held=tuple(_held(str(name), mapping(h)) for name, h in mapping(baseline.get("held")).items()),
         above=above_noise(findings),
     )
 
@@ -72,6 +74,12 @@ def recording_name(r: Any) -> str:
     """The name of an entry of `recordings`."""
     entry = mapping(r)
     return text(entry.get("name") or entry.get("session") or entry.get("path")) or text(r) or "recording"
+
+
+def warning_sentences(v: View) -> list[str]:
+    """The warnings as sentences; the name of a session that one begins with is written as it is."""
+    names = tuple(f"{recording_name(r)}:" for r in v.recordings)
+    return [sentence(w, begins_with_name=w.startswith(names)) for w in v.warnings]
 
 
 def parameter_label(name: str) -> str:
@@ -102,6 +110,10 @@ def _amount(name: str, entry: Any, words: str) -> Amount:
     return Amount(name, words, finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")))
 
 
+def _held(name: str, entry: dict[str, Any]) -> tuple[Amount, str]:
+    return _amount(name, entry, parameter_label(name)), text(entry.get("because"))
+
+
 def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
     cause, where = text(f.get("cause")), text(f.get("where"))
     channels = tuple(text(c) for c in sequence(f.get("channels")))
@@ -118,6 +130,7 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         tuple(_alternative(a) for a in sequence(f.get("alternatives"))),
         text(f.get("separating_experiment")),
         tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
+        text(f.get("battery")),
         text(f.get("advice")) or advice(cause),
     )
 

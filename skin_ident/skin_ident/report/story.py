@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.criticism.telling.outcome import Outcome, Round
+from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, next_steps, rebuild_answer, sure
 from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
@@ -15,7 +16,7 @@ from skin_ident.report.reading import LONE, view
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.tolerant import text
 from skin_ident.report.view import DIRECT, Amount, Finding, View, unit_of
-from skin_ident.report.words import capital, cause_at, meaning, sentence, signal, spoken
+from skin_ident.report.words import capital, meaning, sentence, signal
 
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
 MOST_SIZES = 3  # findings whose sizes fit on the first screen
@@ -56,22 +57,25 @@ class Story:
 
 @dataclass(frozen=True)
 class Told:
-    """An outcome with everything that page, markdown and pictures share, worked out once."""
+    """An outcome with everything that page, markdown and pictures share, worked out once. `folder` holds findings.json and what belongs to
+    it, where that is not beside the report."""
 
     outcome: Outcome
     view: View
     seen: Focus | None
     story: Story
+    folder: str = ""
 
 
-def tell(outcome: Outcome) -> Told:
+def tell(outcome: Outcome, folder: str = "") -> Told:
     """Read an outcome, pick what to look at first, and put it into words."""
     v = view(outcome.findings)
     if _has_one_taxel(v):
         outcome = replace(outcome, rounds=tuple(replace(r, ranked=_lone(r.ranked)) for r in outcome.rounds))
     seen = focus(outcome.traces, v)
     wrong, why = tuple(_wrong(v, seen)), tuple(_why(v, seen, outcome.rounds))
-    return Told(outcome, v, seen, Story(_headline(v), wrong, why, better(v), *sure(v), *rebuild_answer(v), tuple(next_steps(v))))
+    story = Story(_headline(v), wrong, why, better(v), *sure(v), *rebuild_answer(v), tuple(next_steps(v, folder)))
+    return Told(outcome, v, seen, story, folder)
 
 
 def _has_one_taxel(v: View) -> bool:
@@ -133,7 +137,7 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         size = amounts_line(f.amounts) if len(v.findings) <= MOST_SIZES else ""
         yield Wrong(capital(cause_at(f.cause, f.where)), sentence(meaning(f.cause)), size)
         for cause, where, _ in f.alternatives[:3]:
-            yield Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)) + " These data fit it almost as well.")
+            yield Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)) + " It fits these data almost as well.")
     if v.judged and seen is not None and seen.changes:
         yield Wrong("", _in_newtons(seen, v))
     elif v.verdict == UNEXPLAINED and seen is not None:
@@ -211,6 +215,11 @@ def _in_the_picture(seen: Focus, v: View) -> str:
 def named_cause(named: str) -> str:
     """The cause in what a round named: `hysteresis`, or `hysteresis skin`."""
     return named.split(" ")[0].split(".")[0]
+
+
+def explaining(round_: Round, most: int) -> list[tuple[str, str, float]]:
+    """Cause, place and gain of what explains anything in a round, the best first."""
+    return sorted((r for r in round_.ranked if r[2] > 0.0), key=lambda r: -r[2])[:most]
 
 
 def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:

@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from skin_ident.criticism.vocabulary import spoken
 from skin_ident.report.numbers import amount, plain
-from skin_ident.report.words import spoken
 
 
 def mapping(thing: Any) -> dict[str, Any]:

@@ -52,7 +52,13 @@ class Finding:
     alternatives: tuple[tuple[str, str, str], ...]  # cause, where, remark
     separating: str
     hid_in: tuple[tuple[Amount, Amount], ...] = ()  # parameters of the baseline that it had bent, before and after
+    battery: str = ""  # file of the experiment that `separating` speaks of, where one was computed
     act: str = ""  # what to do about it, where the finding says more than its cause does
+
+    @property
+    def names(self) -> tuple[tuple[str, str], ...]:
+        """Cause and place of everything that it may be, the named cause first."""
+        return (self.cause, self.where), *((c, w) for c, w, _ in self.alternatives)
 
     @property
     def why(self) -> str:
@@ -112,6 +118,7 @@ class View:
     band_hz: float | None  # errors are taken below this frequency
     in_turn: bool  # the errors are of sessions that were held out in turn
     other: dict[str, Any]
+    held: tuple[tuple[Amount, str], ...] = ()  # parameters that were not fitted, and where their values are from
     above: tuple[str, float] | None = None  # the channel whose error is clearly above its noise, and how many times
 
     @property

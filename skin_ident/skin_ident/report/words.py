@@ -1,37 +1,13 @@
-"""Words for a reader who has never seen findings.json: places, channels, causes, verdicts, and whether a sensor must be rebuilt."""
+"""Words for a reader who has never seen findings.json: channels, parameters, evidence, and whether a sensor must be rebuilt."""
 
 import re
 from dataclasses import dataclass
 from functools import cache
 
-from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.criticism.vocabulary import BY_NAME, place, spoken
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
 from skin_models.parameter import parameters_of
-
-PLACES = {
-    "skin": "the skin",
-    "rig": "the rig",
-    "load_cell": "the load cell",
-    "taxel": "all taxels alike",
-    "taxel_alone": "the taxel",
-    "clock": "the clock",
-    "clock_taxels": "the clock of the taxels",
-    "clock_depth": "the clock of the encoder",
-}
-
-
-def spoken(name: str) -> str:
-    """A name of code as words: `stress_relaxation` becomes `stress relaxation`."""
-    return str(name).replace("_", " ").strip()
-
-
-def place(where: str) -> str:
-    """Where something sits: `taxel_3` becomes `taxel 3`."""
-    head, _, index = str(where).partition("_")
-    if head == "taxel" and index.isdigit():
-        return f"taxel {index}"
-    return PLACES.get(where, spoken(where))
 
 
 def channel(name: str) -> str:
@@ -42,17 +18,6 @@ def channel(name: str) -> str:
 def signal(name: str) -> str:
     """A channel inside a sentence: `the simulated force`, `the simulated signal of taxel 0`."""
     return "force" if name == "force" else f"signal of {spoken(name)}"
-
-
-def cause_at(cause: str, where: str) -> str:
-    """`stress relaxation in the skin`, `time shift of the clock`, `dead taxel 3`."""
-    if cause == "dead_taxel" and where == "taxel_alone":
-        return "dead taxel"
-    if cause == "dead_taxel" and where.startswith("taxel_"):
-        return f"dead {spoken(where)}"
-    if cause == "parameters":
-        return "wrong parameters of the model"
-    return f"{spoken(cause)} {'of' if where.startswith('clock') else 'in'} {place(where)}" if where else spoken(cause)
 
 
 def short(name: str, most: int = 48) -> str:
@@ -70,15 +35,19 @@ def advice(cause: str) -> str:
     return BY_NAME[cause].act if cause in BY_NAME else ""
 
 
+# A first word that is the name of a file, a session or a channel: `rig.yaml`, `session_1`, `data/a.csv`.
+_NAME = re.compile(r"[\w-]+[._/\\]\w")
+
+
 def capital(text: str) -> str:
-    """The text with its first letter in upper case."""
-    return text[:1].upper() + text[1:]
+    """The text with its first letter in upper case, unless it begins with a name, which is written as it is."""
+    return text if _NAME.match(text) else text[:1].upper() + text[1:]
 
 
-def sentence(text: str) -> str:
-    """The text as a sentence: a capital in front, a full stop behind."""
+def sentence(text: str, begins_with_name: bool = False) -> str:
+    """The text as a sentence: a capital in front, unless it begins with a name, a full stop behind."""
     text = text.strip()
-    return capital(text) + ("" if not text or text[-1] in ".!?…" else ".")
+    return (text if begins_with_name else capital(text)) + ("" if not text or text[-1] in ".!?…" else ".")
 
 
 @cache

@@ -15,14 +15,15 @@ PICTURES = ("before_after.png", "residual.png", "evidence.png")
 PAGE, TEXT = "report.html", "report.md"
 
 
-def write_report(outcome: Outcome, directory: Path) -> Path:
-    """Write report.html, report.md and the pictures into `directory` (made if needed); returns the path of report.html.
+def write_report(outcome: Outcome, directory: Path, diagnosis: Path | None = None) -> Path:
+    """Write report.html, report.md and the pictures into `directory` (made if needed); returns the path of report.html. `diagnosis` is the
+    folder that findings.json and the model are in, where that is another.
 
     Every file is written under a partial name first; all are put in place together, report.html last. Pictures of an earlier report
     that this one does not have are removed. Raises `ReportError` where the directory cannot be written.
     """
     directory = Path(directory)
-    told = tell(outcome)
+    told = tell(outcome, "" if diagnosis is None or diagnosis.resolve() == directory.resolve() else str(diagnosis.resolve()))
     drawn = pictures(told)
     names = tuple(n for n in PICTURES if n in drawn)
     writers: dict[str, Callable[[Path], None]] = {name: _picture(drawn[name]) for name in names}

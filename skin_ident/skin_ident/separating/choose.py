@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -13,6 +13,7 @@ from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.rivals import REACH
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.separating.candidates import Candidate, candidates
 from skin_ident.separating.contest import Contender, Contest, contest, rehearsed
 
@@ -30,7 +31,7 @@ class Experiment:
     """A battery to record, and why: the expected log likelihood ratio it adds, beside that of what was recorded.
 
     Both are of the pair, among those expected to be told apart, for which it adds least. `together` are pairs of rivals that are expected
-    to stay together even so; `rivals` are the causes, the named one first.
+    to stay together even so; `rivals` are the names it was chosen for, the named cause first, and `unasked` the others.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Experiment:
     recorded: float
     rivals: tuple[str, ...]
     together: tuple[tuple[str, str], ...]
+    unasked: tuple[str, ...] = ()
 
     @property
     def decides(self) -> bool:
@@ -49,11 +51,15 @@ class Experiment:
     def sentence(self, file: str) -> str:
         """What findings.json says of it, where `file` is the battery's name."""
         left = " and ".join(" with ".join(pair) for pair in self.together)
-        hope = f"; even that may leave {left}" if left else ""
-        return (
-            f"record {file} ({self.name}; {self.seconds:.0f} s): expected evidence {self.evidence:.3g} to tell "
-            f"{' from '.join(self.rivals)}, against {self.recorded:.2g} for what was recorded{hope}"
-        )
+        hope = f"though it may leave {left}" if left else "which what was recorded cannot"
+        rest = f"; it says nothing of {' or '.join(self.unasked)}" if self.unasked else ""
+        does = "would clearly tell" if self.decides else "does most to tell"
+        return f"record {file} ({self.name}; {self.seconds:.0f} s): it {does} {' from '.join(self.rivals)}, {hope}{rest}"
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The same for programs: expected log likelihood ratios."""
+        return {"expected": self.evidence, "recorded": self.recorded}
 
 
 @dataclass(frozen=True)
@@ -88,6 +94,7 @@ def separating_experiment(
     rivals = contenders(named)
     if len(rivals) < 2 or train[0].drive is not None:
         return None
+    unasked = tuple(dict.fromkeys(cause_at(a.cause, a.where) for a in named.alternatives if a.model is None))
     progress("looking for the motion that separates " + " from ".join(r.cause for r in rivals))
 
     def judged(sessions: list[Session]) -> Contest:
@@ -98,7 +105,7 @@ def separating_experiment(
     tried = candidates(deepest, max(PERIOD, train[0].band.dt))
     singles = [_Option((k,), judged([rehearsed(k.motion, train[0], rivals[0].model)])) for k in tried]
     best = min(filter(_usable, _options(singles)), key=lambda o: _cost(known, o))
-    return _experiment(rivals, known, best)
+    return replace(_experiment(rivals, known, best), unasked=unasked)
 
 
 def separating_experiments(
@@ -166,4 +173,4 @@ def _text(o: _Option) -> str:
 def _words(rivals: tuple[Contender, ...]) -> tuple[str, ...]:
     """What to call the rivals: by place too where one cause is its own rival."""
     twice = len({r.cause for r in rivals}) < len(rivals)
-    return tuple(f"{r.cause} in the {r.where}" if twice else r.cause for r in rivals)
+    return tuple(cause_at(r.cause, r.where) if twice else spoken(r.cause) for r in rivals)

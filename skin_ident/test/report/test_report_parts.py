@@ -9,13 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skin_ident.criticism.telling.outcome import Outcome, Trace
+from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.focus import focus
 from skin_ident.report.numbers import amount, percent, plain, span
 from skin_ident.report.page import page
 from skin_ident.report.reading import view
 from skin_ident.report.shapes import binned, smooth, spectrum, thinned
 from skin_ident.report.story import tell
-from skin_ident.report.words import cause_at, effect_words, rebuild
+from skin_ident.report.words import effect_words, rebuild
 from skin_models.catalogue import effects
 from skin_models.parameter import parameters_of
 

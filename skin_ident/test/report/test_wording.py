@@ -10,10 +10,13 @@ from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.telling.findings import advice_on
-from skin_ident.criticism.telling.outcome import Trace
+from skin_ident.criticism.telling.outcome import Round, Trace
 from skin_ident.report.appendix import size_ruled_out, why_untestable
+from skin_ident.report.counsel import rebuild_answer
 from skin_ident.report.focus import focus
 from skin_ident.report.gains import better
+from skin_ident.report.markdown import markdown
+from skin_ident.report.pictures import pictures
 from skin_ident.report.reading import view
 from skin_ident.report.story import tell
 
@@ -104,3 +107,52 @@ def test_what_is_ruled_out_in_part_says_so_in_both_tables():
 )
 def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
     assert said in advice_on(SimpleNamespace(cause="drift", courses=courses))
+
+
+def rivals(*names: tuple[str, str], **more) -> dict:
+    (cause, where), *others = names
+    entry = {"cause": cause, "where": where, "channels": ["force"], "parameters": {}, "evidence": {}, "gain": {}, **more}
+    return entry | {"alternatives": [{"cause": c, "where": w, "explains_less_by": 3.0} for c, w in others]}
+
+
+@pytest.mark.parametrize(
+    ("names", "answer", "because"),
+    [
+        ([("stress_relaxation", "skin"), ("hysteresis", "skin")], "No", "the skin behaves like this"),
+        ([("stress_relaxation", "skin"), ("mount_compliance", "rig"), ("time_shift", "clock")], "No", "none of the names"),
+        ([("gain_error", "taxel_0"), ("off_centre", "rig")], "No", "at most for its calibration"),
+        ([("lag", "taxel_1"), ("hysteresis", "taxel_1")], "Perhaps", "the sensor itself"),
+        ([("lag", "taxel_1"), ("time_shift", "clock")], "Not before the next experiment", "another does not"),
+        ([("data_error", "taxel_0"), ("gain_error", "taxel_0")], "Not before the next experiment", "a wrong record"),
+    ],
+)
+def test_what_is_said_of_rebuilding_is_true_of_every_name_that_is_left(names, answer, because):
+    said = rebuild_answer(view(findings("explained", entries=[rivals(*names)])))
+    assert said[0] == answer and because in said[1]
+
+
+def test_an_experiment_speaks_for_itself_and_words_without_one_are_said_for_whom():
+    names = [("lag", "taxel_1"), ("time_shift", "clock")]
+    battery = rivals(*names, battery="separating.yaml", separating_experiment="record separating.yaml (x; 20 s): it would tell")
+    words = rivals(*names, separating_experiment="record quick motion")
+    first, second = (tell(examples.Outcome(findings("explained", entries=[e]))).story for e in (battery, words))
+    assert first.next[0] == "Record separating.yaml (x; 20 s): it would tell."
+    assert second.next[0] == "To tell lag in taxel 1 from time shift of the clock: record quick motion."
+    assert any(w.means.endswith("It fits these data almost as well.") for w in first.wrong)
+    elsewhere = tell(examples.Outcome(findings("explained", entries=[battery])), "/there").story.next
+    assert "Record /there/separating.yaml (x" in elsewhere[0] and any("model.yaml, in /there," in s for s in elsewhere)
+
+
+def test_names_stay_as_they_are_and_no_space_is_left_before_a_full_stop():
+    content = findings() | {"recordings": [{"name": "neg"}], "warnings": ["neg: odd", "rig.yaml does not say", "every session: odd"]}
+    text = markdown(tell(examples.Outcome(content)))
+    assert "**Nothing to gain**.\n" in text and " ." not in text
+    assert all(f"- Warning: {said}" in text for said in ("neg: odd.", "rig.yaml does not say.", "Every session: odd."))
+
+
+def test_what_explains_nothing_has_no_bar():
+    nothing = Round((("backlash", "rig", 0.0), ("crosstalk", "taxel", -1.0)), None)
+    told = [tell(examples.Outcome(findings(), rounds=rounds)) for rounds in ((nothing,), (examples.LAST_ROUND, nothing))]
+    assert "evidence.png" not in pictures(told[0])
+    (axes,) = pictures(told[1])["evidence.png"]().axes
+    assert len(axes.patches) == len(examples.LAST_ROUND.ranked)

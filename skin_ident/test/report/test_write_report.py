@@ -131,6 +131,14 @@ def test_report_renders_the_same_page_again_from_its_directory(rendered, tmp_pat
     assert (tmp_path / "report.md").read_text(encoding="utf-8") == (first / "report.md").read_text(encoding="utf-8")
 
 
+def test_a_report_written_elsewhere_names_the_folder_of_the_diagnosis(rendered, tmp_path):
+    (tmp_path / "findings.json").write_text(json.dumps(rendered["ambiguous"][0].findings), encoding="utf-8")
+    assert command.report([str(tmp_path), "--out", str(tmp_path / "rr")]) == 0
+    words = " ".join(read(tmp_path / "rr" / "report.html").words)
+    assert f"Load model.yaml, in {tmp_path.resolve()}, into" in words and f"In {tmp_path.resolve()}: findings.json" in words
+    assert "Beside this file: report.md and pictures (for a mail)." in words and "beside this report" not in words
+
+
 def test_findings_without_curves_still_make_a_report(rendered, tmp_path):
     (tmp_path / "findings.json").write_text(json.dumps(rendered["explained"][0].findings), encoding="utf-8")
     (tmp_path / "before_after.png").write_bytes(b"of an earlier report")

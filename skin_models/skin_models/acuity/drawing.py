@@ -40,6 +40,7 @@ def _against_pitch(axis, patch: Patch) -> None:
     best = min(a.error_median for a in rows)
     axis.set(xlabel="pitch of a square grid, mm", ylabel="error of the position, mm", xlim=(mm[0], mm[-1]))
     axis.set_ylim(3e2 * best, 3e1 * mm[-1])
+    axis.set_title("a wide grid, away from its edges", fontsize=9)
     axis.legend(frameon=False, fontsize=8)
 
 

@@ -10,6 +10,7 @@ from skin_models.layout import Layout
 from skin_models.spread.kernels import Gaussian
 
 SIDE = 121  # places along the longer side of the patch
+EDGE = 0.95  # of the worst error, below which that inside the patch is said too
 FELT = 1e3  # N; what needs more is not felt
 
 
@@ -38,7 +39,8 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Error (m) and smallest force (N) at places x (X,), y (Y,), m: arrays (Y, X).
+    """Error (m) and smallest force (N) at places x (X,), y (Y,), m: arrays (Y, X); and which of them are `inside`, half a pitch or more
+    from the outer taxels, where the error is that of a grid without end.
 
     The error is infinite where it would exceed the patch, the force where it would exceed 1 kN: nothing can be told there.
     """
@@ -47,6 +49,7 @@ class Map:
     y: np.ndarray
     error: np.ndarray
     force: np.ndarray
+    inside: np.ndarray
 
     def sentence(self) -> str:
         """The patch in one line. The patch is what lies between the outer taxels."""
@@ -56,8 +59,15 @@ class Map:
         told = np.isfinite(self.error)
         if not told.any():
             return "located nowhere"
-        worst = f"{1e3 * self.error.max():.3g} mm at the worst" if told.all() else f"not at all in {100 * np.mean(~told):.0f} % of them"
+        worst = f"not at all in {100 * np.mean(~told):.0f} % of them"
+        if told.all():
+            worst = f"{1e3 * self.error.max():.3g} mm at the worst{self._edge()}"
         return f"located to {1e3 * np.median(self.error[told]):.3g} mm in the middle of all places, {worst}"
+
+    def _edge(self) -> str:
+        """Where the edge is worse, how much of the worst is its doing."""
+        inner = self.error[self.inside].max(initial=0.0)
+        return f", near the edge ({1e3 * inner:.3g} mm away from it)" if 0.0 < inner < EDGE * self.error.max() else ""
 
     def _felt(self) -> str:
         felt = np.isfinite(self.force)
@@ -77,4 +87,7 @@ def looked_at(patch: Patch) -> Map:
     shape = (y.size, x.size)
     error = localisation_bound(patch.design, places, patch.force).reshape(shape)
     force = detectable_force(patch.design, places).reshape(shape)
-    return Map(x, y, np.where(error < np.hypot(*(high - low)), error, np.inf), np.where(force < FELT, force, np.inf))
+    from_edge = [np.inf * np.ones(u.size) if t else np.minimum(u - a, b - u) for u, a, b, t in zip((x, y), low, high, thin, strict=True)]
+    inside = np.minimum(from_edge[0], from_edge[1][:, None]) >= 0.5 * patch.layout.pitch
+    error, force = (np.where(values < most, values, np.inf) for values, most in ((error, np.hypot(*(high - low))), (force, FELT)))
+    return Map(x, y, error, force, inside)

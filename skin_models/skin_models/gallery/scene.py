@@ -87,7 +87,7 @@ def pictures() -> Iterator[Picture]:
 
 def _profile(e: Effect, specimen: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The kernel along x under a contact 1 mm deep, without and with an effect of the spread."""
-    x, kernel = np.linspace(-16e-3, 16e-3, 321), kernel_of(specimen)
+    x, kernel = np.linspace(-16e-3, 16e-3, 321), kernel_of(specimen.notes)
     bent = Bent(kernel, (e,)).at_depth(1e-3)
     return x, kernel.shape(np.abs(x)), bent.shape(bent.distance(x, np.zeros_like(x)))
 

@@ -82,8 +82,8 @@ class SkinSettings:
 
     def make_kernel(self, model: Model) -> Kernel:
         """The spread: as the model's notes say, unless a parameter here says otherwise."""
-        width = self.spread_width or spread_width(model)
+        width = self.spread_width or spread_width(model.notes)
         if self.spread_kernel == "gaussian":
-            return Gaussian(width=width) if self.spread_width else kernel_of(model)
+            return Gaussian(width=width) if self.spread_width else kernel_of(model.notes)
         kernel = GeneralisedGaussian if self.spread_kernel == "generalised_gaussian" else HeavyTail
         return kernel(width=width, power=self.spread_power)

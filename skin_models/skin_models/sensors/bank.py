@@ -42,11 +42,6 @@ class TaxelBank:
         object.__setattr__(self, "gains", alive * np.exp(self.gain_spread * rng.standard_normal(self.count)))
         object.__setattr__(self, "biases", self.bias_spread * rng.standard_normal(self.count))
 
-    @property
-    def is_dead(self) -> np.ndarray:
-        """Which taxels are dead, (count,) of bool."""
-        return self.gains == 0.0
-
     def initial(self) -> "BankState":
         """At rest."""
         rng = np.random.default_rng([self.seed, 1])

@@ -11,35 +11,32 @@ Effects of the spread (`skin_models.spread.bending`) bend what is written here.
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from skin_models.errors import ModelError
 from skin_models.spread.kernels import Anisotropic, DepthWidth, Gaussian, Kernel
 from skin_models.spread.tabulated import Tabulated
 
-if TYPE_CHECKING:
-    from skin_models.model import Model
-
 THESIS_WIDTH = 5.25e-3  # m, c of 4 mm silicone (section 4.3.4), for models that do not say
 
 
-def spread_width(model: "Model") -> float:
-    """c of the model's spread (m): `notes: {spread_width: {value, unit: m}}`, or the thesis's. Raises `ModelError` for nonsense."""
-    width = _number(model.notes, "spread_width", "m", THESIS_WIDTH)
+def spread_width(notes: Mapping[str, Any]) -> float:
+    """c of the spread (m) in the notes of a model: `spread_width: {value, unit: m}`, or the thesis's. Raises `ModelError` for nonsense."""
+    width = _number(notes, "spread_width", "m", THESIS_WIDTH)
     if not 0.0 < width < 1.0:
         raise ModelError(f"notes.spread_width must be a positive length in m, not {width}")
     return width
 
 
-def kernel_of(model: "Model") -> Kernel:
-    """The kernel of a model. Raises `ModelError` for notes that cannot be understood."""
-    notes = model.notes.get("spread", {})
-    if not isinstance(notes, Mapping) or set(notes) - {"table", "growth", "ratio"}:
+def kernel_of(notes: Mapping[str, Any]) -> Kernel:
+    """The kernel that the notes of a model describe. Raises `ModelError` for notes that cannot be understood."""
+    spread = notes.get("spread", {})
+    if not isinstance(spread, Mapping) or set(spread) - {"table", "growth", "ratio"}:
         raise ModelError("notes.spread may hold table, growth and ratio")
-    kernel: Kernel = _shape(notes.get("table"), spread_width(model))
-    if "growth" in notes:
-        kernel = DepthWidth(kernel, growth=_number(notes, "growth", "1/m"))
-    return Anisotropic(kernel, ratio=_number(notes, "ratio", "1")) if "ratio" in notes else kernel
+    kernel: Kernel = _shape(spread.get("table"), spread_width(notes))
+    if "growth" in spread:
+        kernel = DepthWidth(kernel, growth=_number(spread, "growth", "1/m"))
+    return Anisotropic(kernel, ratio=_number(spread, "ratio", "1")) if "ratio" in spread else kernel
 
 
 def _shape(table: Any, width: float) -> Kernel:

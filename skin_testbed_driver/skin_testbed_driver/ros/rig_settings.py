@@ -120,7 +120,7 @@ class RigSettings:
         if not TRAVEL[0] <= start <= TRAVEL[1]:
             raise SkinError(f"start_depth ({self.start_depth} m) puts the stage at {start:g} m, outside its travel of {TRAVEL[1]:g} m")
         return SimulatedRig(
-            under_plunger(model, layout, kernel_of(model)), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real
+            under_plunger(model, layout, kernel_of(model.notes)), thesis_calibration(len(layout)), layout, _SURFACE, start, self.seed, real
         )
 
     def _model(self) -> Model:

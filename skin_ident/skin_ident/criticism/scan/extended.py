@@ -51,7 +51,7 @@ def baseline_of(m: Member, given: Model | None, name: str) -> Model:
 
 def width_noted(model: Model) -> float:
     """The width that a given model is simulated with, m."""
-    return spread_width(model)
+    return spread_width(model.notes)
 
 
 def surface_width(m: Member) -> tuple[float, float]:

@@ -38,7 +38,7 @@ def declared_start(cells: Cells, width: float) -> Member:
 def given_start(cells: Cells, model: Model) -> Member:
     """A given model, its level, width and spread taken as they are."""
     mean, deepest = cells.depth_span
-    width, kernel = spread_width(model), kernel_of(model)
+    width, kernel = spread_width(model.notes), kernel_of(model.notes)
     values = plain(width)
     if isinstance(kernel, Anisotropic):
         values["ratio"], kernel = float(np.log(kernel.ratio)), kernel.kernel

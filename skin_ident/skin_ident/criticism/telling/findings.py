@@ -127,7 +127,7 @@ def _separating(named: Named, experiments: Experiments) -> dict[str, Any]:
         return {"separating_experiment": ""}
     if (named.cause, named.where) in experiments:
         file, experiment = experiments[named.cause, named.where]
-        return {"separating_experiment": experiment.sentence(file), "battery": file}
+        return {"separating_experiment": experiment.sentence(file), "battery": file, "separating_evidence": experiment.numbers}
     rivals = dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)])
     return {"separating_experiment": "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))}
 

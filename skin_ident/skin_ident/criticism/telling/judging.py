@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit
-from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.gates.gate import FOLD_ITERATIONS, rmse_fall
 from skin_ident.criticism.noise.whitening import fit_whitener
@@ -77,15 +77,14 @@ def _gain_of(model: Model, symptom: Symptom, sessions: list[Session]) -> dict[st
         return {}
     without = model.without(mine)
     before, after = ([residual(m, s) for s in sessions] for m in (without, model))
-    return _entry(symptom.channels[0], *rmse_fall(before, after, sessions), sessions)
+    return _entries(before, after, sessions)[symptom.channels[0]]
 
 
 def _by_channel(c: Criticism, whole: tuple[list[Session], list[Session]], given: bool) -> dict[str, dict[str, Any]]:
     """Errors of baseline and extended model on data that fitted neither, with the interval of the fall, by channel."""
     said, pairs = _tested(c, whole, given)
-    sessions = [s for s, _, _ in pairs]
-    rms = rmse_fall([b for _, b, _ in pairs], [a for _, _, a in pairs], sessions)
-    return {channel: {**_entry(channel, *rms, sessions), "tested_on": said} for channel in sessions[0].channels}
+    entries = _entries([b for _, b, _ in pairs], [a for _, _, a in pairs], [s for s, _, _ in pairs])
+    return {channel: {**entry, "tested_on": said} for channel, entry in entries.items()}
 
 
 def _tested(
@@ -126,14 +125,18 @@ def _pair(before: Model, after: Model, own: Session, plain: Session) -> tuple[Se
     return own, residual(before, replace(own, beyond=plain.beyond)), residual(after, own)
 
 
-def _entry(channel: str, rms: np.ndarray, drawn: np.ndarray, sessions: list[Session]) -> dict[str, Any]:
-    i = sessions[0].channels.index(channel)
-    low, high = np.percentile(drawn[0, i] - drawn[1, i], [2.5, 97.5])
-    before, after = map(float, rms[:, i])
+def _entries(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> dict[str, dict[str, Any]]:
+    """By channel: the errors over every sample, as `baseline` and `extended` have them, and the interval of the fall, from whole blocks."""
+    errors = [rmse(es, sessions) for es in (before, after)]
+    _, drawn = rmse_fall(before, after, sessions)
+    bounds = np.percentile(drawn[0] - drawn[1], [2.5, 97.5], axis=-1).T
     return {
-        "held_out_rmse_before": before,
-        "held_out_rmse_after": after,
-        "ci95": [float(low), float(high)],
-        "channel": channel,
-        "unit": "N",
+        channel: {
+            "held_out_rmse_before": errors[0][channel],
+            "held_out_rmse_after": errors[1][channel],
+            "ci95": [float(low), float(high)],
+            "channel": channel,
+            "unit": "N",
+        }
+        for channel, (low, high) in zip(sessions[0].channels, bounds, strict=True)
     }

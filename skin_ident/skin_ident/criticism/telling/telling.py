@@ -40,12 +40,22 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
             entry["hid_in"] = moved(judged.naive, c.baseline.model, c)
     for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):
         entry["hid_in"] = hid_in(named, c)
+        entry["gain"] = gain_at_the_end(named, judged) or entry["gain"]
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
     warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above, left), *_never_loaded(certain, left)]
     excluded = [_as_read(e, encoder_step, c.extended.model) for e in findings["excluded"]]
     told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "excluded": excluded, "warnings": warnings}
     return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
+
+
+def gain_at_the_end(named: Named, judged: Judged) -> dict[str, Any]:
+    """The gain of a cause that is all the extended model adds, as the finished model has it: one number for one gain. {} where more is
+    added, so that only the gain when it was named is the cause's own, or where the end is not tested on the same data."""
+    at_the_end = judged.channels[named.gain.channel]
+    alone = len(judged.criticism.named) == 1 and not any(judged.symptoms)
+    same_test = at_the_end["tested_on"] == named.gain.held_out
+    return {k: v for k, v in at_the_end.items() if k != "tested_on"} if alone and same_test else {}
 
 
 def _more_than_applied(c: Criticism) -> list[str]:
