@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from skin_ident.criticism.baseline.residual import residual, simulated, stiffness
+from skin_ident.criticism.baseline.residual import residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.sessions.session import Session
@@ -14,7 +14,7 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
-UNEVEN = 0.1  # of a converter's step, which a gain must exceed without noise: motion carries readings across steps, rest does not
+UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.5  # of a step, which what depends on the reading must exceed
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
 TREMBLING = 1e-6  # m, of a good stage at rest
@@ -29,14 +29,15 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     depends on speed, or smooths the depth, must exceed that, too, unless the likelihood gains much by it. A stage that trembles at rest
     does so no more while it moves: a fall there may be smaller."""
     k = stiffness(before, gain.channel)
-    least = OPEN * (k * encoder_step) ** 2 / 12.0 + _unevenness(gain.channel, cause, after, train) ** 2
-    if gain.squares <= least or cause not in OF_SPEED or gain.relative >= MUCH:
+    uneven = (INTEGRAL if cause in OF_READING else UNEVEN) * _converter_step(train, gain.channel)
+    least = OPEN * (k * encoder_step) ** 2 / 12.0 + uneven**2
+    if cause not in OF_SPEED or gain.relative >= MUCH:
         return bool(gain.squares > least)
     damping = before.dispersion.b1 + before.dispersion.b2
     resting, moving = (damping * speed for speed in _unread_speeds(train, encoder_step))
     if gain.squares > least + max(resting, moving) ** 2:
         return True
-    return bool(_fall_while_moving(gain.channel, before, after, train) > least + moving**2)
+    return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train) > least + moving**2)
 
 
 def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float, float]:
@@ -66,16 +67,7 @@ def readable(effects: Iterable[Effect], encoder_step: float) -> bool:
     return not lengths or max(lengths) > 0.5 * encoder_step
 
 
-def _unevenness(channel: str, cause: str, after: Model, train: list[Session]) -> float:
-    """What a converter of step q does to readings wherever they come back to, N: with noise of standard deviation s on them, of what they
-    are off on average there exp(-2 pi^2 s^2 / q^2) remains (B. Widrow, I. Kollar, Quantization Noise, 2008, ch. 5). Its integral
-    nonlinearity, half a step in good ones, no noise smooths away: it bends with the reading, as a skin or a sensor may."""
+def _converter_step(train: list[Session], channel: str) -> float:
+    """The converter's step in a channel, N; zero where none is seen."""
     row = train[0].channels.index(channel)
-    step = max(step_of(s.raw[row]) or 0.0 for s in train)
-    if step == 0.0:
-        return 0.0
-    if cause in OF_READING:
-        return INTEGRAL * step
-    noise = np.concatenate([s.raw[row] - simulated(after, settled(after, s))[row] for s in train])
-    dither = max(float(np.var(noise)) - step**2 / 12.0, 0.0)
-    return step * min(UNEVEN, float(np.exp(-2.0 * np.pi**2 * dither / step**2)) / np.sqrt(12.0))
+    return max(step_of(s.raw[row]) or 0.0 for s in train)
