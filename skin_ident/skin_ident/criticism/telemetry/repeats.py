@@ -13,7 +13,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 WINDOW = 32  # samples
 LIVELY = 12  # different readings that a window must hold, so that a quiet hold is not taken for a copy
 SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
-CHANCE = 0.01  # recurrences of the length found that chance may bring at most
+CHANCE = 0.001  # recurrences of the length found that chance may bring at most
 PART = 100_000  # windows looked at in one go, which bounds the memory
 MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)  # odd, of the windows' polynomial hash
 
