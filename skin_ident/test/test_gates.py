@@ -9,7 +9,7 @@ from hide_and_seek import seek
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.gates.gate import Gain
-from skin_ident.criticism.gates.resolution import resolved
+from skin_ident.criticism.gates.resolution import of_the_converter, resolved
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
@@ -59,11 +59,12 @@ def test_a_mass_that_hardly_matters_is_left_as_it_was():
     assert with_mass(fit(light, heavy, noise), heavy, noise, best=1.0).model.dispersion.m == pytest.approx(0.5, rel=0.2)
 
 
-@pytest.mark.parametrize(("cause", "passes"), [("hysteresis", True), ("nonlinear_stiffness", False)])
-def test_what_bends_with_the_reading_may_be_the_converter(cause, passes):
-    """A gain of a fifth of a step may be the integral nonlinearity of a converter, which is no loop."""
-    session = prepare(recorded(PLAIN, step=0.04))
-    assert resolved(QUICK, cause, PLAIN, PLAIN, [session], 0.0) is passes
+def test_what_bends_with_the_reading_may_be_the_converter():
+    """A gain of a fifth of a step may be the integral nonlinearity of a converter, which is no loop; one of a step is not."""
+    coarse, fine = ([prepare(recorded(PLAIN, step=step))] for step in (0.04, 0.005))
+    assert of_the_converter(QUICK, "nonlinear_stiffness", coarse)
+    assert not of_the_converter(QUICK, "nonlinear_stiffness", fine) and not of_the_converter(QUICK, "hysteresis", coarse)
+    assert resolved(QUICK, "hysteresis", PLAIN, PLAIN, coarse, 0.0)
 
 
 def test_damping_shows_while_the_stage_moves_and_a_tremble_at_rest_does_not():

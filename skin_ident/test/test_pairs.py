@@ -1,11 +1,14 @@
 """Two effects at once are both named: neither hides behind the other, nor behind one name that fits a little of each."""
 
+import numpy as np
 import pytest
+from scipy.signal import lfilter
 from world import make_sessions, write_case
 from world.hidden import Hide
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.recordings.load import load
+from skin_ident.recordings.recording import Recording
 
 PAIRS = [
     (Hide("lag", "taxel_0", "one_pole", 1.5), Hide("off_centre", "rig", "walk", 1.5), 3),  # the second a hundredth of the first, elsewhere
@@ -21,3 +24,42 @@ def test_both_are_named(tmp_path, one, other, taxels):
     found = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     named = [{f["cause"], *(a["cause"] for a in f["alternatives"])} for f in found]
     assert len(found) == 2 and all(any(h.cause in names for names in named) for h in (one, other)), named
+
+
+RATE = 125.0
+
+
+def worn_and_stiffening(rng: np.random.Generator, gap: float = 11e-6, bend: float = 0.09) -> Recording:
+    """A plunger behind a worn nut, which follows with `gap` m of play, on skin of 6 mm that is in part (`bend`)
+    neo-Hookean: one takes load away where the other adds it. With wandering heavy-tailed noise, coarse encoder and converters."""
+    x = [-0.3e-3]
+    while len(x) < 40 * RATE:
+        target = rng.uniform(0.3e-3, 1.9e-3) if rng.random() < 0.8 else -0.3e-3
+        count = max(int(abs(target - x[-1]) / 10 ** rng.uniform(-3.7, -2.5) * RATE), 2)
+        x += [*np.linspace(x[-1], target, count + 1)[1:]]
+        if rng.random() < 0.3:
+            x += [target] * int(rng.uniform(0.5, 2.0) * RATE)
+    soft = np.hanning(9) / np.hanning(9).sum()
+    path = np.convolve(np.pad(x, 4, mode="edge"), soft, "valid")
+    tip, at = np.empty_like(path), path[0]
+    for i, depth in enumerate(path):
+        at = min(max(at, depth - gap), depth)
+        tip[i] = at
+    y = np.maximum(tip, 0.0)
+    stretch = 1.0 - y / 6e-3
+    bent, speed = (1.0 - bend) * y + bend * 3.7e-3 / 3.0 * (stretch**-2 - stretch), np.gradient(y, 1.0 / RATE)
+    force, taxel = (np.maximum(k * bent + b * speed, 0.0) * (y > 0.0) for k, b in ((6000.0, 190.0), (1920.0, 59.0)))
+    e = lfilter([np.sqrt(1.0 - 0.81)], [1.0, -0.9], rng.standard_t(4, (2, path.size)), axis=1) / np.sqrt(2.0)
+
+    def read(row, step):
+        return step * np.round(row / step)
+
+    depth, seen = read(path, 10e-6), read(taxel + 0.017 * e[1], 0.01)[None]
+    return Recording(f"run_{rng.integers(1e9)}", np.arange(path.size) / RATE, depth, read(force + 0.027 * e[0], 0.02), seen)
+
+
+def test_two_that_hide_each_other_are_found_together():
+    """Neither predicts held-out data alone: the fit bends each to stand for the other as well."""
+    recordings = [worn_and_stiffening(np.random.default_rng(i)) for i in range(3)]
+    found = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert {(f["cause"], f["where"]) for f in found} == {("nonlinear_stiffness", "skin"), ("backlash", "rig")}

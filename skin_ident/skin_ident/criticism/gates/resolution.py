@@ -15,22 +15,25 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
-INTEGRAL = 0.5  # of a step, which what depends on the reading must exceed
+INTEGRAL = 0.5  # of a step
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
 TREMBLING = 1e-6  # m, of a good stage at rest
 MOVING = 2.0  # times the greatest speed of such a tremble
 OF_SPEED = ("rate_dependence", "mount_compliance")
 
 
+def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
+    """Whether what bends with the reading of a channel may be the integral nonlinearity of its converter, which good ones have."""
+    return cause in OF_READING and gain.squares <= (INTEGRAL * _converter_step(train, gain.channel)) ** 2
+
+
 def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float) -> bool:
     """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever the
     plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the readings
-    across them, and what bends with the reading may be the converter's own nonlinearity. And damping feels speeds that nobody reads: what
-    depends on speed, or smooths the depth, must exceed that, too, unless the likelihood gains much by it. A stage that trembles at rest
-    does so no more while it moves: a fall there may be smaller."""
+    across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed that, too, unless the
+    likelihood gains much by it. A stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
     k = stiffness(before, gain.channel)
-    uneven = (INTEGRAL if cause in OF_READING else UNEVEN) * _converter_step(train, gain.channel)
-    least = OPEN * (k * encoder_step) ** 2 / 12.0 + uneven**2
+    least = OPEN * (k * encoder_step) ** 2 / 12.0 + (UNEVEN * _converter_step(train, gain.channel)) ** 2
     if cause not in OF_SPEED or gain.relative >= MUCH:
         return bool(gain.squares > least)
     damping = before.dispersion.b1 + before.dispersion.b2

@@ -15,7 +15,7 @@ from skin_ident.criticism.courses.gate import course_gain, stands
 from skin_ident.criticism.courses.kinds import CONSTANT, STEPS
 from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
-from skin_ident.criticism.gates.resolution import readable, resolved
+from skin_ident.criticism.gates.resolution import of_the_converter, readable, resolved
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.growing import grow, instances, negligible
 from skin_ident.criticism.search.named import Criticism, Named
@@ -212,6 +212,8 @@ class Search:
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
             gain = self.gain(self.present.model, trial.fit.model, trial.key[1])
+            if gain.passed and of_the_converter(gain, trial.key[0], self.train):
+                return None
             rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
             alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})

@@ -15,6 +15,7 @@ from skin_models.effects.drift import Creep
 from skin_models.effects.mount_compliance import DampedMount, JointedMount, YieldingMount
 from skin_models.parameter import AMPLITUDE, parameters_of
 
+CLOSES = 0.05  # of the greatest depth, within which a joint is closed
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
@@ -71,9 +72,10 @@ def sized(t: Trial) -> bool:
 
 def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]], sessions: list[Session]) -> tuple[Rival, ...]:
     """Names, not `said` yet, that are the same signal: a force below a threshold is swallowed by skin or taxels; in contact a plunger that
-    has F / k less to go presses as if the skin swallowed F; a tip at g(x), as behind a joint, makes of a linear skin one whose spring
-    stiffens as g and whose damping grows as g' with depth; one that follows late makes of it one with an arm that relaxes fast; and at one
-    speed memory of time is memory of the path, of a skin that relaxes as of a sensor that creeps."""
+    has F / k less to go presses as if the skin swallowed F, as does one behind a joint that closes at once; a tip at g(x), as behind a
+    joint, makes of a linear skin one whose spring stiffens as g and whose damping grows as g' with depth; one that follows late makes of it
+    one with an arm that relaxes fast; and at one speed memory of time is memory of the path, of a skin that relaxes as of a sensor that
+    creeps."""
     at_one, (cause, where) = at_one_rate(sessions), trial.key
     others = [other for one, other in (SAME + MEMORY if at_one else SAME) if one == trial.key]
     if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
@@ -83,8 +85,10 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
         others.append(("drift", where))
     elif at_one and any(isinstance(e, Creep) for e in mine):
         others.append(("hysteresis", where))
-    if any(isinstance(e, JointedMount) for e in mine):
-        others += STIFFER
+    joints = [e for e in mine if isinstance(e, JointedMount)]
+    if joints:
+        deepest = max(float(s.motion.x.max()) for s in sessions)
+        others += [*STIFFER, *([SWALLOWED] if max(e.closing for e in joints) < CLOSES * deepest else [])]
     elif any(isinstance(e, (DampedMount, YieldingMount)) for e in mine):
         others.append(RELAXATION)
     tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
