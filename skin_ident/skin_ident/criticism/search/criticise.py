@@ -116,8 +116,8 @@ class Search:
                 continue
             own, shared = self._choose(trials, runs)
             taken = own or shared
+            alone = not taken and self._take_alone()
             pair = () if taken or self.named else two_at_once(self, trials, runs)
-            alone = not (taken or pair) and self._take_alone()
             self.rounds.append((last, (taken or pair[0])[1].cause if taken or pair else self.named[-1].cause if alone else None))
             if own:
                 self._take_course(*own)

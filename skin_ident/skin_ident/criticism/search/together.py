@@ -19,15 +19,17 @@ from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.trial import Trial, sized
 
 ASKED = 3  # causes that are taken for granted
+LASTS_S = 30.0  # of training together: of less, two bent causes fit whatever is there
 
 Pair = tuple[tuple[Fit, Named], tuple[Fit, Named]]
 
 
 def two_at_once(search: Any, trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
-    """The two findings that explain most together, the first with its fit alone; `search` is the state of `criticise`. Nothing where what
-    belongs to each session alone explains more than the causes, or no two are believed beside each other."""
+    """The two findings that explain most together, the first with its fit alone; `search` is the state of `criticise`. Nothing where the
+    record is short, or what belongs to each session alone explains more than the causes, or no two are believed beside each other."""
     promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL * t.fit.count and sized(t.forms[-1])]
-    if not promising or (runs and runs[0].score > promising[0].score):
+    lasted = sum(float(s.motion.t[-1] - s.motion.t[0]) for s in search.train)
+    if not promising or lasted < LASTS_S or (runs and runs[0].score > promising[0].score):
         return ()
     pairs = sorted(filter(None, (_beside(search, t) for t in promising)), key=lambda pair: -_explained(pair))
     if not pairs:

@@ -10,7 +10,7 @@ from skin_ident.criticism.telemetry.excursions import excursions, fill_clusters,
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import LEAST, reach, smallest_step, stands_apart
 
-LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for: there they must be more than any tail leaves
+LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for where there are none beyond it
 FEWEST = 2  # frozen runs that make a finding by themselves
 FROZEN = 5  # samples at one value
 MISSED = 10.0  # noise widths of change that a frozen run must have missed
@@ -50,7 +50,11 @@ def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray
     """Masks of excursions and of frozen runs, each for every session."""
     step = smallest_step(np.concatenate(y))
     limit = reach(np.concatenate([np.diff(row) for row in e]), step)
-    level = stands_apart(LOWEST * limit, lambda level: sum(runs(excursions(a, b, level))[0].size for a, b in zip(e, y, strict=True)))
+
+    def beyond(level: float) -> int:
+        return sum(runs(excursions(a, b, level))[0].size for a, b in zip(e, y, strict=True))
+
+    level = stands_apart(limit, beyond) or stands_apart(LOWEST * limit, beyond)
     away = [fill_clusters(excursions(a, b, level)) if level else np.zeros(a.size, bool) for a, b in zip(e, y, strict=True)]
     values, counts = np.unique(np.concatenate(y), return_counts=True)
     idle = float(values[np.argmax(counts)])
