@@ -76,7 +76,8 @@ def test_a_campaign_resumes_and_writes_its_tables(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [(["--causes", "witchcraft"], "is no cause"), (["--protocol", "array_walk"], "motions alone"), (["--seeds", "0"], "--seeds"),
-     (["--causes", "spread_width"], "cannot be hidden here"), (["--sizes", "0"], "positive"), (["--protocol", "x"], "no battery")],
+     (["--causes", "spread_width"], "cannot be hidden here"), (["--sizes", "0"], "positive"), (["--sizes", "nan"], "positive"),
+     (["--protocol", "x"], "no battery")],
 )  # fmt: skip
 def test_a_bad_call(tmp_path, capsys, arguments, word):
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 2

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from skin_ident.cli.hide import main
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.campaign import Case, recordings
-from skin_ident.hiding.drawing import hideable
+from skin_ident.hiding.drawing import draw, hideable
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.ground import ground
 from skin_ident.hiding.hide import hide
@@ -87,6 +88,9 @@ def test_the_truth_lies_apart_and_the_data_are_read_again(command, base, tmp_pat
         (["--cause", "witchcraft"], "choose from adhesion"),
         (["--cause", "lag", "--where", "skin"], "choose from load_cell"),
         (["--size", "-1"], "positive"),
+        (["--size", "1e6"], "below 10000"),
+        (["--seed", "-3"], "--seed"),
+        (["--where", "nowhere"], "choose from clock"),
         (["--cause", "lag", "--size", "5000"], "cannot be made 5000 times"),
         (["--truth", "OUT/truth.json"], "beside the data"),
     ],
@@ -96,6 +100,20 @@ def test_bad_input_is_one_sentence_and_writes_nothing(command, base, tmp_path, a
     done = command(base, *(a.replace("OUT", str(out)) for a in arguments), "--out", out)
     assert done.status == 2 and word in done.err and "Traceback" not in done.err
     assert not out.exists() and not (tmp_path / "out_truth.json").exists()
+
+
+def test_nothing_of_somebody_elses_is_overwritten(command, base, tmp_path):
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / "rig.yaml").write_text("sample_rate_hz: 100  # precious\n")
+    done = command(base, "--cause", "friction", "--out", own)
+    assert done.status == 2 and "rig.yaml" in done.err and "another folder" in done.err
+    assert [p.read_text() for p in own.iterdir()] == ["sample_rate_hz: 100  # precious\n"]
+
+
+@pytest.mark.parametrize(("where", "seed"), [(w, s) for w in ("taxel", "load_cell", "skin") for s in range(3)])
+def test_a_place_alone_draws_a_cause_that_can_sit_there(where, seed):
+    assert draw(prepare(BASE[0]), "any", where, np.random.default_rng(seed)).where == where
 
 
 def test_recordings_of_a_force_driven_test(on):

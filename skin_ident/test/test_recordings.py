@@ -154,6 +154,17 @@ def test_all_loads_counted_negative_are_one_convention_and_one_warning(tmp_path)
     assert np.allclose(one.taxels, np.vstack([R.taxels, -R.taxels]), atol=1e-6)
 
 
+def test_taxels_of_a_table_are_in_the_order_of_their_numbers(tmp_path):
+    rows = np.column_stack([R.t, 1e3 * R.depth, R.force, R.taxels[1], R.taxels[0]])
+    path = tmp_path / "a.csv"
+    np.savetxt(path, rows, "%.9g", ",", header="t_s,x_mm,force_n,taxel_1_n,taxel_0_n", comments="")
+    read = load(path)[0]
+    assert np.allclose(read.taxels, R.taxels, atol=1e-6) and not read.warnings
+    np.savetxt(path, rows, "%.9g", ",", header="t_s,x_mm,force_n,taxel_7_n,taxel_5_n", comments="")
+    read = load(path)[0]
+    assert np.allclose(read.taxels, R.taxels, atol=1e-6) and "taxel_0 is taxel_5, taxel_1 is taxel_7" in read.warnings[0]
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("shown", [{}, {"taxels": np.empty((0, 0))}])
 def test_a_depth_counted_away_from_the_skin_is_turned_round(tmp_path, shown, sign):

@@ -24,6 +24,8 @@ def test_goes_on_until_one_name_is_left(tmp_path, capsys):
 def test_bad_calls(tmp_path, capsys):
     for arguments, word in (
         (["--budget", "0"], "--budget"),
+        (["--budget", "nan"], "--budget"),
+        (["--seed", "-1"], "--seed"),
         (["--cause", "witchcraft"], "choose from"),
         (["--first", "x"], "no YAML file"),
     ):

@@ -36,6 +36,22 @@ def test_the_table_has_tabs_a_header_with_units_and_a_row_per_sample(tmp_path):
     assert len(lines) == 501 and {line.count("\t") for line in lines} == {5}
 
 
+def test_taxels_are_in_the_order_of_their_numbers(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("t_s,x_mm,force_n,taxel_10_n,taxel_2_n\n0,0,0,10,2\n0.01,0,0,10,2\n")
+    assert read_table(path).taxels.values.tolist() == [[2.0, 10.0]] * 2
+
+
+@pytest.mark.parametrize(
+    ("header", "word"), [("taxel_0_v,taxel_1_n", "taxel_0_v is not understood"), ("taxel_0_n,taxel_0_n", "two columns taxel_0_n")]
+)
+def test_columns_that_would_be_lost_are_refused(tmp_path, header, word):
+    path = tmp_path / "run.csv"
+    path.write_text(f"t_s,x_mm,force_n,{header}\n0,0,0,1,1\n0.01,0,0,1,1\n")
+    with pytest.raises(RigError, match=word):
+        read_table(path)
+
+
 def test_nothing_is_overwritten_and_nothing_is_left_half_written(tmp_path):
     (tmp_path / "run.tsv").write_text("mine")
     with pytest.raises(RigError, match="exists already"):

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import multiprocessing
 import os
 import sys
@@ -81,8 +82,9 @@ def _wanted(chosen: argparse.Namespace) -> list[Case]:
     for name, value, most in (("--seeds", chosen.seeds, 100_000), ("--jobs", chosen.jobs, 256), ("--taxels", chosen.taxels, len(SHARES))):
         if not 1 <= value <= most:
             raise HidingError(f"{name} must lie between 1 and {most}, not {value}")
-    if min(chosen.sizes) <= 0.0:
-        raise HidingError(f"--sizes are in units of the noise and positive, not {min(chosen.sizes):g}")
+    wrong = [size for size in chosen.sizes if not 0.0 < size < math.inf]
+    if wrong:
+        raise HidingError(f"--sizes are in units of the noise and positive, not {wrong[0]:g}")
     able = hideable(prepare(recordings(Case(NULL, 0.0, 0, chosen.protocol, chosen.taxels))[0]))
     causes = chosen.causes or [NULL, *sorted(able)]
     for cause in causes:

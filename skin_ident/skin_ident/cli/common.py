@@ -65,6 +65,8 @@ def topics_of(pairs: Sequence[str]) -> dict[str, str]:
 
 def check_output(path: str) -> None:
     """Refuse an output folder that cannot be, before any work; nothing is made yet. Raises `RecordingError`."""
+    if not path:
+        raise RecordingError("--out needs a name: '' is none")
     folder = Path(path).absolute()
     near = next(p for p in (folder, *folder.parents) if p.exists())
     if not near.is_dir():
@@ -75,6 +77,7 @@ def check_output(path: str) -> None:
 
 def output_folder(path: str) -> Path:
     """The folder to write into, made if it is missing. Raises `RecordingError` where that is not possible."""
+    check_output(path)
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -83,6 +86,12 @@ def output_folder(path: str) -> Path:
     except OSError as error:
         raise RecordingError(f"cannot write into {path}: {error.strerror}") from error
     return folder
+
+
+def check_seed(seed: int) -> None:
+    """Refuse a seed that no generator takes. Raises `RecordingError`."""
+    if seed < 0:
+        raise RecordingError(f"--seed is a whole number from 0 up, not {seed}")
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:

@@ -95,6 +95,8 @@ def write(outcome: Outcome, folder: Path) -> None:
     if outcome.model is not None:
         save_model(outcome.baseline, folder / "baseline.yaml")
         save_model(outcome.model, folder / "model.yaml", outcome.std)
+    for stale in {p.name for p in folder.glob("separating*.yaml")} - set(outcome.batteries):
+        (folder / stale).unlink()  # of an earlier answer in this folder, which it would seem to belong to
     for file, battery in outcome.batteries.items():
         (folder / file).write_text(battery, encoding="utf-8")
     common.write_json(folder / "findings.json", outcome.findings)

@@ -45,7 +45,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.loss != LINEAR and (chosen.profile or chosen.bootstrap):
         raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")
     _check_what(chosen)
-    if chosen.out:
+    if chosen.out is not None:
         common.check_output(chosen.out)
     if chosen.each:
         return _batch(chosen, options, topics)

@@ -9,7 +9,7 @@ from skin_ident.criticism.usable import belong_together
 from skin_ident.hiding.drawing import ANYTHING
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.hide import hide
-from skin_ident.hiding.writing import check_units, write_recordings
+from skin_ident.hiding.writing import check_free, check_units, write_recordings
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 
@@ -21,6 +21,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
+    common.check_output(chosen.out)
+    check_free(Path(chosen.out))
+    common.check_seed(chosen.seed)
     truth = _truth_file(chosen.truth, Path(chosen.out))
     recordings = _sessions(load(chosen.recordings, common.topics_of(chosen.topics)))
     common.say(f"hiding an effect in {len(recordings)} session{'s' * (len(recordings) > 1)} …")

@@ -1,6 +1,7 @@
 """`identify --until-named --out DIR`: alternate experiments on the simulated rig with criticism until one name is left."""
 
 import argparse
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,7 +15,7 @@ from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.drawing import ANYTHING, draw
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
-from skin_ident.hiding.writing import write_recordings
+from skin_ident.hiding.writing import check_free, write_recordings
 from skin_ident.recordings.load import load_one
 from skin_ident.recordings.recording import Recording
 from skin_ident.separating.loop import Course, Record, until_named
@@ -34,8 +35,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
-    if chosen.budget <= 0.0:
+    if not 0.0 < chosen.budget < math.inf:
         raise HidingError(f"--budget is in seconds of recording and positive, not {chosen.budget:g}")
+    if chosen.specimen and chosen.cause != ANYTHING:
+        raise HidingError("--specimen says what is in the specimen, and --cause hides something in one that is drawn: give one of them")
+    common.check_seed(chosen.seed)
+    common.check_output(chosen.out)
+    check_free(Path(chosen.out) / "recordings")
     specimen = load_model(chosen.specimen) if chosen.specimen else _specimen(chosen.cause, chosen.seed, chosen.first)
     entry_from_words(chosen.first), entry_from_words(chosen.fixed)  # raises before anything is written
     folder, say = common.output_folder(chosen.out), progress_line()

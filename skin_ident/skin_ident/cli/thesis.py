@@ -29,6 +29,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     chosen = parser.parse_args(arguments)
     if chosen.runs < 1:
         raise FitError(f"--runs counts experiments, from 1 on, not {chosen.runs}")
+    if chosen.out is not None:
+        common.check_output(chosen.out)
     cases, found = free_masses(), {}
     for title, section in (("table_4_5", _fixed), ("table_4_4", _free), ("validation", _validation), ("frubber", _frubber)):
         found[title] = section(cases, chosen.runs)

@@ -33,15 +33,23 @@ def draw(session: Session, cause: str, where: str, rng: np.random.Generator) -> 
     able = hideable(session)
     if cause != ANYTHING and cause not in able:
         raise HidingError(f"{cause!r} cannot be hidden in this recording; choose from {', '.join(sorted(able))}")
-    cause = str(rng.choice(sorted(able))) if cause == ANYTHING else cause
-    options = [(cls, place) for cls, place in able[cause] if where in (ANYTHING, place, place.split("_")[0] if "clock" in place else place)]
-    if not options:
-        places = sorted({place for _, place in able[cause]})
-        raise HidingError(f"{cause} cannot sit in {where!r} of this recording; choose from {', '.join(places)}")
+    able = able if cause == ANYTHING else {cause: able[cause]}
+    there = {name: [(cls, place) for cls, place in every if _is_at(where, place)] for name, every in able.items()}
+    there = {name: options for name, options in there.items() if options}
+    if not there:
+        places = sorted({place for every in able.values() for _, place in every})
+        what = "nothing can" if cause == ANYTHING else f"{cause} cannot"
+        raise HidingError(f"{what} sit in {where!r} of this recording; choose from {', '.join(places)}")
+    options = there[str(rng.choice(sorted(there)))] if cause == ANYTHING else there[cause]
     places = sorted({place for _, place in options})
     place = places[rng.integers(len(places))]
     forms = [cls for cls, p in options if p == place]
     return _drawn(forms[rng.integers(len(forms))], place, session, rng)
+
+
+def _is_at(where: str, place: str) -> bool:
+    """Whether a place is the one that was asked for; the clocks of the catalogue are one `clock` to whoever asks."""
+    return where in (ANYTHING, place, place.split("_")[0] if "clock" in place else place)
 
 
 def _drawn(cls: type[Effect], place: str, session: Session, rng: np.random.Generator) -> Effect:

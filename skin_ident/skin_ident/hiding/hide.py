@@ -70,7 +70,7 @@ def hide(
     Raises `HidingError` for a cause that they cannot carry, or not at that size.
     """
     if not 0.0 < size < 1e4:
-        raise HidingError(f"a size must be positive, and is in units of the noise, not {size:g}")
+        raise HidingError(f"a size is positive and below 10000, in units of the noise, not {size:g}")
     on = on or ground(recordings)
     rng = np.random.default_rng([seed, 5])
     for _ in range(DRAWS):

@@ -11,16 +11,28 @@ from skin_ident.recordings.declared import FILE_NAME, Declared
 from skin_ident.recordings.recording import Recording
 from skin_models.whole_file import whole_file
 
+TABLES = (".csv", ".tsv", ".txt", ".mcap")
+
+
+def check_free(folder: Path) -> None:
+    """Raise `HidingError` for a folder that holds recordings or a rig.yaml: they may be somebody's own, or of another hiding."""
+    there = sorted(p.name for p in folder.glob("*") if p.name == FILE_NAME or p.suffix in TABLES or p.name.startswith("session_"))
+    if there:
+        raise HidingError(f"{folder} already holds {there[0]}, and nothing is overwritten: name another folder")
+
 
 def write_recordings(recordings: list[Recording], folder: Path) -> list[Path]:
-    """One table per session; a folder for each where they do not share one rig. Returns the tables."""
+    """One table per session; a folder for each where they do not share one rig. Returns the tables. Raises `HidingError` where the folder
+    is not free."""
+    check_free(folder)
     alike = all(r.declared == recordings[0].declared for r in recordings)
     tables = []
     for i, r in enumerate(recordings, 1):
         own = folder if alike else folder / f"session_{i}"
         own.mkdir(parents=True, exist_ok=True)
         tables.append(_table(r, own / f"session_{i}.csv"))
-        (own / FILE_NAME).write_text(_rig(r.declared), encoding="utf-8")
+        with whole_file(own / FILE_NAME) as partial:
+            partial.write_text(_rig(r.declared), encoding="utf-8")
     return tables
 
 

@@ -1,6 +1,8 @@
 """Tables: one row per sample, tab, comma or semicolon between the columns, units in the header (see `units`)."""
 
 import io
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,7 @@ from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.timing import counted
-from skin_ident.recordings.units import column
+from skin_ident.recordings.units import Column, column
 
 PROBES = 50  # rows in which decimal commas are looked for
 
@@ -82,9 +84,22 @@ def read_table(path: Path, declared: Declared, keep: bool = False) -> Recording:
     if not times and declared.sample_rate_hz is None:
         raise RecordingError(f"{path} has no time column: add t_s, or declare sample_rate_hz in rig.yaml")
     t = columns[times[0]].factor * values[times[0]] if times else np.arange(values.shape[1]) / declared.sample_rate_hz
-    pairs = zip(columns, values, strict=True)
+    pairs = sorted(zip(columns, values, strict=True), key=lambda pair: _number_of(pair[0]))
     channels = [Channels(c.kind, (c.name,), c.unit, c.factor * y[None]) for c, y in pairs if c.kind != "time"]
-    return assemble(path.name, t, channels, declared, warnings, keep)
+    return assemble(path.name, t, channels, declared, (*warnings, *_renumbered([c for c, _ in pairs])), keep)
+
+
+def _number_of(column: Column) -> float:
+    """The number in a taxel's name, by which taxels are put in order; those without one stay behind, in the order of the table."""
+    numbered = re.fullmatch(r"taxel_?(\d+)", column.name)
+    return int(numbered[1]) if numbered else np.inf
+
+
+def _renumbered(columns: list[Column]) -> Iterator[str]:
+    """What is said where taxels do not count from 0 up without a gap, as they are counted from here on."""
+    taxels = [c.name for c in columns if c.kind == "taxel"]
+    if any(_number_of(c) not in (i, np.inf) for i, c in enumerate(c for c in columns if c.kind == "taxel")):
+        yield f"taxels are counted from 0: {', '.join(f'taxel_{i} is {name}' for i, name in enumerate(taxels))}"
 
 
 def _is_number(cell: str) -> bool:

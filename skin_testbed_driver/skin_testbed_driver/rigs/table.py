@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ def read_table(path: str | os.PathLike) -> Recorded:
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise RigError(f"cannot read the table {path}: {getattr(error, 'strerror', None) or error}") from error
+        raise RigError(f"cannot read the table {path}: {getattr(error, 'strerror', None) or 'it is not UTF-8 text'}") from error
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     if len(lines) < 3:
         raise RigError(f"{path} needs a header and two or more rows")
@@ -61,8 +62,19 @@ def _recorded(rows: list[list[str]]) -> Recorded:
     t = _column(names, values, "t_s")
     if (np.diff(t) <= 0.0).any():
         raise RigError("its times do not grow")
-    taxels = [i for i, name in enumerate(names) if name.startswith("taxel_") and name.endswith("_n")]
-    return Recorded(Track(t, _depth(names, values)), Track(t, _column(names, values, "force_n")), Track(t, values[:, taxels]))
+    return Recorded(Track(t, _depth(names, values)), Track(t, _column(names, values, "force_n")), Track(t, values[:, _taxels(names)]))
+
+
+def _taxels(names: list[str]) -> list[int]:
+    """The columns of the taxels, in the order of their numbers."""
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice:
+        raise RigError(f"it has two columns {twice}")
+    numbers = {i: re.fullmatch(r"taxel_(\d+)_n", name) for i, name in enumerate(names) if name.startswith("taxel")}
+    strange = next((names[i] for i, number in numbers.items() if number is None), None)
+    if strange:
+        raise RigError(f"column {strange} is not understood: a taxel's is taxel_0_n, in newtons")
+    return sorted(numbers, key=lambda i: int(numbers[i][1]))
 
 
 def _depth(names: list[str], values: np.ndarray) -> np.ndarray:
