@@ -154,6 +154,12 @@ def test_all_loads_counted_negative_are_one_convention_and_one_warning(tmp_path)
     assert np.allclose(one.taxels, np.vstack([R.taxels, -R.taxels]), atol=1e-6)
 
 
+def test_milliseconds_under_a_title_that_says_seconds_are_asked_about(tmp_path):
+    assert not load(write_table(tmp_path / "a.csv", R))[0].warnings
+    slow = load(write_table(tmp_path / "b.csv", Recording("b", 1e3 * R.t, R.depth, R.force, R.taxels)))[0]
+    assert "milliseconds" in slow.warnings[0]
+
+
 def test_taxels_of_a_table_are_in_the_order_of_their_numbers(tmp_path):
     rows = np.column_stack([R.t, 1e3 * R.depth, R.force, R.taxels[1], R.taxels[0]])
     path = tmp_path / "a.csv"

@@ -79,6 +79,9 @@ def test_table_to_bag_to_table_is_the_same_table(tmp_path):
     assert exported.returncode == 0 and "500 samples" in exported.stdout
     assert (tmp_path / "other" / "again.tsv").read_text() == (tmp_path / "run.tsv").read_text()
     assert (tmp_path / "other" / "rig.yaml").exists()
+    (tmp_path / "other" / "rig.yaml").write_text("sample_rate_hz: 50\n")
+    refused = run("export_table", tmp_path / "bag", "--out", tmp_path / "other" / "third.tsv")
+    assert refused.returncode == 2 and "another rig" in refused.stderr and not (tmp_path / "other" / "third.tsv").exists()
 
 
 def test_what_cannot_be_used_ends_with_one_sentence_and_status_2(tmp_path):

@@ -13,6 +13,7 @@ from skin_ident.recordings.timing import Track, even, kept
 
 FARTHEST = 0.2  # m: no skin is indented so deep
 STRONGEST = 1e5  # N
+SLOWEST, LONGEST = 1.0, 1000.0  # s between samples, and in all, beyond both of which the unit of time is asked for
 FLAT, WIDE = 0.07, 0.15  # of its change below zero, to which no load keeps over so much of the depth's range in contact
 DEAD = "most of its samples are no numbers"
 PROBES = 1000  # samples in which a dead taxel shows
@@ -134,6 +135,8 @@ def _plausible(r: Recording) -> Recording:
     """Refuse sizes that only a wrong unit can give; turn round a force whose compression was counted negative, and say so."""
     if r.depth is not None and np.ptp(r.depth) > FARTHEST:
         raise RecordingError(f"{r.name}: the depth spans {np.ptp(r.depth):.4g} m, more than any skin; is it in mm?")
+    if r.dt > SLOWEST and r.t[-1] - r.t[0] > LONGEST:
+        r = r.warned(f"one sample in {r.dt:.3g} s for {r.t[-1] - r.t[0]:.3g} s: is the time in milliseconds?")
     if r.depth is not None and r.depth.max() <= 0.0 and r.force is not None:
         r = r.warned("the plunger never goes below the surface (depth > 0): a dispersion model has nothing to be fitted to")
     for names, rows in ((("force",), r.force), (r.taxel_names, r.taxels)):

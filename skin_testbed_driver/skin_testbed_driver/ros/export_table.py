@@ -19,11 +19,14 @@ from skin_testbed_driver.ros.replayed_bag import read_bag
 
 
 def export_table(recording: Path, out: Path) -> int:
-    """Write the table of a bag and return its number of rows. Raises `RigError`; an existing file is not overwritten."""
-    recorded, _ = read_bag(str(recording))
-    rows = write_table(out, recorded)
+    """Write the table of a bag and return its number of rows. Raises `RigError`; an existing file is not overwritten, and a table is not
+    put beside the rig.yaml of another rig."""
     rig = (recording if recording.is_dir() else recording.parent) / "rig.yaml"
     beside = out.parent / "rig.yaml"
+    if rig.is_file() and beside.is_file() and rig.read_bytes() != beside.read_bytes():
+        raise RigError(f"{beside} is of another rig than {rig}: write the table into a folder of its own")
+    recorded, _ = read_bag(str(recording))
+    rows = write_table(out, recorded)
     if rig.is_file() and not beside.exists():
         shutil.copyfile(rig, beside)
     return rows
