@@ -15,7 +15,7 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
-INTEGRAL = 0.5  # of a step
+INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
 TREMBLING = 1e-6  # m, of a good stage at rest
 MOVING = 2.0  # times the greatest speed of such a tremble

@@ -18,6 +18,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.trial import Trial, sized
 
+FILTERS = ("time_shift", "lag", "mount_compliance", "rate_dependence")  # of which two make of the depth what smooths its steps
 ASKED = 3  # causes that are taken for granted
 LASTS_S = 30.0  # of training together: of less, two bent causes fit whatever is there
 
@@ -49,7 +50,7 @@ def _beside(search: Any, first: Trial) -> Pair | None:
     ahead = copy(search)
     ahead.present = first.fit
     second = ahead.first_believed(ahead.trials(ahead.look()), [])
-    if second is None or (second[1].cause, second[1].where) == first.key:
+    if second is None or (second[1].cause, second[1].where) == first.key or {first.key[0], second[1].cause} <= set(FILTERS):
         return None
     after, train = second[0], ahead.train
     rest = tuple(e for e in after.model.effects if (e.cause, e.where) != first.key)
