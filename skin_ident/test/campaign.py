@@ -135,8 +135,10 @@ def _word(hidden, findings, alike: list, meant: set[str]) -> str:
 
 
 def _about(reason, hidden) -> bool:
-    """Whether a reason speaks of what is hidden: one with a place speaks of a constant form there, and of no other."""
-    return "where" not in reason or (hidden.form == "static" and _same_place(reason["where"], hidden.where))
+    """Whether a reason speaks of what is hidden: one with a place speaks of a constant form there, or of what a converter may do."""
+    if "where" not in reason:
+        return True
+    return (hidden.form == "static" or "converter" in reason["because"]) and _same_place(reason["where"], hidden.where)
 
 
 def _passes_for(findings, alike: list) -> bool:

@@ -9,7 +9,7 @@ from .effect import Effect, Sampled, Sensor, channels
 
 def _gain_static(c):
     way = c.rng.choice([-1, 1])
-    return Sensor(c, lambda y, fine, a, rng: y * max(1 + 0.05 * way * a, 0.0), static_array=True)
+    return Sensor(c, lambda y, fine, a, rng: y * max(1 + 0.05 * way * a, 0.0), static_array=True, limit=10.0)  # half as much again
 
 
 def _gain_step(c):

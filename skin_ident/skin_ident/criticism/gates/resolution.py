@@ -24,7 +24,7 @@ OF_SPEED = ("rate_dependence", "mount_compliance")
 
 def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
     """Whether what bends with the reading of a channel may be the integral nonlinearity of its converter, which good ones have."""
-    return cause in OF_READING and gain.squares <= (INTEGRAL * _converter_step(train, gain.channel)) ** 2
+    return cause in OF_READING and gain.squares <= (INTEGRAL * converter_step(train, gain.channel)) ** 2
 
 
 def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float) -> bool:
@@ -33,7 +33,7 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed that, too, unless the
     likelihood gains much by it. A stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
     k = stiffness(before, gain.channel)
-    least = OPEN * (k * encoder_step) ** 2 / 12.0 + (UNEVEN * _converter_step(train, gain.channel)) ** 2
+    least = OPEN * (k * encoder_step) ** 2 / 12.0 + (UNEVEN * converter_step(train, gain.channel)) ** 2
     if cause not in OF_SPEED or gain.relative >= MUCH:
         return bool(gain.squares > least)
     damping = before.dispersion.b1 + before.dispersion.b2
@@ -70,7 +70,7 @@ def readable(effects: Iterable[Effect], encoder_step: float) -> bool:
     return not lengths or max(lengths) > 0.5 * encoder_step
 
 
-def _converter_step(train: list[Session], channel: str) -> float:
+def converter_step(train: list[Session], channel: str) -> float:
     """The converter's step in a channel, N; zero where none is seen."""
     row = train[0].channels.index(channel)
     return max(step_of(s.raw[row]) or 0.0 for s in train)

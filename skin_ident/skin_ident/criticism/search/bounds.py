@@ -9,6 +9,7 @@ seen in the record itself, as the steps of a converter are, is not excluded belo
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,11 +23,19 @@ CLEAR = 3.0
 NEAR = 0.35  # of the best score of a round
 ALIKE = 0.98  # correlation above which two directions are one
 
-Seen = Mapping[str, Mapping[str, tuple[float, str]]]  # by cause and place: a size in the directions' unit, and why it is no finding
+
+@dataclass(frozen=True)
+class Seen:
+    """What is in the record and no finding: its size in the directions' unit, why it is none, and what would tell, by default what its
+    cause needs."""
+
+    size: float
+    because: str
+    needs: str = ""
 
 
 def excluded_and_untestable(
-    last: Survey, rounds: list[Survey], named: set[str], known: dict[str, str], seen: Seen
+    last: Survey, rounds: list[Survey], named: set[str], known: dict[str, str], seen: Mapping[str, Mapping[str, Seen]]
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Entries of findings.json for all causes not in `named`, from the last survey and those of all `rounds`. `known` gives the reason for
     causes that telemetry alone decides: an empty text means looked for and not found. What is `seen` in the record bounds what may be
@@ -37,11 +46,13 @@ def excluded_and_untestable(
         if cause.name in named:
             continue
         there = seen.get(cause.name, {})
-        entries = [e for e in _excluded(p, bounds, cause.name) if e["below"] >= there.get(e["where"], (0.0, ""))[0]]
+        entries = [e for e in _excluded(p, bounds, cause.name) if e["where"] not in there or e["below"] >= there[e["where"]].size]
         excluded += entries
         untestable += _imitated(p, cause, entries)
         if there:
-            untestable += [{"cause": cause.name, "where": where, "because": why, "needs": cause.needs} for where, (_, why) in there.items()]
+            untestable += [
+                {"cause": cause.name, "where": where, "because": s.because, "needs": s.needs or cause.needs} for where, s in there.items()
+            ]
             continue
         if cause.name in known and not known[cause.name] and not entries:
             excluded.append({"cause": cause.name, "below": None, "unit": "", "because": "looked for and not seen"})

@@ -17,6 +17,7 @@ from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.gates.resolution import of_the_converter, readable, resolved
 from skin_ident.criticism.gates.uncertain import left_open
+from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.growing import grow, instances, negligible
 from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import Direction, directions
@@ -70,6 +71,8 @@ def criticise(
     fitted = fit(first.model, train, first.noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
     search.run(fitted)
+    while len(search.rounds) < MOST_FINDINGS and exchange(search):
+        search.run(search.present)
     search.eliminate()
     if given:
         search.check_numbers(given)
@@ -78,7 +81,7 @@ def criticise(
         weighted = replace(first.model, effects=search.hanging)
         baseline = fit(weighted, weighed(train), first.noise) if search.train[0].free_mass else fitted
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
-    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held))
+    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.bends)
 
 
 @dataclass
@@ -98,6 +101,7 @@ class Search:
         self.runs: list[Run] = []
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
+        self.bends: dict[tuple[str, str], Gain] = {}  # what would have been named, and may be what converters do
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
         self._befores: dict[tuple[str, str], Model] = {}
@@ -213,6 +217,7 @@ class Search:
                 return None
             gain = self.gain(self.present.model, trial.fit.model, trial.key[1])
             if gain.passed and of_the_converter(gain, trial.key[0], self.train):
+                self.bends[trial.key] = gain
                 return None
             rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)

@@ -35,3 +35,4 @@ class Criticism:
     rounds: tuple[tuple[Survey, str | None], ...] = ()
     train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
     held: tuple[Session, ...] = ()
+    bends: dict[tuple[str, str], Gain] = field(default_factory=dict)  # by cause and place: seen, and not named since converters may do it

@@ -4,9 +4,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
-from skin_ident.criticism.search.bounds import excluded_and_untestable
+from skin_ident.criticism.gates.resolution import converter_step
+from skin_ident.criticism.search.bounds import Seen, excluded_and_untestable
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.sessions.session import Session
@@ -145,13 +148,23 @@ def telemetry_words(recordings: list, symptoms: tuple[Symptom, ...], given: bool
     return words
 
 
-def _steps_seen(recordings: list) -> dict[str, tuple[float, str]]:
+def _steps_seen(recordings: list) -> dict[str, Seen]:
     """By place: steps that nobody declared, N, so that nobody can say whether they are as they should be."""
     n = len(recordings[0].taxels)
     return {
-        place_of(channel, n): (step, f"the levels of {channel} are {step:.3g} N apart, and rig.yaml declares no step to compare with")
+        place_of(channel, n): Seen(step, f"the levels of {channel} are {step:.3g} N apart, and rig.yaml declares no step to compare with")
         for channel, step in undeclared_steps(recordings).items()
     }
+
+
+def _bends_seen(c: Criticism) -> dict[str, dict[str, Seen]]:
+    """By cause and place: what bends with the reading by so little that a converter may do it, of whatever amount."""
+    seen: dict[str, dict[str, Seen]] = {}
+    for (cause, where), gain in c.bends.items():
+        step, fall = converter_step(list(c.train), gain.channel), np.sqrt(gain.squares)
+        why = f"it would explain {fall:.2g} N rms of {gain.channel}, which a converter with steps of {step:.2g} N may do by itself"
+        seen.setdefault(cause, {})[where] = Seen(np.inf, why, f"a {gain.channel} read in finer steps, or a larger force")
+    return seen
 
 
 def as_findings(
@@ -171,7 +184,7 @@ def as_findings(
     entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     known = telemetry_words(recordings, symptoms, given)
-    steps = {"quantization": _steps_seen(recordings)}
+    steps = {"quantization": _steps_seen(recordings), **_bends_seen(c)}
     excluded, untestable = excluded_and_untestable(c.last, [s for s, _ in c.rounds], named, known, steps)
     return {
         "schema": SCHEMA,

@@ -1,0 +1,66 @@
+"""Whether what was named while other causes were still hidden is the best account now that these are known.
+
+A search that only goes forward keeps what it took first, and of two effects the first to be named was chosen to explain some of the other
+as well. So each cause is taken out once the others are known, and everything is asked again what explains the rest (P. Pudil, J.
+Novovičová, J. Kittler, Floating search methods in feature selection, Pattern Recognition Letters 15 (1994) 1119-1125).
+"""
+
+from copy import copy
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.courses.course import worthwhile
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import plainest_first, reach
+
+PROMISING = 0.8  # of what a cause explains, from which another one may explain more once it is fitted
+
+
+def exchange(search: Any) -> bool:
+    """Put the better account in the place of the first finding that has one, and say whether there was one. `search` is the state of
+    `criticise`."""
+    return len(search.named) > 1 and any(_exchanged(search, finding) for finding in search.named if not finding.courses)
+
+
+def _exchanged(search: Any, finding: Named) -> bool:
+    search.progress(f"asking again what {finding.cause} in the {finding.where} stands for")
+    ahead = _without(search, finding)
+    last = ahead.look()
+    explained = _explained(search.present, ahead)
+    had = {r.course for r in ahead.runs}
+    runs = worthwhile(ahead.present.model, ahead.train, ahead.noise, ahead.encoder_step)
+    runs = plainest_first([r for r in runs if r.course not in had])
+    promised = [r.score for r in last.ranked if (r.cause, r.where) != (finding.cause, finding.where)] + [r.score for r in runs]
+    if max(promised, default=0.0) < PROMISING * explained:
+        return False
+    own, shared = ahead._choose(ahead.trials(last), runs)
+    taken = own or shared
+    if not taken or taken[1].cause == finding.cause or reach(taken[1].explained) < explained:
+        return False
+    search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
+    search._befores.pop((finding.cause, finding.where), None)
+    if own:
+        search._take_course(*own)
+    else:
+        search._accept(*shared)
+    return True
+
+
+def _without(search: Any, finding: Named) -> Any:
+    """The state in which everything but `finding` has been named."""
+    ahead = copy(search)
+    ahead.named = [n for n in search.named if n is not finding]
+    model = search.present.model
+    rest = tuple(e for e in model.effects if (e.cause, e.where) != (finding.cause, finding.where))
+    ahead.present = fit(replace(model, effects=rest), search.train, search.noise)
+    return ahead
+
+
+def _explained(present: Fit, without: Any) -> float:
+    """What `present` explains beyond the state `without`, as a trial's score is."""
+    cost = fit(present.model, without.train, without.noise, 0).cost
+    charge = np.log(present.count) * (len(present.unknowns) - len(without.present.unknowns))
+    return float(without.present.cost - cost - charge)
