@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.recordings.recording import Recording
-from skin_ident.recordings.timing import counted
+from skin_models.words import counted
 
 SPIKE = 12.0  # times the usual second difference (robust) and
 SPIKE_RANGE = 0.03  # of the channel's range

@@ -7,3 +7,7 @@ class SkinError(Exception):
 
 class ModelError(SkinError):
     """A model, an effect or one of its parameters cannot be used."""
+
+
+class TableError(SkinError):
+    """A table of a recording cannot be read."""

@@ -42,12 +42,16 @@ def test_recordings_without_a_common_time_are_refused():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "header"),
+        ("", "empty"),
+        (TABLE.splitlines()[0], "no rows"),
+        (TABLE.replace("x_mm", "y_mm"), "not known"),
+        (TABLE.replace("x_mm", "taxel_1_n"), "no depth: add x_mm"),
+        (TABLE.replace("force_n", "force_v"), "force is in volts"),
         (TABLE.replace("x_mm", "x"), "x_mm"),
         (TABLE.replace("t_s", "t"), "t_s"),
         (TABLE.replace("1.0", "one"), "no number"),
-        (TABLE.replace("0.02", "0.00"), "grow"),
-        (TABLE + "1\t2\n", "length"),
+        (TABLE.replace("0.01", "0.00").replace("0.02", "0.00"), "1 usable sample"),
+        (TABLE + "1\t2\n", "4 columns of the header"),
     ],
 )
 def test_a_table_that_cannot_be_used_is_refused_in_a_sentence(tmp_path, text, words):

@@ -43,7 +43,7 @@ def test_taxels_are_in_the_order_of_their_numbers(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("header", "word"), [("taxel_0_v,taxel_1_n", "taxel_0_v is not understood"), ("taxel_0_n,taxel_0_n", "two columns taxel_0_n")]
+    ("header", "word"), [("taxel_0_v,taxel_1_n", "taxel_0 is in volts"), ("taxel_0_n,taxel_0_n", "two columns taxel_0")]
 )
 def test_columns_that_would_be_lost_are_refused(tmp_path, header, word):
     path = tmp_path / "run.csv"

@@ -23,9 +23,9 @@ from skin_ident.recordings.load import find, load
 from skin_ident.recordings.mass import USUAL_MM
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import without_repeats
-from skin_ident.recordings.timing import counted
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model_file import save_model
+from skin_models.words import counted
 
 _MASS = (
     "free, a value in kg, or fixed (the default): moving_mass_kg of rig.yaml, or that of silicone as thick as --thickness_mm or rig.yaml "

@@ -9,8 +9,8 @@ from skin_ident.estimators.calibration import Line, as_rig_yaml, calibrate, stif
 from skin_ident.estimators.figures import figures, plus_minus
 from skin_ident.estimators.prony import Arm, PronyFit, fit_prony
 from skin_ident.recordings.recording import Recording
-from skin_ident.recordings.timing import counted
 from skin_models.model_file import save_model
+from skin_models.words import counted
 
 DISPERSION, PRONY, CALIBRATION, STIFFNESS = "dispersion", "prony", "calibration", "stiffness"
 WHAT = (DISPERSION, PRONY, CALIBRATION, STIFFNESS)

@@ -10,9 +10,9 @@ from skin_ident.estimators.prefilter import Prefilter, prefilters_for
 from skin_ident.quality import Quality, inspected
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.staircase import drawn_again
-from skin_ident.recordings.timing import counted
 from skin_models.dispersion import Dispersion
 from skin_models.signals import GRAVITY, Motion, motion
+from skin_models.words import counted
 
 FELT = 0.02  # of the largest force
 FEWEST_ROWS = 20  # that must be left of a stretch between faults once the low-pass has taken its ends

@@ -7,8 +7,8 @@ from typing import Any
 
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.figures import figures, plus_minus
-from skin_ident.recordings.timing import counted
 from skin_models.parameter import Parameter
+from skin_models.words import counted
 
 WIDTH = 110
 SHOWN = 8  # sessions of which the telemetry is printed

@@ -10,9 +10,8 @@ from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.rows import all_finite, extremes
 from skin_ident.recordings.timing import Track, even, kept
+from skin_models.tables.table import check_load, check_span
 
-FARTHEST = 0.2  # m: no skin is indented so deep
-STRONGEST = 1e5  # N
 SLOWEST, LONGEST = 1.0, 1000.0  # s between samples, and in all, beyond both of which the unit of time is asked for
 FLAT, WIDE = 0.07, 0.15  # of its change below zero, to which no load keeps over so much of the depth's range in contact
 DEAD = "most of its samples are no numbers"
@@ -133,8 +132,8 @@ def _note_unused(declared: Declared, parts: list[Channels], notes: list[str]) ->
 
 def _plausible(r: Recording) -> Recording:
     """Refuse sizes that only a wrong unit can give; turn round a force whose compression was counted negative, and say so."""
-    if r.depth is not None and np.ptp(r.depth) > FARTHEST:
-        raise RecordingError(f"{r.name}: the depth spans {np.ptp(r.depth):.4g} m, more than any skin; is it in mm?")
+    if r.depth is not None:
+        check_span(r.name, np.ptp(r.depth))
     if r.dt > SLOWEST and r.t[-1] - r.t[0] > LONGEST:
         r = r.warned(f"one sample in {r.dt:.3g} s for {r.t[-1] - r.t[0]:.3g} s: is the time in milliseconds?")
     if r.depth is not None and r.depth.max() <= 0.0 and r.force is not None:
@@ -147,9 +146,8 @@ def _plausible(r: Recording) -> Recording:
 
 def _sized(r: Recording, names: Sequence[str], low: np.ndarray, high: np.ndarray) -> Recording:
     largest = np.maximum(-low, high)
-    if largest.max() > STRONGEST:
-        worst = int(np.argmax(largest))
-        raise RecordingError(f"{r.name}: {names[worst]} reaches {largest[worst]:.4g} N, more than any load cell; check its unit")
+    worst = int(np.argmax(largest))
+    check_load(r.name, names[worst], largest[worst])
     still = [n for n, a, b in zip(names, low, high, strict=True) if a == b]
     return r.warned(f"{', '.join(still)}: the value never changes") if still else r
 

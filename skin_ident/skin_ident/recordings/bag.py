@@ -13,7 +13,8 @@ from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.rows import interpolated
 from skin_ident.recordings.storage import Storage
-from skin_ident.recordings.timing import BRIDGED, Track, counted, ordered
+from skin_ident.recordings.timing import BRIDGED, Track, ordered
+from skin_models.words import counted
 
 ROLES = {
     "encoder": (decode.DEPTH_TYPES, ("encoder", "depth", "position", "indentation", "joint_states")),

@@ -9,7 +9,7 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.gather import Gatherer
-from skin_ident.recordings.timing import counted
+from skin_models.words import counted
 
 FORCE_TYPES = ("geometry_msgs/msg/WrenchStamped", "geometry_msgs/msg/Wrench", "std_msgs/msg/Float64", "std_msgs/msg/Float32")
 DEPTH_TYPES = ("sensor_msgs/msg/JointState", "std_msgs/msg/Float64", "std_msgs/msg/Float32")

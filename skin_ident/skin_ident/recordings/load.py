@@ -9,9 +9,10 @@ from skin_ident.recordings.declared import FILE_NAME, declared_beside
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.spread_table import is_spread_scan, read_spread_scan
 from skin_ident.recordings.storage import is_bag
-from skin_ident.recordings.table import read_table, read_text
-
-TABLES = (".csv", ".tsv", ".txt", ".tab", ".dat")
+from skin_ident.recordings.table import read_table
+from skin_models.errors import TableError
+from skin_models.tables.text import SUFFIXES as TABLES
+from skin_models.tables.text import read_text
 
 
 def load(
@@ -77,6 +78,8 @@ def load_one(path: Path, topics: Mapping[str, str] | None = None, log_time: bool
     """One recording, as `load` gives it. Raises `RecordingError`."""
     try:
         return _loaded(path, topics, log_time, keep)
+    except TableError as error:
+        raise RecordingError(str(error)) from error
     except OSError as error:
         raise RecordingError(f"cannot read {path}: {error.strerror}") from error
 
@@ -90,4 +93,4 @@ def _loaded(path: Path, topics: Mapping[str, str] | None, log_time: bool, keep: 
     if path.name == FILE_NAME or path.suffix.lower() not in TABLES:
         raise RecordingError(f"{path} is no recording: a rosbag2 directory, an .mcap file or a table is expected")
     text = read_text(path)
-    return read_spread_scan(path, declared) if is_spread_scan(text) else read_table(path, declared, keep)
+    return read_spread_scan(path, declared) if is_spread_scan(text) else read_table(path, declared, keep, text)

@@ -13,7 +13,7 @@ from skin_ident.recordings.mcap_chunk import ChunkError, Found, indexed_messages
 from skin_ident.recordings.mcap_file import DATA_END, HEAD, INDEX, Survey, records
 from skin_ident.recordings.places import Places
 from skin_ident.recordings.runs import Run
-from skin_ident.recordings.timing import counted
+from skin_models.words import counted
 
 Add = Callable[[Places, np.ndarray, np.ndarray], None]  # where, sizes, log times (ns)
 

@@ -7,9 +7,10 @@ import numpy as np
 
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
-from skin_ident.recordings.table import header_of, read_rows, read_text
-from skin_ident.recordings.units import FORCE, LENGTH, column
 from skin_ident.spread_scan import SpreadScan, SpreadScanError
+from skin_models.errors import TableError
+from skin_models.tables.text import header_of, read_rows, read_text
+from skin_models.tables.units import FORCE, LENGTH, column
 
 # f_1mm_n, f_-2.5mm_n, F 3 mm (N), taxel_0_at_4mm_n
 _DISTANCE = re.compile(r"(?:.*?[_ ])??(-?\d+(?:\.\d+)?)[ _]*(mm|um|µm|cm|m)(?:[ _]*[(\[]?(mn|kn|n|gf|kgf|lbf|v|mv)[)\]]?)?")
@@ -31,7 +32,7 @@ def read_spread_scan(path: Path, declared: Declared | None = None) -> SpreadScan
         order = np.argsort(distances, kind="stable")
         force = np.array([factor for _, factor in columns])[:, None] * values[1:]
         return SpreadScan(depth.factor * values[0], distances[order], force[order].T, name=path.name, declared=declared or Declared())
-    except (RecordingError, SpreadScanError) as error:
+    except (RecordingError, TableError, SpreadScanError) as error:
         raise RecordingError(f"{path}: {error}") from error
 
 

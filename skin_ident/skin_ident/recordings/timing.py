@@ -11,11 +11,11 @@ import numpy as np
 
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.rows import all_finite, finite, interpolated
+from skin_models.tables.order import in_order
+from skin_models.words import counted
 
 SNAP = 0.01  # of the period: jitter below this is taken as even
 BRIDGED = 10  # samples: the longest loss that is interpolated
-OFTEN = 0.01  # of all samples: steps back that are no single event
-LATE_RUN = 3  # so many samples in a row behind the newest one are no longer "late" but a clock that stepped back
 
 
 @dataclass(frozen=True)
@@ -37,37 +37,9 @@ class Track:
 
 
 def ordered(track: Track, name: str) -> Track:
-    """The track with finite, strictly increasing stamps. Raises `RecordingError` where the clock steps back."""
-    good = np.isfinite(track.t)
-    if not good.all():
-        track = track.kept(good, f"{counted((~good).sum(), 'sample')} without a time stamp dropped")
-    if track.t.size < 2:
-        return track
-    if np.all(track.t[1:] > track.t[:-1]):
-        return track
-    return _without_repeats(_sorted(track, name))
-
-
-def _sorted(track: Track, name: str) -> Track:
-    newest = np.maximum.accumulate(track.t)
-    behind = track.t < newest
-    if not behind.any():
-        return track
-    first = int(np.argmax(behind))
-    if longest_run(behind) > LATE_RUN:
-        if np.sum(np.diff(track.t) < 0) > max(3, OFTEN * track.t.size):
-            share = f"{100 * behind.mean():.0f} % of its stamps lie behind earlier ones"
-            raise RecordingError(f"{name}: {share}: two publishers on one topic, or a clock that jumps to and fro")
-        back = (newest[first] - track.t[first]) * (1e-9 if np.issubdtype(track.t.dtype, np.integer) else 1.0)
-        raise RecordingError(f"{name}: the clock steps back by {back:.3g} s at sample {first}; cut it there, or repair its stamps")
-    return track.kept(np.argsort(track.t, kind="stable"), f"{counted(behind.sum(), 'sample')} out of order sorted by time")
-
-
-def _without_repeats(track: Track) -> Track:
-    repeated = np.concatenate([[False], track.t[1:] <= track.t[:-1]])
-    if not repeated.any():
-        return track
-    return track.kept(~repeated, f"{counted(repeated.sum(), 'repeated time stamp')} dropped, the first sample of each kept")
+    """The track with finite, strictly increasing stamps. Raises `TableError` where the clock steps back."""
+    index, notes = in_order(track.t, name)
+    return track if index is None else track.kept(index, *notes)
 
 
 def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
@@ -173,16 +145,5 @@ def _long_runs(flags: np.ndarray) -> np.ndarray:
     return out
 
 
-def longest_run(flags: np.ndarray) -> int:
-    """Length of the longest run of True."""
-    starts, stops = _edges(flags)
-    return int(np.max(stops - starts, initial=0))
-
-
 def _runs(flags: np.ndarray) -> int:
     return _edges(flags)[0].size
-
-
-def counted(count: int, noun: str) -> str:
-    """`3 samples`, `1 sample`."""
-    return f"{int(count)} {noun}" + ("" if count == 1 else "s")

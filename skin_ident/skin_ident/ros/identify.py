@@ -15,11 +15,11 @@ from skin_ident.estimators.robust import LINEAR, LOSSES
 from skin_ident.estimators.text import as_dict
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load_one
-from skin_ident.recordings.timing import counted
 from skin_models.errors import SkinError
 from skin_models.model import Model
 from skin_models.model_file import load_model, save_model
 from skin_models.parameter import parameters_of
+from skin_models.words import counted
 
 Result = Identify.Result
 

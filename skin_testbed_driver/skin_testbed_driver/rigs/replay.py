@@ -31,11 +31,12 @@ def _no_track() -> Track:
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a recording holds, on one clock: depth (m), force (N), taxels (N), which may be missing."""
+    """What a recording holds, on one clock: depth (m), force (N), taxels (N), which may be missing; and what was mended or is lost."""
 
     depth: Track
     force: Track
     taxels: Track = field(default_factory=_no_track)
+    warnings: tuple[str, ...] = ()
 
 
 class ReplayRig(Rig):

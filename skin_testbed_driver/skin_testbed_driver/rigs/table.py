@@ -1,33 +1,25 @@
 """Tab- or comma-separated tables of one recording, with units in the header: `t_s  x_mm  force_n  taxel_0_n  …`. Read and written."""
 
-import csv
 import os
-import re
 from pathlib import Path
 
 import numpy as np
 
+from skin_models.errors import TableError
+from skin_models.tables import table as tables
+from skin_models.tables.order import in_order
 from skin_models.whole_file import whole_file
+from skin_models.words import counted
 from skin_testbed_driver.rig import RigError
 from skin_testbed_driver.rigs.replay import Recorded, Track
 
-_LENGTHS = {"mm": 1e-3, "um": 1e-6, "m": 1.0}
-
 
 def read_table(path: str | os.PathLike) -> Recorded:
-    """The recording in a table. Raises `RigError` naming the file and what is wrong with it."""
+    """The recording in a table, read as `fit` reads it. Raises `RigError` naming the file and what is wrong with it."""
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise RigError(f"cannot read the table {path}: {getattr(error, 'strerror', None) or 'it is not UTF-8 text'}") from error
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    if len(lines) < 3:
-        raise RigError(f"{path} needs a header and two or more rows")
-    rows = list(csv.reader(lines, delimiter="\t" if "\t" in lines[0] else ",", skipinitialspace=True))
-    try:
-        return _recorded(rows)
-    except RigError as error:
-        raise RigError(f"{path}: {error}") from error
+        return _recorded(str(path), tables.read_table(path))
+    except TableError as error:
+        raise RigError(str(error)) from error
 
 
 def write_table(path: str | os.PathLike, recorded: Recorded) -> int:
@@ -51,40 +43,36 @@ def write_table(path: str | os.PathLike, recorded: Recorded) -> int:
     return t.size
 
 
-def _recorded(rows: list[list[str]]) -> Recorded:
-    names = [name.strip().lower() for name in rows[0]]
-    if {len(row) for row in rows} != {len(names)}:
-        raise RigError("its rows differ in length from the header")
-    try:
-        values = np.array([[float(cell) if cell.strip() else np.nan for cell in row] for row in rows[1:]])
-    except ValueError as error:
-        raise RigError(f"something in it is no number: {error}") from error
-    t = _column(names, values, "t_s")
-    if (np.diff(t) <= 0.0).any():
-        raise RigError("its times do not grow")
-    return Recorded(Track(t, _depth(names, values)), Track(t, _column(names, values, "force_n")), Track(t, values[:, _taxels(names)]))
+def _recorded(path: str, table: tables.Table) -> Recorded:
+    """What a table holds, put in order. Raises `RigError` where something is missing that replaying needs."""
+    if table.t is None:
+        raise RigError(f"{path} has no time column: add t_s")
+    depth, force, taxels = (table.of(kind) for kind in ("depth", "force", "taxel"))
+    for rows, kind, example in ((depth, "depth", "x_mm"), (force, "force", "force_n")):
+        if not rows:
+            raise RigError(f"{path} has no {kind}: add {example}")
+    volts = next((c.name for c in table.columns if c.unit == "V"), None)
+    if volts:
+        raise RigError(f"{path}: {volts} is in volts: write newtons into it ({volts}_n), or leave it out")
+    order, notes = in_order(table.t, path)
+    rows = table.values if order is None else table.values[:, order]
+    t = table.t if order is None else table.t[order]
+    if t.size < 2:
+        raise RigError(f"{path} holds {counted(t.size, 'usable sample')}: two or more are needed{_why(notes)}")
+    _check_sizes(path, table, depth[0])
+    depth, force = (rows[[c.kind == kind for c in table.columns]][0] for kind in ("depth", "force"))
+    taxels = rows[[c.kind == "taxel" for c in table.columns]].T
+    warnings = (*table.warnings, *tables.renumbered(table.columns), *notes)
+    return Recorded(Track(t, depth), Track(t, force), Track(t, taxels), warnings)
 
 
-def _taxels(names: list[str]) -> list[int]:
-    """The columns of the taxels, in the order of their numbers."""
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice:
-        raise RigError(f"it has two columns {twice}")
-    numbers = {i: re.fullmatch(r"taxel_(\d+)_n", name) for i, name in enumerate(names) if name.startswith("taxel")}
-    strange = next((names[i] for i, number in numbers.items() if number is None), None)
-    if strange:
-        raise RigError(f"column {strange} is not understood: a taxel's is taxel_0_n, in newtons")
-    return sorted(numbers, key=lambda i: int(numbers[i][1]))
+def _why(notes: tuple[str, ...]) -> str:
+    return f" ({'; '.join(notes)})" if notes else ""
 
 
-def _depth(names: list[str], values: np.ndarray) -> np.ndarray:
-    for unit, factor in _LENGTHS.items():
-        if f"x_{unit}" in names:
-            return factor * values[:, names.index(f"x_{unit}")]
-    raise RigError("it has no column x_mm (or x_m, x_um)")
-
-
-def _column(names: list[str], values: np.ndarray, name: str) -> np.ndarray:
-    if name not in names:
-        raise RigError(f"it has no column {name}")
-    return values[:, names.index(name)]
+def _check_sizes(path: str, table: tables.Table, depth: np.ndarray) -> None:
+    """Refuse what only a wrong unit can give. Raises `TableError`."""
+    tables.check_span(path, np.nanmax(depth) - np.nanmin(depth))
+    for c, row in zip(table.columns, table.values, strict=True):
+        if c.kind != "depth":
+            tables.check_load(path, c.name, np.abs(row[~np.isnan(row)]).max(initial=0.0))

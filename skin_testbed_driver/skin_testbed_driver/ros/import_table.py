@@ -2,8 +2,8 @@
 
     ros2 run skin_testbed_driver import_table session_1.tsv --out session_1
 
-The table is tab- or comma-delimited with the columns t_s, x_mm, force_n, taxel_0_n, …, as export_table writes it. Stamps begin at
---start (seconds since 1970; default: when the table was written). Exit status 2 where that is not possible.
+The table has the columns t_s, x_mm, force_n, taxel_0_n, …, as export_table writes it, and is read as `fit` reads it; what was mended in
+it is said. Stamps begin at --start (seconds since 1970; default: when the table was written). Exit status 2 where that is not possible.
 """
 
 import argparse
@@ -27,8 +27,8 @@ from skin_testbed_driver.ros.packed import Packed
 _UNKNOWN = 2  # TaxelArray.STALE: the table has no number there
 
 
-def import_table(table: Path, directory: Path, start: float | None = None) -> int:
-    """Write the bag of a table and return its number of samples. Raises `RigError`, or `BagError` where `directory` exists."""
+def import_table(table: Path, directory: Path, start: float | None = None) -> Recorded:
+    """Write the bag of a table and return what it held. Raises `RigError`, or `BagError` where `directory` exists."""
     recorded = read_table(table)
     begin = round(1e9 * (table.stat().st_mtime if start is None else start))
     bag = BagWriter(directory)
@@ -40,7 +40,7 @@ def import_table(table: Path, directory: Path, start: float | None = None) -> in
     except BaseException:
         shutil.rmtree(directory, ignore_errors=True)  # nothing half written
         raise
-    return recorded.depth.t.size
+    return recorded
 
 
 def _write(bag: BagWriter, recorded: Recorded, begin: int) -> None:
@@ -68,16 +68,18 @@ def _messages(count: int) -> tuple[Packed, Packed, Packed]:
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(prog="import_table", description="Make a rosbag2 recording of a table.")
-    parser.add_argument("table", type=Path, help="tab- or comma-delimited: t_s, x_mm, force_n, taxel_0_n, …")
+    parser.add_argument("table", type=Path, help="t_s, x_mm, force_n, taxel_0_n, …, with tabs, commas or semicolons between")
     parser.add_argument("--out", type=Path, required=True, help="directory of the recording, must not exist")
     parser.add_argument("--start", type=float, help="stamp of the first row, s since 1970; default: when the table was written")
     chosen = parser.parse_args()
     try:
-        samples = import_table(chosen.table, chosen.out, chosen.start)
+        recorded = import_table(chosen.table, chosen.out, chosen.start)
     except SkinError as error:
         print(f"import_table: {' '.join(str(error).split())}", file=sys.stderr)
         sys.exit(2)
-    print(f"{chosen.out}: {samples} samples")
+    for warning in recorded.warnings:
+        print(f"import_table: {chosen.table}: {warning}", file=sys.stderr)
+    print(f"{chosen.out}: {recorded.depth.t.size} samples")
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from skin_models.model import Model
 from skin_models.model_file import load_model
 from skin_models.ros.parameters import setting
 from skin_models.spread.noted import kernel_of
+from skin_models.tables.text import SUFFIXES
 from skin_testbed_driver.calibration import Calibration, load_calibration, thesis_calibration
 from skin_testbed_driver.rig import Rig
 from skin_testbed_driver.rigs.own import is_own_rig, own_rig
@@ -133,10 +134,12 @@ class RigSettings:
     def _replay(self, node: Node) -> Rig:
         if not self.recording:
             raise SkinError("rig:=replay needs the parameter recording")
-        if self.recording.endswith((".csv", ".tsv", ".txt")):
+        if Path(self.recording).suffix.lower() in SUFFIXES:
             recorded, layout = read_table(self.recording), None
         else:
             recorded, layout = read_bag(self.recording)
+        for warning in recorded.warnings:
+            node.get_logger().warning(f"{self.recording}: {warning}")
         return ReplayRig(recorded, layout or self._layout(max(recorded.taxels.values.shape[1], 1)), loop=self.loop)
 
     def _topics(self, node: Node) -> Rig:

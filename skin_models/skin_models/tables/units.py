@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from skin_ident.recordings.errors import RecordingError
+from skin_models.errors import TableError
 
 TIME = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
@@ -29,7 +29,7 @@ class Column:
 
 
 def column(header: str) -> Column:
-    """What a header says. Raises `RecordingError` where the unit is missing or not one of that quantity."""
+    """What a header says. Raises `TableError` where the unit is missing or not one of that quantity."""
     text = header.strip().strip('"').lower().replace("μ", "µ")
     name, unit = _split(text)
     kind = _kind(name)
@@ -37,10 +37,10 @@ def column(header: str) -> Column:
         return Column(kind, name, "V", VOLTAGE[unit])
     if kind == "taxel" and not name.startswith("taxel") and unit not in FORCE:
         known = "t_s, x_mm, force_n, taxel_0_n, taxel_1_n; columns in volts (ai0_V) are taken as uncalibrated taxels"
-        raise RecordingError(f"column {header.strip()!r} is not known; a header reads {known}")
+        raise TableError(f"column {header.strip()!r} is not known; a header reads {known}")
     if unit not in UNITS[kind]:
         what = f"has no unit: write it into the header, as in {name}_{_example(kind)}" if not unit else f"is in {unit!r}"
-        raise RecordingError(f"column {header.strip()!r} {what}; known for {kind} are {', '.join(UNITS[kind])}")
+        raise TableError(f"column {header.strip()!r} {what}; known for {kind} are {', '.join(UNITS[kind])}")
     return Column(kind, name, {"time": "s", "depth": "m"}.get(kind, "N"), UNITS[kind][unit])
 
 

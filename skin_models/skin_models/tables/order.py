@@ -1,0 +1,45 @@
+"""Stamps that grow: late samples are sorted in, repeats dropped, all of it counted; a clock that steps back is refused."""
+
+import numpy as np
+
+from skin_models.errors import TableError
+from skin_models.words import counted
+
+OFTEN = 0.01  # of all samples: steps back that are no single event
+LATE_RUN = 3  # so many samples in a row behind the newest one are no longer "late" but a clock that stepped back
+
+
+def in_order(t: np.ndarray, name: str) -> tuple[np.ndarray | None, tuple[str, ...]]:
+    """Which samples of the stamps t (N,), s or whole ns, in which order have finite ones that grow, and what was mended.
+
+    None stands for all of them as they are. Raises `TableError` where the clock steps back.
+    """
+    finite = np.isfinite(t)
+    if finite.all() and np.all(t[1:] > t[:-1]):
+        return None, ()
+    index, notes = np.flatnonzero(finite), []
+    if index.size < t.size:
+        notes.append(f"{counted(t.size - index.size, 'sample')} without a time stamp dropped")
+    late = _late(t[index], name)
+    if late:
+        index = index[np.argsort(t[index], kind="stable")]
+        notes.append(f"{counted(late, 'sample')} out of order sorted by time")
+    repeated = np.concatenate([np.zeros(min(index.size, 1), bool), np.diff(t[index]) <= 0])
+    if repeated.any():
+        index = index[~repeated]
+        notes.append(f"{counted(repeated.sum(), 'repeated time stamp')} dropped, the first sample of each kept")
+    return index, tuple(notes)
+
+
+def _late(t: np.ndarray, name: str) -> int:
+    """How many samples lie behind an earlier one. Raises `TableError` where that is more than lateness."""
+    newest = np.maximum.accumulate(t)
+    behind = t < newest
+    if behind.size <= LATE_RUN or not np.lib.stride_tricks.sliding_window_view(behind, LATE_RUN + 1).all(axis=1).any():
+        return int(behind.sum())
+    first = int(np.argmax(behind))
+    if np.sum(np.diff(t) < 0) > max(3, OFTEN * t.size):
+        share = f"{100 * behind.mean():.0f} % of its stamps lie behind earlier ones"
+        raise TableError(f"{name}: {share}: two publishers on one topic, or a clock that jumps to and fro")
+    back = (newest[first] - t[first]) * (1e-9 if np.issubdtype(t.dtype, np.integer) else 1.0)
+    raise TableError(f"{name}: the clock steps back by {back:.3g} s at sample {first}; cut it there, or repair its stamps")
