@@ -77,3 +77,16 @@ def test_text_among_numbers_is_quoted_not_called_missing(tmp_path):
     assert all("1 cell of column x_mm with text ('one')" in " ".join(r.warnings) for r in both(tmp_path / "a.csv"))
     (tmp_path / "a.csv").write_text(REFUSED["text in a column"])
     assert all("'one' in column x_mm is no number" in said for said in both(tmp_path / "a.csv"))
+
+
+@pytest.mark.parametrize("taxels", [0, 1])
+def test_what_was_imported_is_what_the_table_holds(tmp_path, taxels):
+    pytest.importorskip("skin_testbed_msgs")
+    from skin_testbed_driver.ros.import_table import import_table
+
+    text = table() if taxels else "\n".join(line.rsplit(",", 1)[0] for line in table().splitlines())
+    (tmp_path / "a.csv").write_text(text)
+    import_table(tmp_path / "a.csv", tmp_path / "bag", start=1.7e9)
+    (before,), (after,) = load(tmp_path / "a.csv"), load(tmp_path / "bag")
+    assert after.kind == before.kind and len(after.taxels) == taxels
+    assert np.allclose(after.depth, before.depth, atol=1e-12) and np.allclose(after.force, before.force) and not after.warnings

@@ -1,4 +1,4 @@
-"""Make a recording of a table: a rosbag2 directory with `encoder`, `force` and `taxels`, that replays and opens like any other.
+"""Make a recording of a table: a rosbag2 directory with `encoder`, `force` and what `taxels` there are, that replays like any other.
 
     ros2 run skin_testbed_driver import_table session_1.tsv --out session_1
 
@@ -44,18 +44,23 @@ def import_table(table: Path, directory: Path, start: float | None = None) -> Re
 
 
 def _write(bag: BagWriter, recorded: Recorded, begin: int) -> None:
-    kinds = {"/encoder": JointState, "/force": WrenchStamped, "/taxels": TaxelArray}
+    count = recorded.taxels.values.shape[1]
+    kinds = {"/encoder": JointState, "/force": WrenchStamped}
+    if count:  # arrays of no taxel would say that there is a skin which feels nothing
+        kinds["/taxels"] = TaxelArray
     types = {name: f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}" for name, kind in kinds.items()}
-    encoder, force, taxels = (bag.add_topic(TopicInfo(name, kind, definition(kind))) for name, kind in types.items())
-    encoder_bytes, force_bytes, taxels_bytes = _messages(recorded.taxels.values.shape[1])
+    topics = [bag.add_topic(TopicInfo(name, kind, definition(kind))) for name, kind in types.items()]
+    encoder_bytes, force_bytes, taxels_bytes = _messages(count)
     rows = zip(recorded.depth.t, recorded.depth.values, recorded.force.values, recorded.taxels.values, strict=True)
     for t, depth, load, sensed in rows:
         now = begin + round(1e9 * (t - recorded.depth.t[0]))
         stamp = divmod(now, 10**9)
+        encoder_bytes.with_stamp(stamp).set_number("position", depth)
+        force_bytes.with_stamp(stamp).set_number("wrench.force.z", -load)
         status = np.where(np.isnan(sensed), _UNKNOWN, 0).astype(np.uint8)
-        bag.write(encoder, encoder_bytes.with_stamp(stamp).set_number("position", depth).data(), now, now)
-        bag.write(force, force_bytes.with_stamp(stamp).set_number("wrench.force.z", -load).data(), now, now)
-        bag.write(taxels, taxels_bytes.with_stamp(stamp).set("force", sensed).set("status", status).data(), now, now)
+        taxels_bytes.with_stamp(stamp).set("force", sensed).set("status", status)
+        for topic, message in zip(topics, (encoder_bytes, force_bytes, taxels_bytes), strict=False):
+            bag.write(topic, message.data(), now, now)
 
 
 def _messages(count: int) -> tuple[Packed, Packed, Packed]:
