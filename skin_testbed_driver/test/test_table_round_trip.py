@@ -1,9 +1,11 @@
 """A recording leaves as a tab-delimited table and comes back as a bag, without loss."""
 
+import io
 import subprocess
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 
 from skin_testbed_driver.rig import RigError
 from skin_testbed_driver.rigs.replay import Recorded, Track
@@ -91,6 +93,43 @@ def test_what_cannot_be_used_ends_with_one_sentence_and_status_2(tmp_path):
         ended = run(name, *arguments)
         assert ended.returncode == 2 and len(ended.stderr.strip().splitlines()) == 1, ended
     assert not (tmp_path / "b").exists()
+
+
+def test_a_file_that_is_cut_off_says_how_much_of_it_was_read(tmp_path):
+    pytest.importorskip("skin_testbed_msgs")
+    write_table(tmp_path / "run.tsv", recorded(n=20000))
+    assert run("import_table", tmp_path / "run.tsv", "--out", tmp_path / "bag").returncode == 0
+    data = (tmp_path / "bag" / "bag_0.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(data[: int(0.6 * len(data))])
+    exported = run("export_table", tmp_path / "cut.mcap", "--out", tmp_path / "cut.tsv")
+    rows = len((tmp_path / "cut.tsv").read_text().splitlines()) - 1
+    assert exported.returncode == 0 and 5000 < rows < 20000 and len(exported.stderr.splitlines()) == 1
+    assert f"cut.mcap is cut off: {rows} samples of encoder" in exported.stderr and f"up to {0.01 * (rows - 1):.2f} s" in exported.stderr
+    (tmp_path / "cut.mcap").write_bytes(data[:100])
+    refused = run("export_table", tmp_path / "cut.mcap", "--out", tmp_path / "none.tsv")
+    assert refused.returncode == 2 and "cut off" in refused.stderr and not (tmp_path / "none.tsv").exists()
+
+
+def test_a_damaged_chunk_is_left_out_and_said(tmp_path):
+    pytest.importorskip("skin_testbed_msgs")
+    write_table(tmp_path / "run.tsv", recorded(n=20000))
+    assert run("import_table", tmp_path / "run.tsv", "--out", tmp_path / "bag").returncode == 0
+    file = tmp_path / "bag" / "bag_0.mcap"
+    data = bytearray(file.read_bytes())
+    chunk = make_reader(io.BytesIO(data)).get_summary().chunk_indexes[3]
+    data[chunk.chunk_start_offset + chunk.chunk_length // 2] ^= 0x10
+    file.write_bytes(data)
+    exported = run("export_table", tmp_path / "bag", "--out", tmp_path / "again.tsv")
+    assert exported.returncode == 0 and "1 damaged chunk" in exported.stderr, exported.stderr
+
+
+@pytest.mark.parametrize(("name", "says"), [("b_0.db3", "ros2 bag convert"), ("b_0.mcap", "is empty"), ("b.txt", "no recording at")])
+def test_a_bag_of_another_kind_is_refused_in_a_sentence(tmp_path, name, says):
+    pytest.importorskip("skin_testbed_msgs")
+    (tmp_path / "bag").mkdir()
+    (tmp_path / "bag" / name).write_bytes(b"")
+    ended = run("export_table", tmp_path / "bag", "--out", tmp_path / "out.tsv")
+    assert ended.returncode == 2 and says in ended.stderr and ended.stderr.count("\n") == 1
 
 
 def test_a_recorded_session_is_exported_sample_by_sample(graph, tmp_path):

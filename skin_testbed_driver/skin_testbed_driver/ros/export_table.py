@@ -4,7 +4,8 @@
     ros2 run skin_testbed_driver export_table session_1 --out first.tsv
 
 Columns: t_s, x_mm, force_n, taxel_0_n, …; compression is positive, what is not known is nan. `fit`, `diagnose` and rig:=replay read it,
-and import_table makes a bag of it again. The recording's rig.yaml comes with it. Exit status 2 where that is not possible.
+and import_table makes a bag of it again. The recording's rig.yaml comes with it. Of a file that is cut off, what is there is written, and
+how much that is is said. Exit status 2 where nothing can be written.
 """
 
 import argparse
@@ -14,22 +15,23 @@ from pathlib import Path
 
 from skin_models.errors import SkinError
 from skin_testbed_driver.rig import RigError
+from skin_testbed_driver.rigs.replay import Recorded
 from skin_testbed_driver.rigs.table import write_table
 from skin_testbed_driver.ros.replayed_bag import read_bag
 
 
-def export_table(recording: Path, out: Path) -> int:
-    """Write the table of a bag and return its number of rows. Raises `RigError`; an existing file is not overwritten, and a table is not
+def export_table(recording: Path, out: Path) -> Recorded:
+    """Write the table of a bag and return what it held. Raises `RigError`; an existing file is not overwritten, and a table is not
     put beside the rig.yaml of another rig."""
     rig = (recording if recording.is_dir() else recording.parent) / "rig.yaml"
     beside = out.parent / "rig.yaml"
     if rig.is_file() and beside.is_file() and rig.read_bytes() != beside.read_bytes():
         raise RigError(f"{beside} is of another rig than {rig}: write the table into a folder of its own")
     recorded, _ = read_bag(str(recording))
-    rows = write_table(out, recorded)
+    write_table(out, recorded)
     if rig.is_file() and not beside.exists():
         shutil.copyfile(rig, beside)
-    return rows
+    return recorded
 
 
 def main() -> None:
@@ -40,15 +42,17 @@ def main() -> None:
     chosen = parser.parse_args()
     out = chosen.out or Path(chosen.recording.resolve().with_suffix("").name + ".tsv")
     try:
-        rows = export_table(chosen.recording, out)
+        recorded = export_table(chosen.recording, out)
     except SkinError as error:
         sys.exit(_complain("export_table", error))
     except OSError as error:
         sys.exit(_complain("export_table", RigError(f"cannot write {out}: {error.strerror}")))
-    print(f"{out}: {rows} samples")
+    for warning in recorded.warnings:
+        _complain("export_table", warning)
+    print(f"{out}: {recorded.depth.t.size} samples")
 
 
-def _complain(program: str, error: Exception) -> int:
+def _complain(program: str, error: Exception | str) -> int:
     print(f"{program}: {' '.join(str(error).split())}", file=sys.stderr)
     return 2
 

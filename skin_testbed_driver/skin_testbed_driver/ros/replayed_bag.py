@@ -1,27 +1,35 @@
 """A rosbag2 recording (MCAP) as the replay rig wants it: depth, force, taxels and layout, from our topics or from remapped ones."""
 
-import importlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.stream_reader import StreamReader
+from geometry_msgs.msg import WrenchStamped
+from mcap.records import Channel, Message, Schema
 from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
+from skin_testbed_msgs.msg import TaxelArray, TaxelLayout
 
 from skin_models.layout import Layout
 from skin_models.ros.taxel_output import layout_of
+from skin_models.words import counted
+from skin_testbed_driver.bag_reading import records
 from skin_testbed_driver.rig import RigError
 from skin_testbed_driver.rigs.replay import Recorded, Track
 from skin_testbed_driver.ros import JOINT
 
+_TYPES = {"encoder": JointState, "force": WrenchStamped, "taxels": TaxelArray, "taxel_layout": TaxelLayout}
+
 
 def read_bag(path: str) -> tuple[Recorded, Layout | None]:
-    """The recording in a rosbag2 directory or .mcap file. Raises `RigError` when it lacks `encoder` or `force`."""
+    """The recording in a rosbag2 directory or .mcap file. Raises `RigError` when it lacks `encoder` or `force`.
+
+    Of a file that is cut off or damaged, what can be read is there; the warnings say how much that is.
+    """
     found: dict[str, list[tuple[int, Any]]] = {"encoder": [], "force": [], "taxels": []}
-    layout = None
-    for role, message in _messages(path):
+    layout, faults = None, []
+    for role, message in _messages(path, faults):
         if role == "taxel_layout":
             layout = layout_of(message)
         elif role == "encoder" and JOINT in message.name:
@@ -32,42 +40,53 @@ def read_bag(path: str) -> tuple[Recorded, Layout | None]:
             found[role].append((_nanoseconds(message), np.array(message.force)))
     for role in ("encoder", "force"):
         if not found[role]:
-            raise RigError(f"{path} holds no topic {role}: nothing to replay")
+            why = f" ({'; '.join(faults)})" if faults else ""
+            raise RigError(f"{path} holds no topic {role}: nothing to replay{why}")
     start = found["encoder"][0][0]
-    tracks = [_track(found[role], start) for role in ("encoder", "force", "taxels") if found[role]]
-    return Recorded(*tracks), layout
+    tracks = {role: _track(samples, start) for role, samples in found.items() if samples}
+    return Recorded(*tracks.values(), warnings=tuple(f"{fault}: {_read(tracks)}" for fault in faults)), layout
 
 
-def _messages(path: str) -> Iterator[tuple[str, Any]]:
-    """Messages of the topics that matter, each with the last part of its name. A truncated file gives what it holds."""
-    schemas, channels = {}, {}
+def _read(tracks: dict[str, Track]) -> str:
+    """How much of a recording that is not whole there is."""
+    counts = [f"{counted(track.t.size, 'sample')} of {role}" for role, track in tracks.items()]
+    lacking = "" if "taxels" in tracks else ", and no taxels,"
+    return f"{', '.join(counts)}{lacking} up to {tracks['encoder'].t[-1]:.2f} s were read; what is lost cannot be told"
+
+
+def _messages(path: str, faults: list[str]) -> Iterator[tuple[str, Any]]:
+    """Messages of the topics that matter, each with the last part of its name. What a damaged file has lost is added to `faults`."""
     for file in _files(path):
-        try:
-            with file.open("rb") as stream:
-                for record in StreamReader(stream).records:
-                    kind = type(record).__name__
-                    if kind == "Schema":
-                        schemas[record.id] = record.name
-                    elif kind == "Channel":
-                        channels[record.id] = (record.topic.rsplit("/", 1)[-1], schemas[record.schema_id])
-                    elif kind == "Message" and channels[record.channel_id][0] in ("encoder", "force", "taxels", "taxel_layout"):
-                        role, name = channels[record.channel_id]
-                        yield role, deserialize_message(record.data, _class(name))
-        except (McapError, OSError) as error:
-            if not channels:
-                raise RigError(f"{file} is no MCAP file that can be read: {error}") from error
+        schemas, channels = {}, {}
+        for record in records(file, faults):
+            if isinstance(record, Schema):
+                schemas[record.id] = record.name
+            elif isinstance(record, Channel):
+                role = record.topic.rsplit("/", 1)[-1]
+                if role in _TYPES:
+                    channels[record.id] = role, _class(record.topic, role, schemas.get(record.schema_id, "unknown"))
+            elif isinstance(record, Message) and record.channel_id in channels:
+                role, kind = channels[record.channel_id]
+                yield role, deserialize_message(record.data, kind)
 
 
 def _files(path: str) -> list[Path]:
-    files = sorted(Path(path).glob("*.mcap")) if Path(path).is_dir() else [Path(path)]
+    if Path(path).is_dir() and not (files := sorted(Path(path).glob("*.mcap"))) and any(Path(path).glob("*.db3*")):
+        raise RigError(f"{path} is a bag in sqlite3, and MCAP is replayed: make one of it with `ros2 bag convert`")
+    if not Path(path).is_dir():
+        files = [Path(path)]
     if not files or not files[0].is_file():
         raise RigError(f"there is no recording at {path}")
     return files
 
 
-def _class(name: str) -> type:
-    package, kind, message = name.split("/")
-    return getattr(importlib.import_module(f"{package}.{kind}"), message)
+def _class(topic: str, role: str, name: str) -> type:
+    """The type of a topic, which must be that of its role: a bag may be anybody's. Raises `RigError`."""
+    kind = _TYPES[role]
+    wanted = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
+    if name != wanted:
+        raise RigError(f"topic {topic} has type {name}, and {role} is replayed from {wanted}")
+    return kind
 
 
 def _nanoseconds(message: Any) -> int:
