@@ -77,9 +77,17 @@ def test_a_campaign_resumes_and_writes_its_tables(tmp_path, capsys):
     ("arguments", "word"),
     [(["--causes", "witchcraft"], "is no cause"), (["--protocol", "array_walk"], "motions alone"), (["--seeds", "0"], "--seeds"),
      (["--causes", "spread_width"], "cannot be hidden here"), (["--sizes", "0"], "positive"), (["--sizes", "nan"], "positive"),
-     (["--protocol", "x"], "no battery")],
+     (["--protocol", "x"], "no battery"), (["--causes", "lag", "lag"], "names lag twice"),
+     (["--sizes", "1", "2", "1.0"], "names 1.0 twice")],
 )  # fmt: skip
 def test_a_bad_call(tmp_path, capsys, arguments, word):
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
     said = capsys.readouterr().err
     assert word in said and "Traceback" not in said and not (tmp_path / "out").exists()
+
+
+def test_a_campaign_in_which_nothing_could_be_hidden_says_why(tmp_path, capsys):
+    call = ["--causes", "lag", "--sizes", "1e300", "--seeds", "1", "--protocol", "demo", "--jobs", "1", "--out", str(tmp_path)]
+    assert main(call) == 2
+    assert "none of the 1 cases could be played, the first because" in capsys.readouterr().err
+    assert [p.name for p in tmp_path.iterdir()] == [RESULTS]

@@ -56,10 +56,15 @@ def test_a_layout_file_is_taken(tmp_path, capsys):
         (["--thickness-mm", "6"], "--estimate-spread"),
         (["--thickness-mm", "40", "--estimate-spread"], "too far"),
         (["--thickness-mm", "nan", "--estimate-spread"], "too far"),
-        (["--pitch-mm", "0"], "pitch must be"),
+        (["--pitch-mm", "0"], "--pitch-mm must lie"),
         (["--columns", "0"], "at least one taxel"),
-        (["--noise-n", "0"], "noise"),
-        (["--force-n", "-1"], "positive force"),
+        (["--columns", "-1", "--rows", "-1"], "at least one taxel"),
+        (["--columns", "100000", "--rows", "100000"], "more than the 2500"),
+        (["--noise-n", "0"], "--noise-n must lie"),
+        (["--noise-n", "nan"], "--noise-n must lie"),
+        (["--force-n", "-1"], "--force-n must lie"),
+        (["--force-n", "1e300"], "--force-n must lie"),
+        (["--pitch-mm", "1e300"], "--pitch-mm must lie"),
         (["--layout", "missing.csv"], "cannot read"),
     ],
 )
@@ -71,6 +76,12 @@ def test_what_makes_no_sense_is_refused_in_a_sentence(tmp_path, capsys, argument
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path, capsys):
     assert main([str(tmp_path / "no" / "a.png")]) == 2 and "cannot be written" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["a.xyz", "a", "a.png.txt", "", "."])
+def test_a_name_that_no_picture_has_is_refused(tmp_path, monkeypatch, capsys, name):
+    monkeypatch.chdir(tmp_path)
+    assert main([name]) == 2 and "ends in .png" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
 def test_areas_are_those_of_the_taxels():

@@ -13,6 +13,8 @@ from typing import Any
 
 import yaml
 
+from skin_models.errors import ModelError
+from skin_models.strict_yaml import load_yaml
 from skin_motion_profiles.errors import ProfileError
 
 _PACKAGE = "skin_motion_profiles"
@@ -55,7 +57,9 @@ def read_mapping(path: Path) -> dict[str, Any]:
 def parse(text: str, label: str) -> Any:
     """YAML as plain objects. Raises `ProfileError` naming `label` and the place of the mistake."""
     try:
-        return yaml.safe_load(text)
+        return load_yaml(text)
+    except ModelError as error:
+        raise ProfileError(f"{label}: {error}") from error
     except yaml.YAMLError as error:
         raise ProfileError(f"{label} is not YAML: {' '.join(str(error).split())}") from error
 

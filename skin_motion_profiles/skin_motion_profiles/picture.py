@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from skin_models.whole_file import whole_file
 from skin_motion_profiles.catalogue import entries, entry_from_dict
 from skin_motion_profiles.entry import Entry
 from skin_motion_profiles.errors import ProfileError
@@ -46,7 +47,8 @@ def draw(named: Mapping[str, Entry], path: Path) -> None:
         _panel(axes, name, motions_of(entry, 0.0))
         if len(named) == 1:
             _name_parts(axes, motions_of(entry, 0.0))
-    figure.savefig(path, dpi=110)
+    with whole_file(path) as partial:
+        figure.savefig(partial, dpi=110, format=path.suffix[1:])
 
 
 def _panel(axes: Any, name: str, motions: list[Motion]) -> None:

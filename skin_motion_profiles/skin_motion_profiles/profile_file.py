@@ -38,7 +38,7 @@ def entry_from_words(source: str, settings: Iterable[str] = ()) -> Entry:
 
     Raises `ProfileError` with one sentence.
     """
-    content, values = _content(source), dict(_setting(word) for word in settings)
+    content, values = _content(source), _settings(settings)
     if content.get("type") == "battery":
         return entry_from_dict(with_arguments(content, values))
     return entry_from_dict({**content, **values})
@@ -59,6 +59,16 @@ def _content(source: str) -> dict[str, Any]:
     near = get_close_matches(source, [*entries(), *battery_names()], n=1)
     hint = f"did you mean {near[0]}?" if near else "execute --list shows what there is"
     raise ProfileError(f"{source!r} is no profile, no battery and no YAML file: {hint}")
+
+
+def _settings(words: Iterable[str]) -> dict[str, Any]:
+    """Settings by their key; one that stands twice is a slip, whichever of them was meant."""
+    values: dict[str, Any] = {}
+    for key, value in map(_setting, words):
+        if key in values:
+            raise ProfileError(f"{key} is given twice, as {values[key]} and as {value}: leave one out")
+        values[key] = value
+    return values
 
 
 def _setting(word: str) -> tuple[str, Any]:

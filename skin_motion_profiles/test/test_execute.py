@@ -93,6 +93,7 @@ BAD = {
     ("{type: sin}",): "did you mean sine",
     ("demo", "depth=1"): "has no argument 'depth'",
     ("demo", "deep"): "write key=value",
+    ("step", "depth_mm=1", "depth_mm=2"): "depth_mm is given twice",
     ("demo", "--max-force", "-1"): "must be a positive number of newtons",
     ("demo", "--max-force", "much"): "invalid",
     ("--describe", "sinne"): "did you mean sine",

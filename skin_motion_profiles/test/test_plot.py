@@ -28,6 +28,11 @@ def test_a_picture_is_written(arguments, tmp_path):
     (["demo", "--out", "demo.txt"], "must end in .png"),
     (["demo", "--out", "nowhere/demo.png"], "cannot write nowhere/demo.png"),
     (["{type: zero}"], "zero does not move"),
+    (["step", "depth_mm=1", "depth_mm=2"], "depth_mm is given twice, as 1 and as 2"),
+    (["{type: step, depth_mm: 1, depth_mm: 2}"], "'depth_mm' stands twice"),
+    (["demo", "seed=1", "depth_mm=1", "seed=1"], "seed is given twice"),
+    ([""], "no YAML file"),
+    (["demo", "--out", ""], "must end in .png"),
 ])  # fmt: skip
 def test_what_cannot_be_drawn_is_2_and_one_sentence(arguments, sentence, tmp_path):
     ran = plot(*arguments, cwd=tmp_path)

@@ -49,9 +49,13 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 
 def _report(results: list[dict[str, Any]], folder: Path) -> None:
+    """Raises `HidingError` where there is nothing to count."""
     from skin_ident.hiding.picture import save_confusion  # drawing costs a second of start-up that a refusal should not
     from skin_ident.hiding.tally import summary, write_tables
 
+    reasons = [r.get("skipped") or r.get("failed") for r in results]
+    if all(reasons):
+        raise HidingError(f"none of the {len(results)} cases could be played, the first because {reasons[0]}")
     print(summary(results))
     write_tables(results, folder)
     save_confusion(results, folder / "confusion.png")
@@ -82,6 +86,10 @@ def _wanted(chosen: argparse.Namespace) -> list[Case]:
     for name, value, most in (("--seeds", chosen.seeds, 100_000), ("--jobs", chosen.jobs, 256), ("--taxels", chosen.taxels, len(SHARES))):
         if not 1 <= value <= most:
             raise HidingError(f"{name} must lie between 1 and {most}, not {value}")
+    for name, values in (("--causes", chosen.causes or []), ("--sizes", chosen.sizes)):
+        twice = next((value for value in values if values.count(value) > 1), None)
+        if twice is not None:  # a case that is counted twice is evidence for nothing
+            raise HidingError(f"{name} names {twice} twice: name it once, and ask for more --seeds to have more cases of it")
     wrong = [size for size in chosen.sizes if not 0.0 < size < math.inf]
     if wrong:
         raise HidingError(f"--sizes are in units of the noise and positive, not {wrong[0]:g}")

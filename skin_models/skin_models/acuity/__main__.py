@@ -5,8 +5,6 @@ import math
 import sys
 from pathlib import Path
 
-import numpy as np
-
 from skin_models.acuity.patch import Patch, looked_at
 from skin_models.errors import SkinError
 from skin_models.layout import A201_AREA, Layout, grid
@@ -16,6 +14,7 @@ from skin_models.spread.kernels import Gaussian
 from skin_models.spread_by_thickness import silicone_spread
 from skin_models.whole_file import whole_file
 
+MOST = 2500  # taxels: each is looked at from every place of the map, and more would fill a memory
 CONVERTER_NOISE = 4.88e-3 * 11.75 / math.sqrt(12.0)  # N: a 12 bit converter at the mean slope of the thesis's Table 3-1
 
 
@@ -23,19 +22,32 @@ def main(arguments: list[str] | None = None) -> int:
     """Draw the picture and say its numbers. Returns the exit status: 2 for what cannot be designed or written."""
     given = _parser().parse_args(arguments)
     try:
+        _check_out(given.out)
         patch = _patch(given)
-        if not given.out.parent.is_dir() or given.out.is_dir():
-            raise SkinError(f"{given.out} cannot be written: name a file in a folder that exists")
         print(looked_at(patch).sentence())
         from skin_models.acuity.drawing import png  # matplotlib: not before the arguments are known to be right
 
         with whole_file(given.out) as partial:
             partial.write_bytes(png(patch))
-    except (SkinError, OSError) as error:
-        print(f"skin_acuity: {error}", file=sys.stderr)
-        return 2
+    except SkinError as error:
+        return _complain(str(error))
+    except OSError as error:
+        return _complain(f"{given.out} cannot be written: {error.strerror}")
     print(f"wrote {given.out}")
     return 0
+
+
+def _complain(sentence: str) -> int:
+    print(f"skin_acuity: {sentence}", file=sys.stderr)
+    return 2
+
+
+def _check_out(out: Path) -> None:
+    """Refuse a name that no picture can have. Raises `SkinError`."""
+    if out.suffix.lower() != ".png":
+        raise SkinError(f"the picture is a PNG: give it a name that ends in .png, not {str(out)!r}")
+    if not out.parent.is_dir() or out.is_dir():
+        raise SkinError(f"{out} cannot be written: name a file in a folder that exists")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -53,6 +65,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _patch(given: argparse.Namespace) -> Patch:
+    _check_sizes(given)
     thickness = 1e-3 * given.thickness_mm
     if not given.estimate_spread and not math.isclose(given.thickness_mm, 4.0):
         raise SkinError(f"the spread was measured at 4 mm, not at {given.thickness_mm:g} mm: pass --estimate-spread for an estimate")
@@ -62,11 +75,27 @@ def _patch(given: argparse.Namespace) -> Patch:
     return Patch(_layout(given), Gaussian(width=width.value), given.noise_n, given.force_n, share, name)
 
 
+def _check_sizes(given: argparse.Namespace) -> None:
+    """Refuse what no skin is, before it overflows. Raises `SkinError`."""
+    for name, value, unit, low, high in (
+        ("--force-n", given.force_n, "N", 1e-6, 1e6),
+        ("--noise-n", given.noise_n, "N", 1e-9, 1e6),
+        ("--pitch-mm", given.pitch_mm, "mm", 1e-3, 1e6),
+    ):
+        if not low <= value <= high:
+            raise SkinError(f"{name} must lie between {low:g} and {high:g} {unit}, not {value:g}")
+    if given.layout is None and given.columns * given.rows > MOST:
+        raise SkinError(f"{given.columns} x {given.rows} taxels are more than the {MOST} of one picture: draw a part of the skin")
+
+
 def _layout(given: argparse.Namespace) -> Layout:
     if given.layout is not None:
-        return load_layout(given.layout)
+        layout = load_layout(given.layout)
+        if len(layout) > MOST:
+            raise SkinError(f"{given.layout} has {len(layout)} taxels, more than the {MOST} of one picture: draw a part of the skin")
+        return layout
     pitch = 1e-3 * given.pitch_mm
-    return grid(given.columns, given.rows, pitch, min(A201_AREA, pitch**2) if np.isfinite(pitch) and pitch > 0.0 else None)
+    return grid(given.columns, given.rows, pitch, min(A201_AREA, pitch**2))
 
 
 if __name__ == "__main__":

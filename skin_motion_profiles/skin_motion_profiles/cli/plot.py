@@ -24,8 +24,8 @@ def main() -> None:
     options = parser.parse_args()
     try:
         if options.out.suffix not in _ENDINGS:
-            raise SkinError(f"{options.out} must end in {', '.join(_ENDINGS)}")
-        entry = entry_from_words(options.profile, options.settings) if options.profile else None
+            raise SkinError(f"--out {options.out} must end in {', '.join(_ENDINGS)}")
+        entry = None if options.profile is None else entry_from_words(options.profile, options.settings)
         draw({entry.label: entry} if entry else gallery(), options.out)
     except OSError as error:
         sys.exit(_complain(f"cannot write {options.out}: {error.strerror}"))
