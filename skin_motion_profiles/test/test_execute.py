@@ -95,7 +95,8 @@ BAD = {
     ("demo", "deep"): "write key=value",
     ("step", "depth_mm=1", "depth_mm=2"): "depth_mm is given twice",
     ("demo", "--max-force", "-1"): "must be a positive number of newtons",
-    ("demo", "--max-force", "much"): "invalid",
+    ("demo", "--max-force", "much"): "'much' must be a positive number of newtons",
+    ("demo", "--max-force", "nan"): "'nan' must be a positive number of newtons",
     ("--describe", "sinne"): "did you mean sine",
     (): "required",
 }

@@ -10,6 +10,7 @@ waits for the plunger to retract or hold.
 """
 
 import argparse
+import contextlib
 import signal
 import sys
 import time
@@ -162,10 +163,10 @@ class Show(argparse.Action):
 
 
 def _force(word: str) -> float:
-    value = float(word)
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{word} must be a positive number of newtons")
-    return value
+    with contextlib.suppress(ValueError):  # of which argparse would make a message that names this function
+        if 0.0 < (value := float(word)) < float("inf"):
+            return value
+    raise argparse.ArgumentTypeError(f"{word!r} must be a positive number of newtons, such as 20")
 
 
 def _report(result: ExecuteProfile.Result) -> int:
