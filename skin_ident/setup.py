@@ -25,15 +25,15 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "ident_node = skin_ident.ros.ident_node:main",
-            "demo = skin_ident.ros.demo:main",
-            "fit = skin_ident.cli.fit:main",
-            "diagnose = skin_ident.cli.diagnose:main",
-            "report = skin_ident.cli.report:main",
-            "hide = skin_ident.cli.hide:main",
-            "challenge = skin_ident.cli.challenge:main",
-            "identify = skin_ident.cli.identify:main",
-            "thesis = skin_ident.cli.thesis:main",
+            "ident_node = skin_ident.executables:ident_node",
+            "demo = skin_ident.executables:demo",
+            "fit = skin_ident.executables:fit",
+            "diagnose = skin_ident.executables:diagnose",
+            "report = skin_ident.executables:report",
+            "hide = skin_ident.executables:hide",
+            "challenge = skin_ident.executables:challenge",
+            "identify = skin_ident.executables:identify",
+            "thesis = skin_ident.executables:thesis",
         ]
     },
 )

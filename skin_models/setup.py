@@ -25,10 +25,10 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "skin_node = skin_models.ros.skin_node:main",
-            "mujoco_finger = skin_models.ros.mujoco_finger:main",
-            "effects_gallery = skin_models.gallery.__main__:main",
-            "skin_acuity = skin_models.acuity.__main__:main",
+            "skin_node = skin_models.executables:skin_node",
+            "mujoco_finger = skin_models.executables:mujoco_finger",
+            "effects_gallery = skin_models.executables:effects_gallery",
+            "skin_acuity = skin_models.executables:skin_acuity",
         ]
     },
 )

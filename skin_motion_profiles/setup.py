@@ -25,9 +25,9 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "profile_server = skin_motion_profiles.ros.profile_server:main",
-            "execute = skin_motion_profiles.ros.execute:main",
-            "plot = skin_motion_profiles.cli.plot:main",
+            "profile_server = skin_motion_profiles.executables:profile_server",
+            "execute = skin_motion_profiles.executables:execute",
+            "plot = skin_motion_profiles.executables:plot",
         ]
     },
 )

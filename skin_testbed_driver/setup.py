@@ -25,10 +25,10 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "driver_node = skin_testbed_driver.ros.driver_node:main",
-            "recorder = skin_testbed_driver.ros.recorder:main",
-            "export_table = skin_testbed_driver.ros.export_table:main",
-            "import_table = skin_testbed_driver.ros.import_table:main",
+            "driver_node = skin_testbed_driver.executables:driver_node",
+            "recorder = skin_testbed_driver.executables:recorder",
+            "export_table = skin_testbed_driver.executables:export_table",
+            "import_table = skin_testbed_driver.executables:import_table",
         ]
     },
 )
