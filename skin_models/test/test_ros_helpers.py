@@ -157,3 +157,22 @@ def test_no_process_outlives_a_parent_that_is_killed(domain, tmp_path):
 def _runs(pid: int) -> bool:
     stat = Path(f"/proc/{pid}/stat")
     return stat.is_file() and stat.read_text().rsplit(")", 1)[1].split()[0] != "Z"
+
+
+NODES = {
+    ("skin_models", "skin_node"): "spread_width:=0.0",
+    ("skin_models", "mujoco_finger"): "skin_frame:=skin",
+    ("skin_motion_profiles", "profile_server"): "max_force:=",
+    ("skin_testbed_driver", "driver_node"): "sample_rate:=100.0\n      Hz, synchronous samples per second; from 1 to 1000; cannot",
+    ("skin_testbed_driver", "recorder"): "exclude:=[/rosout, /parameter_events]",
+    ("skin_ident", "ident_node"): "window:=30.0",
+}
+
+
+@pytest.mark.parametrize(("package", "name"), NODES)
+def test_help_tells_the_parameters_and_starts_nothing(domain, package, name):
+    process = Process([str(executable(package, name)), "--help"], domain.environment(), name)
+    assert process.wait(30.0) == 0
+    said = process.output()
+    assert said.startswith(f"usage: {name} [--ros-args") and NODES[package, name] in said and "Traceback" not in said
+    assert "[INFO]" not in said and all(len(line) <= 141 for line in said.splitlines())

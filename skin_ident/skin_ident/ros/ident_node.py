@@ -150,7 +150,7 @@ def _ns(message: JointState | WrenchStamped | TaxelArray) -> int:
 
 def main() -> None:
     """Entry point."""
-    run(IdentNode)
+    run(IdentNode, settings=Settings)
 
 
 if __name__ == "__main__":

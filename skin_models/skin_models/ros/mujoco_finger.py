@@ -119,4 +119,4 @@ def _mujoco():
 
 def main() -> None:
     """Run the example."""
-    run(MujocoFinger)
+    run(MujocoFinger, settings=FingerSettings)

@@ -1,7 +1,9 @@
 """How every executable of the suite runs its node: one executor loop, clean exits, errors as one line.
 
     def main() -> None:
-        run(DriverNode)
+        run(DriverNode, settings=DriverSettings)
+
+With `--help` it prints what the node is, and its parameters, and starts nothing.
 
 Exit status: 0 after SIGINT, SIGTERM or `end()`, 2 for anything a user can mend (`SkinError`, arguments that ROS cannot parse).
 A second signal ends the process at once.
@@ -19,8 +21,10 @@ import rclpy
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from skin_models.errors import SkinError
+from skin_models.ros.usage import usage
 
 try:
     from rclpy.experimental import EventsExecutor
@@ -55,13 +59,20 @@ def run(
     make_node: Callable[[], Node],
     args: list[str] | None = None,
     make_executor: Callable[[], Executor] | None = None,
+    settings: type | None = None,
 ) -> None:
     """Run the node that `make_node` gives until a signal, then exit the process. Never returns.
 
+    `settings` is the dataclass of the node's parameters, for its help; what the help says of the node is its module's docstring.
     `make_executor` replaces the default (`quickest_executor`), for nodes that need several threads. The node's `destroy_node` is
     called while the ROS context is still alive, so that it can publish a last word.
     """
-    sys.exit(_status(make_node, sys.argv if args is None else args, make_executor or quickest_executor))
+    args = sys.argv if args is None else args
+    if {"-h", "--help"} & set(remove_ros_args(args)[1:]):
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `--help | head` is no accident
+        print(usage(Path(args[0]).name, sys.modules[make_node.__module__].__doc__, settings))
+        sys.exit(0)
+    sys.exit(_status(make_node, args, make_executor or quickest_executor))
 
 
 def quickest_executor() -> Executor:

@@ -184,4 +184,4 @@ def indentation(message: JointState) -> tuple[float, float]:
 
 def main() -> None:
     """Run the node."""
-    run(SkinNode)
+    run(SkinNode, settings=SkinSettings)

@@ -107,7 +107,7 @@ def _conclude(handle: ServerGoalHandle, result: Result) -> Result:
 
 def main() -> None:
     """Entry point."""
-    run(ProfileServer)
+    run(ProfileServer, settings=Settings)
 
 
 if __name__ == "__main__":

@@ -207,4 +207,4 @@ def _stamp(nanoseconds: int) -> Time:
 def main() -> None:
     """Run the node until a signal."""
     sys.setswitchinterval(_TURN)
-    run(DriverNode)
+    run(DriverNode, settings=DriverSettings)

@@ -169,4 +169,4 @@ def _read_rig(path: str) -> bytes | None:
 
 def main() -> None:
     """Run the node until a signal."""
-    run(Recorder)
+    run(Recorder, settings=RecorderSettings)
