@@ -102,6 +102,16 @@ def test_bad_input_is_one_sentence_and_writes_nothing(command, base, tmp_path, a
     assert not out.exists() and not (tmp_path / "out_truth.json").exists()
 
 
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [(("session_1.csv", "session_1.csv"), "given twice"), (("session_1.csv", "copy.csv"), "copy.csv hold the same")],
+)
+def test_the_same_recording_twice_is_refused(command, base, tmp_path, given, word):
+    (base / "copy.csv").write_bytes((base / "session_1.csv").read_bytes())
+    done = command(*(base / name for name in given), "--out", tmp_path / "out")
+    assert done.status == 2 and word in done.err and done.err.count("\n") == 1 and not (tmp_path / "out").exists()
+
+
 def test_nothing_of_somebody_elses_is_overwritten(command, base, tmp_path):
     own = tmp_path / "own"
     own.mkdir()

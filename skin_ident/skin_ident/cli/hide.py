@@ -12,6 +12,7 @@ from skin_ident.hiding.hide import hide
 from skin_ident.hiding.writing import check_free, check_units, write_recordings
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
+from skin_ident.recordings.repeated import first_repeat
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -44,6 +45,10 @@ def _sessions(loaded: list) -> list[Recording]:
         raise HidingError(f"{scans[0]} is a static spread scan; effects are hidden in sessions only")
     check_units(loaded)
     belong_together(loaded)
+    same = first_repeat(loaded)
+    if same:  # as two sessions they would be a riddle that no rig sets
+        what = f"{same[0]} is given twice" if same[0] == same[1] else f"{same[0]} and {same[1]} hold the same samples"
+        raise HidingError(f"{what}: an effect is hidden in each recording once, leave one out")
     return loaded
 
 

@@ -23,6 +23,12 @@ def without_repeats(recordings: Sequence[Recording]) -> list[Recording]:
     return out
 
 
+def first_repeat(recordings: Sequence[Recording]) -> tuple[str, str] | None:
+    """The names of two recordings that hold the same measurement, or None."""
+    pairs = ((a, b) for i, b in enumerate(recordings) for a in recordings[:i])
+    return next(((a.name, b.name) for a, b in pairs if _same(a, b)), None)
+
+
 def _same(a: Recording, b: Recording) -> bool:
     """Whether two recordings hold the same measurement, noise and all."""
     rows = [(a.channels | ({} if a.depth is None else {"depth": a.depth})), (b.channels | ({} if b.depth is None else {"depth": b.depth}))]
