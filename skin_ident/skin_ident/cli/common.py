@@ -88,10 +88,10 @@ def output_folder(path: str) -> Path:
     return folder
 
 
-def check_seed(seed: int) -> None:
-    """Refuse a seed that no generator takes. Raises `RecordingError`."""
-    if seed < 0:
-        raise RecordingError(f"--seed is a whole number from 0 up, not {seed}")
+def check_seed(seed: int, most: int | None = None) -> None:
+    """Refuse a seed that no generator takes, or that is above `most`. Raises `RecordingError`."""
+    if seed < 0 or (most is not None and seed > most):
+        raise RecordingError(f"--seed is a whole number from 0 {'up' if most is None else f'to {most}'}, not {seed}")
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:

@@ -47,6 +47,8 @@ SESSIONS = 3
 # over one second is 5 mN off in one of three cases, which it would name, too.
 TARE = "{type: battery, profiles: [{type: free_air, clearance_mm: 1.0, duration_s: 0.5}, {type: tare, duration_s: 10}]}"
 FASTER = 4.0  # than real time
+LATER = 100  # by which the seeds of the last comparison lie behind those of the sessions
+MOST = 2**31 - 1  # what the driver takes for a seed
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -57,9 +59,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
     seed = random.SystemRandom().randrange(10_000) if chosen.seed is None else chosen.seed
-    folder = common.output_folder(chosen.out or f"skin_demo_{datetime.now():%Y-%m-%d_%H-%M-%S}")
-    tell = Teller()
+    common.check_seed(seed, MOST - LATER)
+    out = f"skin_demo_{datetime.now():%Y-%m-%d_%H-%M-%S}" if chosen.out is None else chosen.out
+    common.check_output(out)
     specimen, hidden = specimen_with_secret(seed, chosen.effect)
+    folder, tell = common.output_folder(out), Teller()
     save_model(specimen, folder / "secret_specimen.yaml")
     tell(f"seed {seed}: the rig hides {'something' if hidden else 'nothing, or something'} (the answer comes last)")
     bags = record_sessions(folder, seed, tell)
@@ -104,12 +108,12 @@ def record_sessions(folder: Path, seed: int, tell: "Teller") -> list[Path]:
 
 def live_comparison(folder: Path, seed: int, tell: "Teller") -> str:
     """Run the rig once more with two simulated skins following its encoder, before and after; returns a table of their errors."""
-    with Testbed(folder / "secret_specimen.yaml", seed + 100, FASTER) as testbed:
+    with Testbed(folder / "secret_specimen.yaml", seed + LATER, FASTER) as testbed:
         testbed.simulate_beside(folder / "baseline.yaml", "before")
         testbed.simulate_beside(folder / "model.yaml", "after")
         testbed.execute(TARE)
         tell("recording rig and simulations together")
-        bag = testbed.session(folder / "live", "demo", f"seed={seed + 100}")
+        bag = testbed.session(folder / "live", "demo", f"seed={seed + LATER}")
     return error_table(bag)
 
 

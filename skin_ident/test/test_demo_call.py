@@ -1,0 +1,20 @@
+"""A call of the demo that cannot be is refused in a sentence before anything is started or written."""
+
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("skin_testbed_msgs")
+
+from skin_ident.ros.demo import main
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [(["--seed", "-1"], "--seed is a whole number from 0 to 2147483547, not -1"), (["--seed", "3000000000"], "--seed is a whole number"),
+     (["--effect", "witchcraft"], "choose from"), (["--out", ""], "--out needs a name")],
+)  # fmt: skip
+def test_a_bad_call(tmp_path, monkeypatch, capsys, arguments, word):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    said = capsys.readouterr().err
+    assert word in said and said.count("\n") == 1 and not list(tmp_path.iterdir())
