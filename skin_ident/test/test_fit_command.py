@@ -161,6 +161,14 @@ def test_bad_input_ends_in_one_sentence(fit, tmp_path, case):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="/proc is where nothing can be made, whoever asks")
+@pytest.mark.parametrize("more", [[], ["--each"], ["--what", "stiffness"]])
+def test_a_folder_that_cannot_be_made_is_refused_before_any_work(fit, tmp_path, more):
+    done = fit(write_table(tmp_path / "a.csv", R), *more, "--out", "/proc/deeper/still")
+    assert done.returncode == 2 and done.stderr.startswith("error: cannot write into /proc/deeper/still: nothing can be made in /proc")
+    assert done.stderr.count("\n") == 1 and done.stdout == ""  # not even that it reads
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_noise_between_forces_claims_nothing(fit, tmp_path, order):
     for seed in range(6):

@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import sys
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -64,15 +65,18 @@ def topics_of(pairs: Sequence[str]) -> dict[str, str]:
 
 
 def check_output(path: str) -> None:
-    """Refuse an output folder that cannot be, before any work; nothing is made yet. Raises `RecordingError`."""
+    """Refuse an output folder that cannot be, before any work; nothing stays there yet. Raises `RecordingError`."""
     if not path:
         raise RecordingError("--out needs a name: '' is none")
     folder = Path(path).absolute()
     near = next(p for p in (folder, *folder.parents) if p.exists())
     if not near.is_dir():
         raise RecordingError(f"cannot write into {path}: {near} is a file")
-    if not os.access(near, os.W_OK):
-        raise RecordingError(f"cannot write into {path}: {os.strerror(13)}")
+    try:
+        with tempfile.TemporaryDirectory(dir=near):  # rights alone do not tell: a disk may be full, and /proc takes nothing from anybody
+            pass
+    except OSError as error:
+        raise RecordingError(f"cannot write into {path}: nothing can be made in {near} ({error.strerror})") from error
 
 
 def output_folder(path: str) -> Path:
@@ -81,8 +85,6 @@ def output_folder(path: str) -> Path:
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        if not os.access(folder, os.W_OK):
-            raise PermissionError(13, os.strerror(13))
     except OSError as error:
         raise RecordingError(f"cannot write into {path}: {error.strerror}") from error
     return folder
