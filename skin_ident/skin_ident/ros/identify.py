@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from skin_testbed_msgs.action import Identify
 
-from skin_ident.cli.common import output_folder, refusal, topics_of, write_json
+from skin_ident.cli.common import check_output, output_folder, refusal, topics_of, write_json
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import Estimate
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
@@ -55,6 +55,9 @@ class Run:
     def result(self) -> Result:
         """The result, whatever happens."""
         try:
+            if self.goal.output_directory:
+                with _writing():
+                    check_output(self.goal.output_directory)  # here, not after minutes of work
             return self._criticised() if self.goal.criticise else self._fitted()
         except Cancelled:
             return Result(error_code=Result.CANCELLED, error_string="cancelled; nothing was written")
