@@ -20,6 +20,8 @@ from skin_testbed_msgs.action import Identify  # noqa: E402
 from skin_testbed_msgs.msg import ParameterEstimates, TaxelArray  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
+from skin_ident.recordings.declared import Declared  # noqa: E402
+from skin_ident.recordings.mass import known_mass  # noqa: E402
 from skin_models.model_file import load_model  # noqa: E402
 from skin_models.ros.processes import Domain, Processes, wait_until  # noqa: E402
 
@@ -104,6 +106,12 @@ def test_live_estimates_approach_the_truth_and_can_be_saved(world):
     assert load_model(folder / "live.yaml").dispersion.k1 == pytest.approx(9619, rel=0.03)
 
 
+def test_the_mass_it_holds_is_that_of_fit(world):
+    bench, _, _ = world
+    newest = wait_until(lambda: bench.heard[-1:], 10.0, "estimates")[0]
+    assert dict(zip(newest.names, newest.values, strict=True))["m"] == known_mass(Declared()).kg == pytest.approx(0.432e-3)
+
+
 def test_rude_messages_do_not_end_it(world):
     bench, _, node = world
     for message in (JointState(name=["indentation"]), JointState(), JointState(name=["indentation"], position=[float("nan")])):
@@ -134,9 +142,11 @@ def test_identify_refuses_what_it_cannot_use(world, paths):
 
 def test_identify_says_when_it_cannot_write(world):
     bench, folder, _ = world
+    bench.feedback.clear()
     bag = str(write_bag(folder / "unwritten", recording(n=500)))
     answer = bench.ask(bench.send(recordings=[bag], output_directory="/dev/full").get_result_async).result
     assert answer.error_code == Identify.Result.WRITE_FAILED and "/dev/full" in answer.error_string
+    assert not bench.feedback  # before it reads and fits
 
 
 def frozen(store, i, message):

@@ -23,7 +23,9 @@ from skin_testbed_msgs.msg import ParameterEstimates, TaxelArray
 from std_srvs.srv import Trigger
 
 from skin_ident.estimators.live import LiveFit
+from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.decode import JOINT
+from skin_ident.recordings.mass import USUAL_MM, known_mass
 from skin_ident.ros import live_messages
 from skin_ident.ros.identify import Run
 from skin_models.errors import SkinError
@@ -40,7 +42,13 @@ class Settings:
 
     window: float = setting(30.0, "s, memory of the live estimate: older samples count for less than 1/e", lower=0.1, upper=1e5)
     cutoff: float = setting(5.0, "Hz, common low-pass of depth and forces before estimation", lower=0.05, upper=1e3)
-    mass: float = setting(0.0, "kg, moving mass, held fixed in the live estimate", lower=0.0, upper=100.0)
+    mass: float = setting(
+        known_mass(Declared()).kg,
+        f"kg, moving mass, held fixed in the live estimate; the default is that of `fit`: silicone {USUAL_MM:g} mm thick (thesis 4.3.1). "
+        "rig.yaml is not read here: what it declares goes into this parameter",
+        lower=0.0,
+        upper=100.0,
+    )
     publish_period: float = setting(0.5, "s, between two estimates", lower=0.02, upper=60.0, fixed=True)
     joint: str = setting(JOINT, "name of the joint in `encoder` that is the indentation depth")
     model_path: str = setting("identified_model.yaml", "file that `~/save` writes")
