@@ -12,17 +12,18 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
-from skin_ident.criticism.courses.course import worthwhile
+from skin_ident.criticism.courses.course import Run, worthwhile
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import plainest_first, reach
+from skin_ident.criticism.search.survey import Survey
 
 PROMISING = 0.8  # of what a cause explains, from which another one may explain more once it is fitted
 
 
 def exchange(search: Any) -> bool:
-    """Put the better account in the place of the first finding that has one, and say whether there was one. `search` is the state of
-    `criticise`."""
-    return len(search.named) > 1 and any(_exchanged(search, finding) for finding in search.named if not finding.courses)
+    """Put the better account in the place of the first finding that has one, and say whether there was one; where the same cause is found
+    again, its rivals are those it has now. `search` is the state of `criticise`."""
+    return len(search.named) > 1 and any(_exchanged(search, finding) for finding in tuple(search.named) if not finding.courses)
 
 
 def _exchanged(search: Any, finding: Named) -> bool:
@@ -30,15 +31,16 @@ def _exchanged(search: Any, finding: Named) -> bool:
     ahead = _without(search, finding)
     last = ahead.look()
     explained = _explained(search.present, ahead)
-    had = {r.course for r in ahead.runs}
-    runs = worthwhile(ahead.present.model, ahead.train, ahead.noise, ahead.encoder_step)
-    runs = plainest_first([r for r in runs if r.course not in had])
-    promised = [r.score for r in last.ranked if (r.cause, r.where) != (finding.cause, finding.where)] + [r.score for r in runs]
-    if max(promised, default=0.0) < PROMISING * explained:
-        return False
-    own, shared = ahead._choose(ahead.trials(last), runs)
+    own, shared = _found(ahead, last, finding, explained)
     taken = own or shared
-    if not taken or taken[1].cause == finding.cause or reach(taken[1].explained) < explained:
+    if not taken:
+        return False
+    other = taken[1]
+    if (other.cause, other.where) == (finding.cause, finding.where):
+        known = {(n.cause, n.where) for n in ahead.named}
+        again = replace(finding, alternatives=tuple(a for a in other.alternatives if a.key not in known))
+        search.named = [again if n is finding else n for n in search.named]
+    if other.cause == finding.cause or reach(other.explained) < explained:
         return False
     search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
     search._befores.pop((finding.cause, finding.where), None)
@@ -47,6 +49,17 @@ def _exchanged(search: Any, finding: Named) -> bool:
     else:
         search._accept(*shared)
     return True
+
+
+def _found(ahead: Any, last: Survey, finding: Named, explained: float) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
+    """What is believed in the place of `finding`; nothing is asked where no other cause promises nearly as much as is `explained`."""
+    had = {r.course for r in ahead.runs}
+    runs = worthwhile(ahead.present.model, ahead.train, ahead.noise, ahead.encoder_step)
+    runs = plainest_first([r for r in runs if r.course not in had])
+    others = [r.score for r in last.ranked if (r.cause, r.where) != (finding.cause, finding.where)]
+    if max([*others, *(r.score for r in runs)], default=0.0) < PROMISING * explained:
+        return None, None
+    return ahead._choose(ahead.trials(last), runs)
 
 
 def _without(search: Any, finding: Named) -> Any:
