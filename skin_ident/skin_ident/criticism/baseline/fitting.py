@@ -58,6 +58,7 @@ def fit(
 ) -> Fit:
     """Fit the unknowns `which` of `model` (all of them by default), starting from their present values."""
     which = unknowns(model, sessions[0]) if which is None else which
+    model = with_values(model, which, values(model, which)) if iterations else model  # within bounds that depend on the others
     r = whitened(model, sessions, noise)
     cost, damping, believed = float(r @ r), 1e-3, int(np.count_nonzero(r))
     if not which:

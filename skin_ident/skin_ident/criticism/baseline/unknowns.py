@@ -9,12 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.criticism.sessions.session import Session
+from skin_models.dispersion import Dispersion
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
 # What the channels can tell of the dispersion model. The mass is set from the skin's density, as in the thesis's Table 4-5, unless the
 # record says otherwise. A test driven by force knows ratios only: k2 is the scale.
 BY_DEPTH, MATERIAL, TAXELS_ALONE, BY_FORCE = ("b1", "k1", "b2", "k2"), ("b2", "k2"), ("b1", "k1"), ("b1", "k1", "b2")
+LATE = 0.5  # samples by which good hardware may be late
 
 
 @dataclass(frozen=True)
@@ -38,9 +40,16 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     names = (*names, "m") if session.free_mass else names
+    least = _least_damping(model.dispersion, LATE * session.motion.dt)
     for p in parameters_of(model.dispersion):
         if p.name in names:
-            yield Unknown("dispersion", p, p.name)
+            yield Unknown("dispersion", replace(p, lower=max(p.lower, least.get(p.name, p.lower))), p.name)
+
+
+def _least_damping(skin: Dispersion, late: float) -> dict[str, float]:
+    """The least that damping may be, N s/m: skin gives back no more than it took, neither under the taxels nor in all. A reading that is
+    `late` by part of a sample looks as if it did; one that is later has a cause, which damping below nothing would hide."""
+    return {"b1": -late * skin.k1, "b2": -late * (skin.k1 + skin.k2) - skin.b1}
 
 
 def _of_shares(model: Model) -> Iterator[Unknown]:

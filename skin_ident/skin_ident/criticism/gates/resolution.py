@@ -1,6 +1,6 @@
 """What the steps of encoder and converters leave open, which a gain must exceed to be that of a cause."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -28,19 +28,32 @@ def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
 
 
 def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float) -> bool:
-    """Whether the gain is more than what steps leave open. Those of the encoder leave a force of k q / sqrt(12), the same one wherever the
-    plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not carry the readings
-    across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed that, too, unless the
-    likelihood gains much by it. A stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
-    k = stiffness(before, gain.channel)
-    least = OPEN * (k * encoder_step) ** 2 / 12.0 + (UNEVEN * converter_step(train, gain.channel)) ** 2
-    if cause not in OF_SPEED or gain.relative >= MUCH:
-        return bool(gain.squares > least)
-    damping = before.dispersion.b1 + before.dispersion.b2
-    resting, moving = (damping * speed for speed in _unread_speeds(train, encoder_step))
-    if gain.squares > least + max(resting, moving) ** 2:
+    """Whether the gain is more than what steps leave open, in all or where the stage moves. Those of the encoder leave a force, the same
+    one wherever the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not
+    carry the readings across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed
+    that, too, unless the likelihood gains much by it. A stage that trembles at rest does so no more while it moves: a fall there may be
+    smaller."""
+    k, damping = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
+    uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
+    still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, _moves))
+    if cause in OF_SPEED and gain.relative < MUCH:
+        resting, passing = ((damping * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
+        still, moving = still + max(resting, passing), moving + passing
+    if gain.squares > still:
         return True
-    return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train) > least + moving**2)
+    return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train) > moving)
+
+
+def unread_depth(sessions: list[Session], encoder_step: float, part: Callable[[Session], np.ndarray] | None = None) -> float:
+    """What steps q of the depth leave open of it in the common band, m rms: q / sqrt(12) where the stage rests; where it passes n of them
+    in half a period of the band's edge their errors average out, and 1 / n of the mean square is left. `part` says which samples count."""
+
+    def squares(s: Session) -> np.ndarray:
+        path = np.abs(_speed(s)) / (2.0 * s.band.edge)
+        return (encoder_step**2 / 12.0 * np.minimum(1.0, encoder_step / np.maximum(path, 1e-12)))[part(s) if part else slice(None)]
+
+    every = np.concatenate([squares(s) for s in sessions])
+    return float(np.sqrt(every.mean())) if every.size else 0.0
 
 
 def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float, float]:
@@ -52,15 +65,23 @@ def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float,
 
 
 def _fall_while_moving(channel: str, before: Model, after: Model, sessions: list[Session]) -> float:
-    """Fall of the mean square in `channel` where the stage moves faster than it could tremble, N^2."""
+    """Fall of the mean square in `channel` where the stage moves, N^2."""
     fall, count = 0.0, 0.0
     for s in sessions:
         row = s.channels.index(channel)
-        quick = np.abs(np.interp(s.t, s.motion.t, s.motion.v)) > MOVING * 2.0 * np.pi * s.band.edge * TREMBLING
-        believed = s.weight[row] * quick
+        believed = s.weight[row] * _moves(s)
         fall += float(np.sum(believed * (residual(before, s)[row] ** 2 - residual(after, settled(after, s))[row] ** 2)))
         count += float(np.sum(believed))
     return fall / max(count, 1.0)
+
+
+def _moves(s: Session) -> np.ndarray:
+    """Where the stage moves faster than it could tremble, (n,) in the common band."""
+    return np.abs(_speed(s)) > MOVING * 2.0 * np.pi * s.band.edge * TREMBLING
+
+
+def _speed(s: Session) -> np.ndarray:
+    return np.interp(s.t, s.motion.t, s.motion.v)
 
 
 def readable(effects: Iterable[Effect], encoder_step: float) -> bool:

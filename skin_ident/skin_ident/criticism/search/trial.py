@@ -6,6 +6,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.baseline.unknowns import LATE
 from skin_ident.criticism.search.growing import determined, instances, unlike_skin
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, reach
@@ -47,13 +48,13 @@ class Trial:
 
 def plausible(t: Trial, sessions: list[Session]) -> bool:
     """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell, but for what the
-    skin hands round the taxels. Whether the skin is no filter and no brake. Whether what leaks from one taxel into another is of one sign
-    with it. And whether a spread grows with depth or shrinks, not both."""
+    skin hands round the taxels. Whether the skin is no filter, no brake and no motor. Whether what leaks from one taxel into another is of
+    one sign with it. And whether a spread grows with depth or shrinks, not both."""
     if t.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(t.fit.model, *t.key)):
         return False
     if len({np.sign(getattr(e, "growth", 0.0)) for e in instances(t.fit.model, "spread_depth", "skin")}) > 1:
         return False
-    if unlike_skin(t.fit.model):
+    if unlike_skin(t.fit.model) or _drives(t, sessions):
         return False
     channels = sessions[0].channels
     if t.ranked.where != "skin" or t.ranked.cause.startswith(("spread", "dead_zone")) or "force" not in channels or len(channels) == 1:
@@ -61,6 +62,21 @@ def plausible(t: Trial, sessions: list[Session]) -> bool:
     without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
     felt = np.sqrt(sum(np.sum((simulated(t.fit.model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
     return bool(felt[0] > FELT * felt[1:].max())
+
+
+def _drives(t: Trial, sessions: list[Session]) -> bool:
+    """Whether damping that depends on speed gives back more under the taxels than it takes; what a late reading makes of it is allowed."""
+    skin, own = t.fit.model.dispersion, instances(t.fit.model, "rate_dependence", "skin")
+    if not own or not t.fit.model.shares:
+        return False
+    without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if e not in own))
+    row = int(np.argmax(t.fit.model.shares)) - len(t.fit.model.shares)
+    taken, all_taken = 0.0, 0.0
+    for s in sessions:
+        more = simulated(t.fit.model, s)[row] - simulated(without, s)[row]
+        taken += float(np.sum(more * s.motion.v))
+        all_taken += float(np.sum(s.motion.v**2 * (s.motion.x > 0.0)))
+    return taken + (skin.b1 + LATE * sessions[0].motion.dt * skin.k1) * all_taken < 0.0
 
 
 def sized(t: Trial) -> bool:

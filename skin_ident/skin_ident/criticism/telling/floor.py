@@ -17,6 +17,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated, stiffness
 from skin_ident.criticism.gates.gate import by_block
+from skin_ident.criticism.gates.resolution import unread_depth
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import RICHEST, pursue
 from skin_ident.criticism.noise.whitening import Whitener, stack, white
@@ -30,7 +31,7 @@ from skin_models.model import Model
 
 ROUNDING = 1e-9  # N
 DOUBTED = 1.25  # times the floor of the session that tells most, from which the floor of every session is looked at
-WELL_ABOVE = 1.5  # times the floor of the very sessions: more than noise. Of 20 sound sets of another's making the most had 1.3
+WELL_ABOVE = 1.4  # times the floor of the very sessions: more than noise. Of 25 sound sets the most had 1.2, of what was fitted 1.1
 TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
 SHADOW = 0.01  # of the mean square that the named causes explained: a remainder below is their own imperfect form
 BLOCK_S = 4.0
@@ -112,36 +113,48 @@ def beyond_noise(
     c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float], symptoms: Iterable[Symptom], encoder_step: float
 ) -> dict[str, float]:
     """Channels of which more is `left` (N, held out) than noise can leave, and how many times the floor that is, or where that is less
-    what is left of the sessions that were fitted.
+    what is left of the sessions that were fitted; and those of which more is left of the sessions that were fitted.
 
     Not so where a fault of the record is in the channel that nothing predicts, where the excess is one accident, within the steps of
-    converter (force k q / sqrt(12)) or encoder, or beside the named causes so small that it may be their own imperfect form.
+    converter or encoder, or beside the named causes so small that it may be their own imperfect form.
     """
     random = {channel for s in symptoms if s.cause not in PREDICTS for channel in s.channels}
     shadow = SHADOW * max((n.gain.squares for n in c.named), default=0.0)
-    above, fitted = {}, _pooled([residual(c.extended.model, s) for s in c.train], list(c.train))
-    lasting = _but_for_the_worst(c)
+    fitted, least_fitted = _fitted(c, floor)
+    lasting = {part: _but_for_the_worst(c, sessions) for part, sessions in (("held", list(c.held or c.train)), ("train", list(c.train)))}
+    above = {}
     for i, (channel, rms) in enumerate(left.items()):
-        rms *= lasting[i]
-        low = max(min(floor[channel]["rms"], float(fitted[i]) * TWICE / WELL_ABOVE), ROUNDING)
+        low = min(floor[channel]["rms"], float(fitted[i]) * TWICE / WELL_ABOVE)
+        pairs = ((rms * lasting["held"][i], low), (float(fitted[i]) * lasting["train"][i], least_fitted[i]))
         least = max(shadow, _resolution(c, i, channel, encoder_step) ** 2)
-        if rms > WELL_ABOVE * low and rms**2 - low**2 > least and channel not in random:
-            above[channel] = rms / low
+        times = [more / max(few, ROUNDING) for more, few in pairs if more > WELL_ABOVE * max(few, ROUNDING) and more**2 - few**2 > least]
+        if times and channel not in random:
+            above[channel] = max(times)
     return above
 
 
-def _but_for_the_worst(c: Criticism) -> np.ndarray:
-    """What is left in each channel (C,) of what was tested without the two seconds that leave most, over all that is left (RMS): a spike is
-    an accident, and no sign that the model is wrong."""
-    tested = c.held or c.train
-    squares = np.concatenate([by_block(residual(c.extended.model, s) ** 2 * s.weight, s) for s in tested], axis=-1)
-    return np.sqrt(1.0 - squares.max(axis=-1) / np.maximum(squares.sum(axis=-1), 1e-300))
+def _fitted(c: Criticism, floor: dict[str, dict[str, Any]]) -> tuple[np.ndarray, np.ndarray]:
+    """What is left (C,) N of the sessions that were fitted, and where that is doubtful what is left where every cause may bend each of
+    them by itself."""
+    sessions = list(c.train)
+    fitted = _pooled([residual(c.extended.model, s) for s in sessions], sessions)
+    if all(rms <= DOUBTED * max(low["rms"], ROUNDING) for rms, low in zip(fitted, floor.values(), strict=True)):
+        return fitted, fitted
+    return fitted, _pooled([left_by_everything(c.last, s) for s in sessions], sessions)
+
+
+def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
+    """What is left in each channel (C,) of sessions without the two seconds that leave most, over all that is left (RMS): a spike is an
+    accident, and no sign that the model is wrong."""
+    squares = np.concatenate([by_block(residual(c.extended.model, s) ** 2 * s.weight, s) for s in sessions], axis=-1)
+    share = squares.max(axis=-1) / np.maximum(squares.sum(axis=-1), 1e-300)
+    return np.sqrt((1.0 - share) / (1.0 - 1.0 / max(squares.shape[-1], 2)))
 
 
 def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:
     """What steps of converter and encoder leave open in a channel, N."""
     k = stiffness(c.extended.model, channel)
-    return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), k * encoder_step / np.sqrt(12.0)))
+    return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), k * unread_depth(list(c.held or c.train), encoder_step)))
 
 
 def _rms(e: np.ndarray) -> float:

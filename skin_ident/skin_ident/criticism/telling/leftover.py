@@ -11,6 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, stiffness
 from skin_ident.criticism.gates.gate import bootstrap_fall, rmse_fall
+from skin_ident.criticism.gates.resolution import unread_depth
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import RICHEST, pursue
 from skin_ident.criticism.noise.whitening import stack
@@ -44,8 +45,7 @@ class Rest:
 def systematic_rest(last: Survey, train: list[Session], held: list[Session], encoder_step: float = 0.0) -> Rest:
     """Fit the general predictor to the training residual and try it on `held` (the last training session where there is none).
 
-    An encoder that steps by `encoder_step` (m) leaves a force of k q / sqrt(12) open, and at the depths that every session returns to the
-    same one each time.
+    An encoder that steps by `encoder_step` (m) leaves a force open, and at the depths that every session returns to the same one each time.
     """
     held = held or train[-1:]
     fitted = [s for s in train if s not in held] or train
@@ -61,5 +61,5 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
     k = stiffness(last.model, held[0].channels[c])
-    open_to = np.hypot(RESOLVED * max(step_of(s.raw[c]) or 0.0 for s in held), k * encoder_step / np.sqrt(12.0))
+    open_to = np.hypot(RESOLVED * max(step_of(s.raw[c]) or 0.0 for s in held), k * unread_depth(held, encoder_step))
     return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to))

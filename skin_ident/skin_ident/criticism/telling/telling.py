@@ -43,7 +43,7 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
         entry["gain"] = gain_at_the_end(named, judged) or entry["gain"]
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
-    warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above, left), *_never_loaded(certain, left)]
+    warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above), *_never_loaded(certain, left)]
     excluded = [_as_read(e, encoder_step, c.extended.model) for e in findings["excluded"]]
     told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "excluded": excluded, "warnings": warnings}
     return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
@@ -69,10 +69,10 @@ def _more_than_applied(c: Criticism) -> list[str]:
     ]
 
 
-def _more_than_noise(above: dict[str, float], left: dict[str, float]) -> list[str]:
+def _more_than_noise(above: dict[str, float]) -> list[str]:
     return [
-        f"{channel}: what is left of data that were not fitted ({left[channel]:.3g} N) is {times:.2g} times what is left where every cause "
-        "may bend every session by itself: more than noise, and no cause that could be named accounts for it"
+        f"{channel}: the extended model leaves {times:.2g} times what is left where every cause may bend every session by itself: more than "
+        "noise, and no cause that could be named accounts for it"
         for channel, times in above.items()
     ]
 
