@@ -32,8 +32,8 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         raise DiagnosisError(f"the recordings are of skins that are {said} mm thick, and a model is of one skin: diagnose them apart")
     if model is not None and len(model.shares) != len(recordings[0].taxels):
         raise DiagnosisError(f"the model has {len(model.shares)} taxels, the recordings have {len(recordings[0].taxels)}")
-    if len(recordings) == 1 and recordings[0].t[-1] - recordings[0].t[0] < LONE_S:
-        lasts = recordings[0].t[-1] - recordings[0].t[0]
+    lasts = recordings[0].t[-1] - recordings[0].t[0] + 1.5 * recordings[0].dt  # N samples are N periods, and stamps jitter
+    if len(recordings) == 1 and lasts < LONE_S:
         raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")
     for r in recordings:
         _says_what_is_what(r)

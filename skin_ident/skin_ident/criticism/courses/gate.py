@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.courses.carriers import ZERO
-from skin_ident.criticism.courses.course import Run, fitted
+from skin_ident.criticism.courses.course import Run, added, fitted
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
 from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain, gain_of_residuals
 from skin_ident.criticism.gates.uncertain import Open, beside_uncertainty, left_open
@@ -58,6 +58,18 @@ def course_gain(course: Course, before: Model, after: Model, train: list[Session
     if free:
         plain, predicted = beside_uncertainty(plain, before, train, held, noise), free.beside(predicted, held, noise)
     return gain_of_residuals(plain, predicted, held, noise, ", ".join(s.name for s in held))
+
+
+def helps(run: Run, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> bool:
+    """Whether held-out sessions with such a course of their own are nearer to `after` than without one to `before`, in the plain error of
+    the channels where it shows; else it is what one session had, and nobody can tell that from noise."""
+    own = fitted(run.course, after, held, noise, left_open(after, train, held, noise)) if held else run
+    rows = list(run.course.rows)
+
+    def left(model: Model, sessions: list[Session]) -> float:
+        return sum(float(np.sum((residual(model, s) ** 2 * s.weight)[rows])) for s in sessions)
+
+    return not held or left(after, added(held, own.values)) < left(before, held)
 
 
 def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:

@@ -11,7 +11,7 @@ from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.courses.carriers import DELAY
 from skin_ident.criticism.courses.course import BEHIND, MARGIN, Run, added, beside_the_rest, fitted, worthwhile
-from skin_ident.criticism.courses.gate import course_gain, stands
+from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import CONSTANT, STEPS
 from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
@@ -247,7 +247,8 @@ class Search:
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
         told = score > MATERIAL * after.count or run.course.shape != STEPS  # moments are searched for, and found in any noise
-        if not (told and stands(run, gain, self.present.model, self.train) and self.resolved(gain, run.course.cause, after.model)):
+        stood = stands(run, gain, self.present.model, self.train) and self.resolved(gain, run.course.cause, after.model)
+        if not (told and stood and helps(run, self.present.model, after.model, self.train, self.held, self.noise)):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)

@@ -21,6 +21,7 @@ FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
 MEMORY = ((HYSTERESIS, RELAXATION), (RELAXATION, HYSTERESIS))
+LATE_DEPTH = ("time_shift", "clock_depth")
 OFFSET, SWALLOWED = ("position_offset", "rig"), ("dead_zone", "skin")
 STIFFER = (("nonlinear_stiffness", "skin"), ("rate_dependence", "skin"))
 
@@ -90,8 +91,8 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
     """Names, not `said` yet, that are the same signal: a force below a threshold is swallowed by skin or taxels; in contact a plunger that
     has F / k less to go presses as if the skin swallowed F, as does one behind a joint that closes at once; a tip at g(x), as behind a
     joint, makes of a linear skin one whose spring stiffens as g and whose damping grows as g' with depth; one that follows late makes of it
-    one with an arm that relaxes fast; and at one speed memory of time is memory of the path, of a skin that relaxes as of a sensor that
-    creeps."""
+    one with an arm that relaxes fast; what skin or mount have done within a sample, a late depth does as well; and at one speed memory of
+    time is memory of the path, of a skin that relaxes as of a sensor that creeps."""
     at_one, (cause, where) = at_one_rate(sessions), trial.key
     others = [other for one, other in (SAME + MEMORY if at_one else SAME) if one == trial.key]
     if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
@@ -107,6 +108,8 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
         others += [*STIFFER, *([SWALLOWED] if max(e.closing for e in joints) < CLOSES * deepest else [])]
     elif any(isinstance(e, (DampedMount, YieldingMount)) for e in mine):
         others.append(RELAXATION)
+    if where in ("skin", "rig") and any(getattr(e, name, np.inf) < sessions[0].motion.dt for e in mine for name in ("tau", "late")):
+        others.append(LATE_DEPTH)
     tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
     return tuple(tried.get(other) or Rival(*other, 0.0) for other in others if other not in said)
 
