@@ -24,7 +24,7 @@ FEWEST_BLOCKS = 3  # of a session; shorter ones in one that would have fewer
 RESAMPLES = 1000
 MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming
 MUCH = 0.15  # the same from which the plain error is asked less
-MOST = 0.5  # the same from which it may be in one block: no accident is foretold by what was fitted to other sessions
+MOST, NOTHING = 0.5, -0.02  # the same from which its lower bound may be next to nothing, where most of it is in one block
 MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
 HEARD, LOUD = 0.28, 0.35  # of what is left in a channel: what a change of that size can lower its error by, at most, is 4 and 6 %
 SPOILT = 1.25  # times what it was, to which no cause may let the error of a channel rise
@@ -53,13 +53,13 @@ class Gain:
     @property
     def passed(self) -> bool:
         """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error, of other channels
-        neither; where the likelihood gains little, the plain error must fall beyond doubt and by more, too. Where it gains most of all
-        there is, the plain error alone must be beyond doubt."""
+        neither; where the likelihood gains little, the plain error must fall beyond doubt and by more, too."""
         plain = self.relative > MUCH  # slow noise is large, and says little against what is quick
         falls = self.ci95[0] > 0.0
-        sure = (self.lower > 0.0 and (plain or falls)) or (self.relative > MOST and falls)
-        least = MATERIAL_RMSE / 2.0 if plain else MATERIAL_RMSE
-        return sure and not self.spoilt and self.relative > MATERIAL and self.after < (1.0 - least) * self.before
+        least = NOTHING if self.relative > MOST and falls else 0.0
+        sure = self.lower > least and (plain or falls)
+        material = MATERIAL_RMSE / 2.0 if plain else MATERIAL_RMSE
+        return sure and not self.spoilt and self.relative > MATERIAL and self.after < (1.0 - material) * self.before
 
     def shows_at(self, where: str) -> bool:
         """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""

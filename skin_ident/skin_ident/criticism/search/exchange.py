@@ -15,7 +15,6 @@ from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.course import Run, worthwhile
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import plainest_first, reach
-from skin_ident.criticism.search.survey import Survey
 
 PROMISING = 0.8  # of what a cause explains, from which another one may explain more once it is fitted
 
@@ -28,22 +27,26 @@ def exchange(search: Any) -> bool:
 
 def _exchanged(search: Any, finding: Named) -> bool:
     search.progress(f"asking again what {finding.cause} in the {finding.where} stands for")
-    ahead = _without(search, finding)
+    ahead, key = _without(search, finding), (finding.cause, finding.where)
     last = ahead.look()
     explained = _explained(search.present, ahead)
-    own, shared = _found(ahead, last, finding, explained)
-    taken = own or shared
-    if not taken:
+    runs = _runs(ahead)
+    if max([*(r.score for r in last.ranked if (r.cause, r.where) != key), *(r.score for r in runs)], default=0.0) < PROMISING * explained:
         return False
-    other = taken[1]
-    if (other.cause, other.where) == (finding.cause, finding.where):
+    trials = ahead.trials(last)
+    explained = max([explained, *(t.score for t in trials if t.key == key)])
+    own, shared = ahead._choose(trials, runs)
+    if not (own or shared):
+        return False
+    other = (own or shared)[1]
+    if (other.cause, other.where) == key:
         known = {(n.cause, n.where) for n in ahead.named}
         again = replace(finding, alternatives=tuple(a for a in other.alternatives if a.key not in known))
         search.named = [again if n is finding else n for n in search.named]
     if other.cause == finding.cause or reach(other.explained) < explained:
         return False
     search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
-    search._befores.pop((finding.cause, finding.where), None)
+    search._befores.pop(key, None)
     if own:
         search._take_course(*own)
     else:
@@ -51,15 +54,11 @@ def _exchanged(search: Any, finding: Named) -> bool:
     return True
 
 
-def _found(ahead: Any, last: Survey, finding: Named, explained: float) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
-    """What is believed in the place of `finding`; nothing is asked where no other cause promises nearly as much as is `explained`."""
+def _runs(ahead: Any) -> list[Run]:
+    """Courses that no session has yet."""
     had = {r.course for r in ahead.runs}
     runs = worthwhile(ahead.present.model, ahead.train, ahead.noise, ahead.encoder_step)
-    runs = plainest_first([r for r in runs if r.course not in had])
-    others = [r.score for r in last.ranked if (r.cause, r.where) != (finding.cause, finding.where)]
-    if max([*others, *(r.score for r in runs)], default=0.0) < PROMISING * explained:
-        return None, None
-    return ahead._choose(ahead.trials(last), runs)
+    return plainest_first([r for r in runs if r.course not in had])
 
 
 def _without(search: Any, finding: Named) -> Any:
