@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
+from world import make_sessions, write_case
+from world.hidden import Hide
 
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import white
 from skin_ident.criticism.search.bounds import excluded_and_untestable
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import project, rank
 from skin_ident.criticism.search.survey import Survey
+from skin_ident.recordings.load import load
 from skin_models.dispersion import Dispersion
 from skin_models.effects.backlash import Backlash
 from skin_models.effects.inertia import Inertia
@@ -43,3 +47,15 @@ def test_what_has_taken_the_place_of_a_cause_does_not_exclude_it():
     before, after = surveyed(0.95, 1.0, 0.0), surveyed(0.95, 0.0, 0.0)
     assert below(after)["backlash"] < 0.1
     assert below(after, (before,))["backlash"] > 0.9
+
+
+def test_what_a_converter_may_do_itself_is_not_called_tested(tmp_path):
+    """A toe of half the noise and a fifth of a step: neither named, nor excluded below a size that it may have."""
+    sessions, _ = make_sessions([Hide("nonlinear_stiffness", "skin", "fung", 0.5)], seed=1624127525, n_taxels=1, protocol="full")
+    write_case(sessions, tmp_path)
+    recordings = load(tmp_path)
+    said = diagnose(recordings[:2], recordings[2:]).findings
+    assert said["verdict"] == "nothing_wrong" and not said["findings"]
+    entry = next(u for u in said["untestable"] if u["cause"] == "nonlinear_stiffness")
+    assert entry["where"] == "skin" and "a converter with steps of" in entry["because"] and "finer steps" in entry["needs"]
+    assert not any(e["cause"] == "nonlinear_stiffness" for e in said["excluded"])

@@ -9,7 +9,7 @@ from hide_and_seek import seek
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.gates.gate import Gain
-from skin_ident.criticism.gates.resolution import of_the_converter, resolved
+from skin_ident.criticism.gates.resolution import of_the_converter, resolved, unread_depth
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
@@ -17,6 +17,7 @@ from skin_ident.criticism.search.weighing import weighed, with_mass
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
+from skin_models.effects.lag import Lag
 from skin_models.effects.rate_dependence import PowerDamping
 from skin_models.model import Model
 from skin_models.signals import motion
@@ -84,3 +85,32 @@ def test_damping_shows_while_the_stage_moves_and_a_tremble_at_rest_does_not():
 def test_a_quick_effect_under_slow_noise_is_named(tmp_path):
     """Slow noise makes the plain error large, which then falls by little; the likelihood gains much."""
     assert seek(tmp_path, "backlash", where="rig", form="several", size=0.5, seed=1827596594, protocol="full").right
+
+
+def test_steps_of_the_depth_average_out_where_the_stage_moves():
+    """At rest an error of a step stays; where the stage passes many of them in a period of the band, little is left."""
+    elastic, quick = replace(PLAIN, dispersion=Dispersion(m=0.0, b1=5.0, k1=9000.0, b2=3.0, k2=3000.0)), 0.5e-3 + 0.3e-3 * np.sin(6.0 * T)
+    resting, moving = ([prepare(recorded(elastic, depth=depth, noise=0.0))] for depth in (np.full(T.size, 0.5e-3), quick))
+    step = 5e-6
+    assert unread_depth(resting, step) == pytest.approx(step / np.sqrt(12.0))
+    assert unread_depth(moving, step) < 0.5 * step / np.sqrt(12.0)
+    rounded = prepare(replace(recorded(elastic, depth=quick, noise=0.0), depth=step * np.round(quick / step)))
+    error = residual(elastic, rounded)[0] - residual(elastic, moving[0])[0]
+    assert float(np.sqrt(np.mean(error**2))) < 1.2 * 12000.0 * unread_depth(moving, step)
+
+
+def test_damping_is_not_below_nothing_and_a_late_taxel_is_named_instead():
+    """A taxel that is late by 0.15 s makes of k1 a damping of -450 N s/m, which no skin has."""
+    late = replace(PLAIN, effects=(Lag("taxel", tau=0.15),))
+    sessions = [prepare(recorded(late))]
+    noise = fit_whitener([residual(late, sessions[0])], [sessions[0].weight])
+    found = fit(PLAIN, sessions, noise).model
+    assert found.dispersion.b1 >= -found.dispersion.k1 / RATE
+    best = survey(found, sessions, directions(sessions[0]), noise).ranked[0]
+    assert (best.cause, best.where) in {("lag", "taxel"), ("time_shift", "clock_taxels")}
+
+
+def test_most_of_what_there_is_may_be_gained_in_one_block():
+    nearly = replace(QUICK, relative=0.8, lower=-0.002)
+    assert nearly.passed and not replace(nearly, relative=0.4).passed
+    assert not replace(nearly, ci95=(-0.001, 0.002)).passed and not replace(nearly, lower=-0.1).passed

@@ -58,6 +58,16 @@ def worn_and_stiffening(rng: np.random.Generator, gap: float = 11e-6, bend: floa
     return Recording(f"run_{rng.integers(1e9)}", np.arange(path.size) / RATE, depth, read(force + 0.027 * e[0], 0.02), seen)
 
 
+def test_what_was_named_first_is_asked_again_when_the_other_is_known(tmp_path):
+    """Of a lagging taxel and a load cell with memory a mount that yields explains most, until one of them is known."""
+    one, other = Hide("lag", "taxel_0", "one_pole", 1.0), Hide("hysteresis", "load_cell", "bouc_wen", 1.0)
+    sessions, _ = make_sessions([one, other], seed=670979871, n_taxels=1, protocol="full")
+    write_case(sessions, tmp_path)
+    recordings = load(tmp_path)
+    found = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert {(f["cause"], f["where"]) for f in found} == {("lag", "taxel"), ("hysteresis", "load_cell")}
+
+
 def test_two_that_hide_each_other_are_found_together():
     """Neither predicts held-out data alone: the fit bends each to stand for the other as well."""
     recordings = [worn_and_stiffening(np.random.default_rng(i)) for i in range(3)]
