@@ -7,8 +7,9 @@ The method, in the order in which `diagnose` runs it:
     others in whole (columns in another order, a unit, a sign).
 2.  `sessions` puts measured and simulated channels through one and the same low-pass, at full rate, then thins them out. A depth in coarse
     steps is drawn again first (`recordings.staircase`). Moments when the plunger may have left the skin are not compared.
-3.  `baseline` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error. Sessions that press at
-    different places have shares of their own for every taxel, fitted with whatever model stands beside them.
+3.  `baseline` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error; damping is not below
+    nothing. Sessions that press at different places have shares of their own for every taxel, fitted with whatever model stands beside
+    them.
 4.  `search.proposals` simulates every effect of the catalogue, at every shape of its grid, on top of the model: the change it makes to
     every channel is the direction in which that cause would bend the residual. With declared taxel positions `array` proposes what bends
     the spread over them.
@@ -20,14 +21,15 @@ The method, in the order in which `diagnose` runs it:
     where that explains more (`search.growing`, `search.trial`). What comes within reach of the best, or is the same signal by nature, is
     reported beside it (`search.rivals`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
     Where none is believed alone, two that hide each other are asked (`search.together`).
-8.  `gates` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves uncertain, and that noise of
-    another colour is no shorter account of the record.
+8.  `gates` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves uncertain, by more than steps
+    of encoder and converters leave open, and that noise of another colour is no shorter account of the record.
 9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
     during it. Where such courses explain most and predict nothing, the noise wanders more than its model knows, and nothing is named. Last,
     what is wrong in held-out sessions alone.
-10. `search.criticise` repeats this, then eliminates backwards. `telling` asks whether a general model still predicts something of the
-    residual on held-out data, measures every gain beside what noise alone leaves, and writes findings.json; `telemetry.pull` looks at the
-    moments that were left out.
+10. `search.criticise` repeats this; each cause is then asked for again beside the others (`search.exchange`), and what nothing needs is
+    eliminated. `telling` asks whether a general model still predicts something of the residual on held-out data, and whether more is left
+    than where every cause may bend every session by itself; it measures every gain beside what noise alone leaves, and writes
+    findings.json. `telemetry.pull` looks at the moments that were left out.
 
 `many` divides the search where taxels are many; `scan` is the same idea for static spread scans.
 
