@@ -8,6 +8,7 @@ from scipy.signal import lfilter
 from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.telemetry.lines import find_interference
 from skin_ident.recordings.load import load
 
 
@@ -72,3 +73,31 @@ def test_harmonics_of_a_periodic_motion_are_no_tones(tmp_path, cause, hertz, mon
     monkeypatch.setitem(protocols.BODIES, "long_sine", sine)
     sessions, _ = make_sessions(cause, size=6.0, seed=11, protocol="long_sine", n_sessions=3, n_taxels=2, noise="white")
     assert not named(tmp_path, sessions)
+
+
+def corners(seed):
+    """A force (N,), N, that moves in straight strokes of uneven length for ten seconds: corners move it a little at every frequency."""
+    rng = np.random.default_rng(seed)
+    at = np.sort(rng.uniform(0.0, 10.0, 30))
+    return np.interp(0.01 * np.arange(1000), at, rng.uniform(0.0, 8.0, 30))
+
+
+def beside(seed, made_of, tone):
+    """Interference in three sessions of such forces, measured with noise, with what is `made_of` the force, and with a tone."""
+    rng, t = np.random.default_rng(seed), 0.01 * np.arange(1000)
+    forces = [corners(3 * seed + k) for k in range(3)]
+    rest = [0.01 * rng.standard_normal(t.size) + made_of(f) + tone(t + 100.0 * k) for k, f in enumerate(forces)]
+    return find_interference(("taxel_0",), [e[None] for e in rest], [f[None] for f in forces], 0.01, 1)
+
+
+def test_a_tone_stands_out_of_a_motion_that_moves_as_much_there_but_has_no_line():
+    def beating(t):
+        return 0.007 * (np.sin(2 * np.pi * 7.3 * t + 0.3 * np.sin(t)) + np.sin(2 * np.pi * 7.9 * t))
+
+    found = [beside(seed, np.zeros_like, beating) for seed in range(8)]
+    assert sum(any(abs(q - line) < 0.15 for s in f for q in s.evidence["lines"] for line in (7.3, 7.9)) for f in found) >= 6
+
+
+@pytest.mark.parametrize("made_of", [lambda f: 0.02 * f**2, lambda f: 0.3 * np.sign(np.gradient(f)), lambda f: 2.0 * np.gradient(f)])
+def test_what_is_made_of_such_a_motion_is_no_tone(made_of):
+    assert not any(beside(seed, made_of, np.zeros_like) for seed in range(8))

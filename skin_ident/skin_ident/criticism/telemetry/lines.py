@@ -91,7 +91,7 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
         tone = _narrow(each, i) or _in_bursts(rows, line.frequency, dt)
         at_rest = (tone or tall > LONE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
         if tone or at_rest:
-            if at_rest or (alone and not doubtful and not carried(predicted, line.frequency, line.amplitude, tall, dt)):
+            if at_rest or (alone and not doubtful and not carried(rows, predicted, line.frequency, line.amplitude, tall, dt)):
                 lines.append(line)
             else:
                 doubtful = True

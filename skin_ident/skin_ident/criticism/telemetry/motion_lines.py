@@ -14,6 +14,7 @@ BY_DEPTH = 0.4  # of a line that the simulation may carry
 NEAR = 3  # bins to both sides
 TALL = 20.0  # times its background, where a motion has a line of its own
 LONE = 100.0
+SEVERAL, ABOVE = 3, 8.0
 CYCLES, LEAST_S = 8, 2.0  # of a line, in a window at rest, and its least length
 STILL = 0.25  # of the line's amplitude, by which the simulation may move there (standard deviation)
 BESIDE = np.array([-4, -3, -2, 2, 3, 4])  # bins of such a window that a line is compared with
@@ -41,23 +42,28 @@ def goes_on_at_rest(rows: list[np.ndarray], predicted: list[np.ndarray], frequen
     return bool(f_distribution.sf(power[0] / np.mean(power[1:]), free, 0.5 * free * (at.size - 1)) < CHANCE)
 
 
-def carried(predicted: list[np.ndarray], frequency: float, amplitude: float, tall: float, dt: float) -> bool:
+def carried(
+    rows: list[np.ndarray], predicted: list[np.ndarray], frequency: float, amplitude: float, tall: float, dt: float
+) -> bool:
     """Whether the simulated rows (N,) move as much near this frequency, or anything that a skin makes of them has a line there.
 
-    A motion that moves as much and has no line makes none that is so `tall` (times its background) as `LONE`. Near is as far as the lines
-    of a residual may differ from session to session: periodic motions of different speed may meet there.
+    A motion that moves as much and has no line makes none that is so `tall` (times its background) as `LONE`, and in `SEVERAL` sessions
+    none that stands in each of the residuals (N,) in `rows` `ABOVE` times as tall as in all that is made of the motion. Near is as far as
+    the lines of a residual may differ from session to session: periodic motions of different speed may meet there.
     """
     n = min(m.size for m in predicted)
     i = round(frequency * n * dt)
     near = slice(max(i - NEAR, 0), i + NEAR + 1)
     moves = float(np.median([_amplitudes(m[:n])[near].max() for m in predicted]))
-    return (moves > BY_DEPTH * amplitude and tall < LONE) or _of_motion([m[:n] for m in predicted], near)
+    of_motion = [[np.max(over_background(y)[near]) for y in _made_of(m[:n])] for m in predicted if np.ptp(m[:n]) > 0.0]
+    heights = [np.max(over_background(e[:n])[near]) for e, m in zip(rows, predicted, strict=True) if np.ptp(m[:n]) > 0.0]
+    alone = len(heights) >= SEVERAL and all(h > ABOVE * max(own) for h, own in zip(heights, of_motion, strict=True))
+    return (moves > BY_DEPTH * amplitude and tall < LONE and not alone) or _has_line(of_motion)
 
 
-def _of_motion(predicted: list[np.ndarray], near: slice) -> bool:
-    """Whether the same function of the motion has a line in these bins in half of the rows or more."""
-    tall = [[np.max(over_background(y)[near]) for y in _made_of(row)] for row in predicted if np.ptp(row) > 0.0]
-    return bool(tall) and bool(np.any(np.median(tall, axis=0) > TALL))
+def _has_line(of_motion: list[list]) -> bool:
+    """Whether the same function of the motion is tall in half of the sessions or more."""
+    return bool(of_motion) and bool(np.any(np.median(of_motion, axis=0) > TALL))
 
 
 def over_background(e: np.ndarray) -> np.ndarray:
