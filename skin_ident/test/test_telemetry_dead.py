@@ -9,7 +9,9 @@ from world import make_sessions, write_case
 
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.spreading import with_spread
+from skin_ident.criticism.courses.kinds import courses
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.telemetry.loose import contact_of
 from skin_ident.recordings.load import load
 
@@ -46,6 +48,14 @@ def on_and_off(y, rng):
 def test_an_open_taxel_between_loaded_ones_is_dead(tmp_path, declared):
     symptoms = named(tmp_path, spoilt(three("row_5mm"), 1, noisy, declared))
     assert [(s.cause, s.where, s.evidence["kind"]) for s in symptoms] == [("dead_taxel", "taxel_1", "open")]
+
+
+def test_nothing_else_is_asked_of_a_taxel_that_is_dead(tmp_path):
+    write_case(spoilt(three("row_5mm"), 1, noisy), tmp_path)
+    session = inspect(load(tmp_path)).sessions[0]
+    asked = {q.where for q in (*courses(session), *directions(session))}
+    assert {"taxel_0", "taxel_2", "taxel", "skin", "load_cell"} <= asked
+    assert "taxel_1" not in asked
 
 
 @pytest.mark.parametrize(("taxels", "which"), [(3, 2), (3, 0), (4, 1), (6, 2)])

@@ -82,6 +82,7 @@ def inspect(recordings: list) -> Inspected:
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
     dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
+    early = [s for s in early if s.cause != "quantization" or not dead & set(s.channels)]
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
     mended = _spread_again(mended, symptoms)
     clipped = [s for s in symptoms if s.cause == "saturation"]

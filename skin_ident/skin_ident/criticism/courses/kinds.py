@@ -48,9 +48,11 @@ class Course:
 
 
 def courses(session: Session) -> Iterator[Course]:
-    """Every course that sessions of this kind could have."""
+    """Every course that sessions of this kind could have. A channel that answers nothing has none of its own."""
     every = tuple(range(len(session.channels)))
     for c, channel in enumerate(session.channels):
+        if channel in session.stuck:
+            continue
         where = place_of(channel, session.n_taxels)
         yield from (Course(carrier, shape, (c,), where) for carrier, shape in CAUSES if carrier in (ZERO, SLOPE))
     taxels = every[-session.n_taxels :] if session.n_taxels else ()

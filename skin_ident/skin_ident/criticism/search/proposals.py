@@ -57,7 +57,7 @@ def _wheres(cls: type[Effect], session: Session) -> Iterator[str]:
             if session.n_taxels == 0:
                 continue
             if session.n_taxels > 1 and word == "taxel":
-                yield from (f"taxel_{i}" for i in range(session.n_taxels))
+                yield from (f"taxel_{i}" for i in range(session.n_taxels) if f"taxel_{i}" not in session.stuck)
         yield word
 
 
