@@ -7,6 +7,7 @@ from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.telemetry.outliers import find_outliers
+from skin_ident.criticism.telemetry.quantization import step_of, uneven_step
 from skin_ident.recordings.load import load
 
 FAULTS = [
@@ -96,3 +97,27 @@ def friction_at_turns(lasting):
 
 def test_friction_that_jumps_where_the_motion_turns_is_no_burst():
     assert not friction_at_turns(6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_levels_of_a_converter_that_compresses_are_counted(seed):
+    rng, t = np.random.default_rng(seed), 0.01 * np.arange(5000)
+    y = 2.5 * (1.0 - np.cos(2 * np.pi * 0.3 * t)) + 0.02 * rng.standard_normal(t.size)
+    bent = np.sign(y) * np.expm1(np.round(np.log1p(50.0 * np.abs(y)) / 0.3) * 0.3) / 50.0
+    levels = np.unique(bent)
+    assert step_of(bent) is None
+    assert uneven_step(bent) == pytest.approx(np.mean(np.diff(levels)), rel=0.3)
+    assert uneven_step(y) is None
+    assert uneven_step(np.round(y / 0.2) * 0.2) is None
+
+
+def test_a_taxel_whose_converter_compresses_has_coarse_steps_and_no_outliers(tmp_path):
+    sessions, _ = make_sessions("null", seed=8, n_sessions=2, n_taxels=3, noise="white")
+    for s in sessions:
+        y = s.taxels[:, 1]
+        top = np.abs(y).max()
+        s.taxels[:, 1] = np.sign(y) * np.expm1(np.round(np.log1p(255.0 * np.abs(y) / top) / 0.28) * 0.28) * top / 255.0
+        s.rig["taxel_step_n"] = 0.03
+    write_case(sessions, tmp_path)
+    (symptom,) = (s for s in inspect(load(tmp_path)).symptoms if s.where == "taxel_1")
+    assert symptom.cause == "quantization" and symptom.evidence["uneven"]

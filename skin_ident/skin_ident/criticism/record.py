@@ -81,6 +81,7 @@ def inspect(recordings: list) -> Inspected:
     late = _in_residuals(mended, sessions, [s for s in early if s.cause == "data_error"])
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
+    early, late = _between_levels(early, late)
     dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
     early = [s for s in early if s.cause != "quantization" or not dead & set(s.channels)]
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
@@ -92,6 +93,14 @@ def inspect(recordings: list) -> Inspected:
         return Inspected(symptoms, whole, whole)
     searched = [replace(prepare(r, _bad_samples(r, symptoms), slowest), stuck=stuck) for r in mended]
     return Inspected(symptoms, searched, whole)
+
+
+def _between_levels(early: list[Symptom], late: list[Symptom]) -> tuple[list[Symptom], list[Symptom]]:
+    """Both, where outliers of a channel with uneven steps are taken for jumps from one level to the next, which are not believed either."""
+    uneven = {c for q in early if q.evidence.get("uneven") for c in q.channels}
+    jumps = {s.channels[0]: s for s in late if s.cause == "outliers" and s.channels[0] in uneven}
+    told = [replace(q, bad=jumps[q.channels[0]].bad) if q.evidence.get("uneven") and q.channels[0] in jumps else q for q in early]
+    return told, [s for s in late if s.cause != "outliers" or s.channels[0] not in jumps]
 
 
 def _spread_again(recordings: list, symptoms) -> list:

@@ -65,7 +65,7 @@ def _noise(s: Symptom, v: dict[str, float]) -> Effect:
 _MAKERS = {
     "adhesion": lambda s, v: _made(Adhesion, s.where, **v),
     "saturation": lambda s, v: _made(Saturation, s.where, level=v["level"]),
-    "quantization": lambda s, v: _made(SensorQuantization, s.where, step_force=v["step"]),
+    "quantization": lambda s, v: None if s.evidence.get("uneven") else _made(SensorQuantization, s.where, step_force=v["step"]),
     "interference": lambda s, v: _made(Interference, s.where, sine=v["amplitude"], frequency=v["frequency"]),
     "dead_taxel": _dead,
     "outliers": _outliers,

@@ -7,6 +7,8 @@ Where nothing is declared, nobody can say that steps are coarser than they shoul
 than the noise s beneath, they bury it, and that can be seen in what a model leaves, r^2 = s^2 + q^2 / 12.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
@@ -16,6 +18,9 @@ COARSER = 1.5  # times the declared step
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
 FEWEST_LEVELS = 4
 FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
+FEW = 0.01  # of the samples, the most levels of a converter whose steps are uneven, and which reads
+OFTEN = 0.9  # of the samples on levels that occur again and again
+AGAIN = 5
 BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
 MANY = 0.5  # share of samples that are levels of their own: then nothing is quantized
 
@@ -33,6 +38,16 @@ def step_of(y: np.ndarray) -> float | None:
     return step if np.mean(np.abs(multiples - np.round(multiples)) < 0.1) > 0.9 else None
 
 
+def uneven_step(y: np.ndarray) -> float | None:
+    """Mean spacing of the few levels on which `y` (N,) sits though they are not equally spaced, as those of a converter that compresses;
+    None where it does not."""
+    levels, counts = np.unique(y, return_counts=True)
+    again = levels[counts >= AGAIN]
+    if again.size <= 2 * FEWEST_LEVELS or levels.size > FEW * y.size or step_of(y) is not None:
+        return None
+    return float(np.ptp(again)) / (again.size - 1) if np.sum(counts[counts >= AGAIN]) > OFTEN * y.size else None
+
+
 def find_quantization(recordings: list) -> list[Symptom]:
     """Channels whose steps are coarser than declared."""
     declared = _declared(recordings[0])
@@ -42,6 +57,11 @@ def find_quantization(recordings: list) -> list[Symptom]:
         if step and len(steps) == len(recordings) and min(steps) > COARSER * step:
             unit = "m" if channel == "depth" else "N"
             found.append(_coarse(recordings, channel, float(np.median(steps)), "as rig.yaml declares", step, unit))
+        uneven = [uneven_step(y) for y in _rows(recordings, channel)]
+        if step and uneven and None not in uneven and min(uneven) > COARSER * step:
+            unit = "m" if channel == "depth" else "N"
+            s = _coarse(recordings, channel, float(np.median(uneven)), "on average as rig.yaml declares, and unevenly", step, unit)
+            found.append(replace(s, evidence={**s.evidence, "uneven": True}))
     return found
 
 
