@@ -57,3 +57,24 @@ def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed):
     (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     assert (found["cause"], found["where"]) == ("time_shift", "clock")
     assert all("ms at" in words for words in found["evidence"]["of_each_session"].values())
+
+
+@pytest.mark.parametrize("held", [2, 3])
+def test_a_load_cell_with_a_gain_of_its_own_in_each_session_is_named(tmp_path, held):
+    """Also where the gain of the held-out session is near to the mean, so that this one alone could not tell."""
+    made, _ = make_sessions(None, seed=61, n_sessions=4, noise="white")
+    gains = (1.0, 1.02, 0.99, 1.006) if held == 3 else (1.0, 1.02, 0.98, 1.01)
+    write_case([replace(s, force=g * s.force) for s, g in zip(made, gains, strict=True)], tmp_path)
+    recordings = load(tmp_path)
+    (found,) = diagnose(recordings[:held], recordings[held:]).findings["findings"]
+    assert (found["cause"], found["where"]) == ("gain_error", "load_cell")
+    assert all(words.endswith(" %") for words in found["evidence"]["of_each_session"].values())
+
+
+def test_skin_that_is_stiffer_in_one_session_is_no_gain_of_a_sensor(tmp_path):
+    made, _ = make_sessions(None, seed=62, n_sessions=3, noise="white")
+    stiffness = (1.0, 1.03, 0.98)
+    write_case([replace(s, force=k * s.force, taxels=k * s.taxels) for s, k in zip(made, stiffness, strict=True)], tmp_path)
+    recordings = load(tmp_path)
+    named = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert not [f for f in named if f["cause"] == "gain_error"]

@@ -22,7 +22,7 @@ from scipy.linalg import block_diag
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
-from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, courses
+from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
 from skin_ident.criticism.gates.uncertain import Open, own_rows
 from skin_ident.criticism.noise.estimate import pursue
 from skin_ident.criticism.noise.steps import sharpest
@@ -44,6 +44,7 @@ SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
 AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
+ALIKE = 0.95  # of the likelihood gain of a slope in one channel, which the same in all must reach to go before it
 BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
 
 
@@ -102,7 +103,16 @@ def beside_the_rest(model: Model, train: list[Session], held: list[Session], noi
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
     runs = [_run(course, ground) for course in courses(ground.sessions[0])]
-    return sorted((r for r in runs if r.worth(encoder_step)), key=lambda r: -r.score)
+    return sorted((r for r in _of_sensors(runs, ground) if r.worth(encoder_step)), key=lambda r: -r.score)
+
+
+def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
+    """The runs but for slopes of one channel that are explained as well where all channels have them alike: that is no sensor's."""
+    sloped = max((r.score for r in runs if r.course.carrier == SLOPE), default=0.0)
+    if sloped <= LEAST or len(ground.sessions[0].channels) == 1:
+        return runs
+    common = _run(common_slope(ground.sessions[0]), ground).score
+    return [r for r in runs if r.course.carrier != SLOPE or common < ALIKE * r.score]
 
 
 def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
@@ -271,10 +281,23 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
     rows = [[s.band.thin(row) for row in _rows(course, g, s, moments[s.name], exactly)] for s in g.sessions]
     A = g.beside(block_diag(*(stack([np.array(own)], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
     steps, r = course.shape == STEPS, g.left
-    z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else np.linalg.lstsq(A, r, rcond=1e-8)[0]
+    z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else _least_squares(A, r, _free(course, g, rows))
     charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
     return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
+
+
+def _free(course: Course, g: _Ground, rows: list[list[np.ndarray]]) -> np.ndarray:
+    """What spans the amplitudes, (K, L). Of slopes that last, their mean is the model's own, where it may change."""
+    one = np.eye(sum(map(len, rows)))
+    if not course.slopes or g.Q is None or g.alone:
+        return one
+    loaded = one[[bool(np.any(row)) for own in rows for row in own]]
+    return (loaded - loaded.mean(axis=0)).T
+
+
+def _least_squares(A: np.ndarray, r: np.ndarray, free: np.ndarray) -> np.ndarray:
+    return free @ np.linalg.lstsq(A @ free, r, rcond=1e-8)[0] if free.size else np.zeros(A.shape[1])
 
 
 def _said(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:
@@ -292,5 +315,7 @@ def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
     if course.carrier == ZERO:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size, scale = SIZES[course.carrier]
+    if course.shape == CONSTANT:
+        return size.format(scale * z[0])
     steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True)]
     return ", ".join(steps) or "none"

@@ -24,9 +24,9 @@ SURE = 0.25  # of the fall of the error, which its interval must exclude: seven 
 
 
 def stands(run: Run, gain: Gain, model: Model, sessions: list[Session]) -> bool:
-    """Whether a course of `sessions` beside `model` is believed, where it shows, and more than faint if it is one of a zero: zeros of good
-    hardware wander."""
-    faint = run.course.carrier == ZERO and _share(run, model, sessions) < FAINT
+    """Whether a course of `sessions` beside `model` is believed, where it shows, and more than faint if it is one of a zero, or a slope
+    from the start on: those of good hardware wander."""
+    faint = (run.course.carrier == ZERO or run.course.slopes) and _share(run, model, sessions) < FAINT
     return believed(gain, run.course) and run.course.shows(gain) and not faint
 
 
@@ -50,6 +50,18 @@ def believed(gain: Gain, course: Course) -> bool:
 def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
     """What the course gains in `held`, or in `train` where nothing is held out, fitted to every other block and predicting the blocks
     between; the model is `before` or `after`, each free as far as training leaves it."""
+    if held and course.slopes:
+        gain, asked = _gain_in(course, before, after, train, held, noise), _gain_in(course, before, after, train, [], noise)
+        return asked if len(train) > 1 and _agrees(gain) and asked.relative > gain.relative else gain
+    return _gain_in(course, before, after, train, held, noise)
+
+
+def _agrees(gain: Gain) -> bool:
+    """Whether held-out sessions do not speak against a slope that the others have: it may be near to the mean there."""
+    return gain.lower > 0.0 and gain.after < gain.before
+
+
+def _gain_in(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
     free, sessions = left_open(after, train, held, noise), held or train
     plain = [residual(before, s) for s in sessions]
     predicted = [_predicted(course, after, s, noise, free and free.of(i)) for i, s in enumerate(sessions)]

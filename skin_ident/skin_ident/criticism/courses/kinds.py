@@ -12,6 +12,7 @@ CONSTANT, STEPS, BEND = "constant", "steps", "bend"
 CAUSES = {
     (ZERO, CONSTANT): "force_offset",
     (ZERO, BEND): "drift",
+    (SLOPE, CONSTANT): "gain_error",
     (SLOPE, STEPS): "gain_error",
     (DELAY, STEPS): "time_shift",
     (DEPTH, STEPS): "position_offset",
@@ -42,19 +43,31 @@ class Course:
         """Its own, and those under which the same signal goes: a force read too small is all taxels reading too much."""
         return (self.key, (self.cause, "taxel")) if self.carrier == DRIVEN else (self.key,)
 
+    @property
+    def slopes(self) -> bool:
+        """Whether it is a slope that lasts as long as the session."""
+        return (self.carrier, self.shape) == (SLOPE, CONSTANT)
+
     def shows(self, gain: Gain) -> bool:
         """Whether a gain is where the course is; what is wrong with the force that drives a test shows in the taxels."""
         return self.carrier in (DRIVE, DRIVEN) or gain.shows_at(self.where)
 
 
+def common_slope(session: Session) -> Course:
+    """All channels more or less alike: no sensor, but skin that is stiffer or thinner in one session than in the other."""
+    return Course(SLOPE, CONSTANT, tuple(range(len(session.channels))), "skin")
+
+
 def courses(session: Session) -> Iterator[Course]:
-    """Every course that sessions of this kind could have. A channel that answers nothing has none of its own."""
+    """Every course that sessions of this kind could have. A channel that answers nothing has none of its own; where sessions press at
+    several places, a slope is the place's."""
     every = tuple(range(len(session.channels)))
     for c, channel in enumerate(session.channels):
         if channel in session.stuck:
             continue
         where = place_of(channel, session.n_taxels)
-        yield from (Course(carrier, shape, (c,), where) for carrier, shape in CAUSES if carrier in (ZERO, SLOPE))
+        kinds = (kind for kind in CAUSES if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None))
+        yield from (Course(*kind, (c,), where) for kind in kinds)
     taxels = every[-session.n_taxels :] if session.n_taxels else ()
     if session.drive is not None:
         yield Course(DELAY, STEPS, taxels, "clock_taxels")

@@ -9,7 +9,7 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.courses.carriers import DELAY
+from skin_ident.criticism.courses.carriers import DELAY, SLOPE
 from skin_ident.criticism.courses.course import BEHIND, MARGIN, Run, added, beside_the_rest, fitted, worthwhile
 from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import CONSTANT, STEPS
@@ -153,7 +153,7 @@ class Search:
         it. A clock that slips wherever it helps is no noise: where it predicts nothing, it is passed over.
         """
         best = max((t.score for t in trials), default=0.0)
-        plain = runs and runs[0].course.shape == CONSTANT  # a zero is but one number for each session
+        plain = runs and runs[0].course.shape == CONSTANT and runs[0].course.carrier != SLOPE  # one number, and no other depths feign it
         first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
         same = trials and runs and trials[0].key == runs[0].course.key
         own = self._own_course(runs, trials) if first or (same and self._refitted(runs[0])[1] > best) else None
@@ -246,9 +246,11 @@ class Search:
         score = max(run.score, score)
         rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
         rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
-        told = score > MATERIAL * after.count or run.course.shape != STEPS  # moments are searched for, and found in any noise
+        searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
+        told = score > MATERIAL * after.count or not searched
         stood = stands(run, gain, self.present.model, self.train) and self.resolved(gain, run.course.cause, after.model)
-        if not (told and stood and helps(run, self.present.model, after.model, self.train, self.held, self.noise)):
+        borne_out = run.course.slopes or helps(run, self.present.model, after.model, self.train, self.held, self.noise)
+        if not (told and stood and borne_out):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
