@@ -9,7 +9,7 @@ import numpy as np
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.courses.carriers import ZERO
 from skin_ident.criticism.courses.course import Run, added, fitted
-from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
+from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, WAVE, Course
 from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain, gain_of_residuals
 from skin_ident.criticism.gates.uncertain import Open, beside_uncertainty, left_open
 from skin_ident.criticism.noise.whitening import Whitener
@@ -17,7 +17,7 @@ from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
-CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18}  # least relative fall: noise of long memory bends by itself
+CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18, WAVE: 0.18}  # least relative fall: noise of long memory bends
 PLAINLY = 0.15  # fall that needs no gain in likelihood
 FAINT = 0.2  # of what is left at full rate, which a course of a zero must exceed
 SURE = 0.25  # of the fall of the error, which its interval must exclude: seven courses are tried every time

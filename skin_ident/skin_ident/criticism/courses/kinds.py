@@ -8,7 +8,7 @@ from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import place_of
 
-CONSTANT, STEPS, BEND = "constant", "steps", "bend"
+CONSTANT, STEPS, BEND, WAVE = "constant", "steps", "bend", "wave"
 CAUSES = {
     (ZERO, CONSTANT): "force_offset",
     (ZERO, BEND): "drift",
@@ -32,7 +32,7 @@ class Course:
 
     @property
     def cause(self) -> str:
-        return CAUSES[self.carrier, self.shape]
+        return "drift" if self.shape == WAVE else CAUSES[self.carrier, self.shape]
 
     @property
     def key(self) -> tuple[str, str]:

@@ -26,6 +26,7 @@ from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.together import two_at_once
 from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
+from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import hanging, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session, longest, without_parting
 from skin_ident.criticism.telemetry.pull import find_pull
@@ -122,6 +123,7 @@ class Search:
             taken = own or shared
             alone = not taken and self._take_alone()
             pair = () if taken or self.named else two_at_once(self, trials, runs)
+            alone = alone or (not (taken or pair) and take_wave(self))
             self.rounds.append((last, (taken or pair[0])[1].cause if taken or pair else self.named[-1].cause if alone else None))
             if own:
                 self._take_course(*own)

@@ -1,0 +1,37 @@
+"""What wanders smoothly through every session, asked for where no other cause is believed: the noise model takes it for noise."""
+
+from typing import Any
+
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.courses.course import added
+from skin_ident.criticism.courses.gate import believed
+from skin_ident.criticism.courses.waves import find_wave, run_of
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.sessions.session import Session
+
+
+def take_wave(search: Any) -> bool:
+    """Name one wave and give every session its own; `search` is the state of `criticise`."""
+    model = search.present.model
+    found = find_wave(model, search.train, search.held, search.noise)
+    if found is None or any(r.course == found[0].course for r in search.runs):
+        return False
+    wave, gain = found
+    after = fit(model, added(search.train, wave.values), search.noise)
+    if not (believed(gain, wave.course) and wave.course.shows(gain) and search.resolved(gain, wave.course.cause, after.model)):
+        return False
+    run = run_of(wave, model, [*search.train, *search.held], search.present.cost - after.cost)
+    search.runs.append(run)
+    search.train, search.held = added(search.train, run.values), added(search.held, run.values)
+    search.present = fit(after.model, search.train, search.noise)
+    search.named.append(Named(*wave.course.key, gain, run.score, _also(search.train[0]), courses=run.said))
+    search.progress(f"named {wave.course.cause} in the {wave.course.where}, as a wave")
+    return True
+
+
+def _also(session: Session) -> tuple[Rival, ...]:
+    """What the same wave in the only channel may be: of the force that drives the test, or of the zero of depth."""
+    if len(session.channels) > 1:
+        return ()
+    return (Rival("drift", "load_cell", 0.0),) if session.drive is not None else (Rival("position_offset", "rig", 0.0),)
