@@ -1,4 +1,4 @@
-"""Excursions: a channel jumps away between two samples and jumps back soon after, or fades back as what was struck rings down.
+"""Excursions: a channel jumps away between two samples and jumps back soon after.
 
 A skin pressed by a plunger of finite acceleration does not do that, whatever else is wrong with it: a jump must be in the measurement, not
 in the model (which may place a contact wrongly), and one jump alone may be a contact made or lost.
@@ -15,50 +15,16 @@ STILL = 0.5  # of a jump that the model itself may move by
 AROUND = 3  # samples of it: the model may place a contact wrongly by so many
 CLUSTER = 12  # samples between excursions of one burst
 MEMBERS = 3  # excursions that make a burst
-BESIDE = 3  # samples before and after, whose median is where it came from and where it is back
-OVER = 1.3  # of the jump, the most that one that fades may be away
-TURN = 12  # samples about a turn of the motion in which friction may jump
-SLOW = 0.02  # of the greatest rate, below which there is none
-RETURNED = 0.3  # of the jump, within which it must come back
 
 
-def excursions(e: np.ndarray, y: np.ndarray, limit: float, met: np.ndarray | None = None) -> np.ndarray:
-    """Mask (N,) of excursions in the residual `e` of the measurement `y` by jumps larger than `limit`.
-
-    Those that fade count where `met` (N,) is given, which marks where contact is made or lost: there, and where the motion turns, a force
-    may jump and fade.
-    """
+def excursions(e: np.ndarray, y: np.ndarray, limit: float) -> np.ndarray:
+    """Mask (N,) of excursions in the residual `e` of the measurement `y` by jumps larger than `limit`."""
     d, dy = np.diff(e), np.diff(y)
     sharp = (np.abs(d) > limit) & (dy * np.sign(d) > OWN * np.abs(d)) & _sudden(d)
     if not sharp.any():
         return np.zeros(e.size, bool)
     calm = maximum_filter1d(np.abs(dy - d), 2 * AROUND + 1) < STILL * np.abs(d)
-    mask = paired(e, d, np.flatnonzero(sharp & calm))
-    if met is None:
-        return mask
-    near = maximum_filter1d((met | _turning(y - e)).astype(np.int8), 2 * AROUND + 1)[1:] > 0
-    return mask | _fading(e, d, np.flatnonzero(sharp & calm & ~near & ~(mask[1:] | mask[:-1])))
-
-
-def _turning(m: np.ndarray) -> np.ndarray:
-    """Mask (N,) about the samples at which what is simulated turns, sets out or rests: friction jumps there, and play delays it."""
-    rate = np.convolve(m, np.repeat([1.0, 0.0, -1.0], [LONGEST // 2, 1, LONGEST // 2]), mode="same")
-    way = np.sign(rate) * (np.abs(rate) > SLOW * np.max(np.abs(rate)))
-    return maximum_filter1d(np.abs(np.diff(way, prepend=way[0])), 2 * TURN + 1) > 0.0
-
-
-def _fading(e: np.ndarray, d: np.ndarray, sharp: np.ndarray) -> np.ndarray:
-    """Mask (N,) of the samples from a jump on, up to where the residual is back and stays, on whichever way but never further away."""
-    mask = np.zeros(e.size, bool)
-    for i in sharp:
-        if mask[i] or i < BESIDE or i + LONGEST + BESIDE >= e.size:
-            continue
-        away = (e[i + 1 : i + 1 + LONGEST + BESIDE] - np.median(e[i + 1 - BESIDE : i + 1])) / d[i]
-        after = np.median(np.lib.stride_tricks.sliding_window_view(away, BESIDE), axis=1)
-        back = 1 + np.flatnonzero(np.abs(after[1:]) < RETURNED)
-        if back.size and np.max(away[: back[0]]) < OVER and np.min(away[: back[0]]) > 0.0:
-            mask[i + 1 : i + 1 + back[0]] = True
-    return mask
+    return paired(e, d, np.flatnonzero(sharp & calm))
 
 
 def _sudden(d: np.ndarray) -> np.ndarray:

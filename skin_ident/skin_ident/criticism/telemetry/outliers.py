@@ -54,13 +54,8 @@ def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray
     def beyond(level: float) -> int:
         return sum(runs(excursions(a, b, level))[0].size for a, b in zip(e, y, strict=True))
 
-    def with_fading(level: float) -> int:
-        return sum(runs(excursions(a, b, level, j))[0].size for a, b, j in zip(e, y, jumps, strict=True))
-
-    starts = limit, LOWEST * limit
-    level = next((k for count in (beyond, with_fading) for k in (stands_apart(s, count) for s in starts) if k), None)
-    masks = [excursions(a, b, level, j) if level else np.zeros(a.size, bool) for a, b, j in zip(e, y, jumps, strict=True)]
-    away = [fill_clusters(m) for m in masks]
+    level = stands_apart(limit, beyond) or stands_apart(LOWEST * limit, beyond)
+    away = [fill_clusters(excursions(a, b, level)) if level else np.zeros(a.size, bool) for a, b in zip(e, y, strict=True)]
     values, counts = np.unique(np.concatenate(y), return_counts=True)
     idle = float(values[np.argmax(counts)])
     still = [_frozen(b, a, limit, step, j | (np.abs(b - idle) < limit)) for a, b, j in zip(e, y, jumps, strict=True)]
