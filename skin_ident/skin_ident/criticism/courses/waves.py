@@ -34,6 +34,7 @@ from skin_models.operators.lagging import lagged
 
 LOW, HIGH = 7, 50  # half periods to a session, of waves and of what draws the line
 SHORTEST_S = 2.8  # the shortest period of a wave, s
+LASTS_S = 9.5  # for which a session must last, s: on shorter ones waves were not tried
 FEWEST = 3  # cosines that draw the line, times those of waves
 SLOPES = np.concatenate([[0.0], np.geomspace(1.0, 1e5, 41)])  # b / a
 DOUBT = 2.5  # nats by which a line may be less likely than the best one
@@ -63,7 +64,7 @@ class Wave:
 def find_wave(model: Model, train: list[Session], held: list[Session], noise: Whitener) -> tuple[Wave, Gain] | None:
     """The wave that takes most of a channel's error away, if there is one, and what it gains in held-out sessions."""
     sessions = [*train, *held]
-    if not held or any(np.mean(s.weight > 0.0) < WHOLE for s in sessions):
+    if not held or any(np.mean(s.weight > 0.0) < WHOLE or np.ptp(s.motion.t) < LASTS_S for s in sessions):
         return None
     free = left_open(model, train, held, noise)
     left = [residual(model, s) for s in held]

@@ -15,14 +15,16 @@ from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.course import Run, worthwhile
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import plainest_first, reach
+from skin_ident.criticism.search.together import lasts
 
 PROMISING = 0.8  # of what a cause explains, from which another one may explain more once it is fitted
 
 
 def exchange(search: Any) -> bool:
     """Put the better account in the place of the first finding that has one, and say whether there was one; where the same cause is found
-    again, its rivals are those it has now. `search` is the state of `criticise`."""
-    return len(search.named) > 1 and any(_exchanged(search, finding) for finding in tuple(search.named) if not finding.courses)
+    again, its rivals are those it has now. Not asked of short records. `search` is the state of `criticise`."""
+    several = len(search.named) > 1 and lasts(search)
+    return several and any(_exchanged(search, finding) for finding in tuple(search.named) if not finding.courses)
 
 
 def _exchanged(search: Any, finding: Named) -> bool:

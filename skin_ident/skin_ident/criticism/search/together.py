@@ -29,8 +29,7 @@ def two_at_once(search: Any, trials: list[Trial], runs: list[Run]) -> Pair | tup
     """The two findings that explain most together, the first with its fit alone; `search` is the state of `criticise`. Nothing where the
     record is short, or what belongs to each session alone explains more than the causes, or no two are believed beside each other."""
     promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL * t.fit.count and sized(t.forms[-1])]
-    lasted = sum(float(s.motion.t[-1] - s.motion.t[0]) for s in search.train)
-    if not promising or lasted < LASTS_S or (runs and runs[0].score > promising[0].score):
+    if not promising or not lasts(search) or (runs and runs[0].score > promising[0].score):
         return ()
     pairs = sorted(filter(None, (_beside(search, t) for t in promising)), key=lambda pair: -_explained(pair))
     if not pairs:
@@ -39,6 +38,11 @@ def two_at_once(search: Any, trials: list[Trial], runs: list[Run]) -> Pair | tup
     near = [p for p in pairs[1:] if p[1][1].cause == second[1].cause and _explained(p) > reach(_explained(pairs[0]))]
     rivals = tuple(Rival(p[0][1].cause, p[0][1].where, _explained(pairs[0]) - _explained(p)) for p in near)
     return (alone, replace(first, alternatives=rivals)), second
+
+
+def lasts(search: Any) -> bool:
+    """Whether training sessions are long enough to speak of several causes beside each other."""
+    return sum(float(s.motion.t[-1] - s.motion.t[0]) for s in search.train) >= LASTS_S
 
 
 def _explained(pair: Pair) -> float:
