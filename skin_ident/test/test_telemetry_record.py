@@ -65,3 +65,10 @@ def test_spikes_of_nine_standard_deviations_stand_apart_and_heavy_tails_do_not()
         false += len(found(rng.standard_t(3, slow.size)))
     assert len(seen) >= 18 and false == 0
     assert min(seen) >= 20 and max(seen) <= 42
+
+
+def test_heavy_tails_in_coarse_steps_are_no_outliers(tmp_path):
+    """Steps larger than the noise round what goes beyond a level up to the next one: here 50 samples go beyond, and 24 were expected."""
+    sessions, _ = make_sessions([], seed=1013840389, n_taxels=3, protocol="full", encoder_step_um=10.0)
+    write_case(sessions, tmp_path)
+    assert not inspect(load(tmp_path)).symptoms

@@ -54,7 +54,7 @@ def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray
     def beyond(level: float) -> int:
         return sum(runs(excursions(a, b, level))[0].size for a, b in zip(e, y, strict=True))
 
-    level = stands_apart(limit, beyond) or stands_apart(LOWEST * limit, beyond)
+    level = stands_apart(limit, beyond, step) or stands_apart(LOWEST * limit, beyond, step)
     away = [fill_clusters(excursions(a, b, level)) if level else np.zeros(a.size, bool) for a, b in zip(e, y, strict=True)]
     values, counts = np.unique(np.concatenate(y), return_counts=True)
     idle = float(values[np.argmax(counts)])

@@ -26,16 +26,18 @@ def reach(d: np.ndarray, smallest: float = 0.0) -> float:
     return LEAST * max(1.4826 * float(np.median(size)), float(np.percentile(size, 80.0)) / 1.2816, smallest, 1e-12)
 
 
-def stands_apart(start: float, count: Callable[[float], int]) -> float | None:
+def stands_apart(start: float, count: Callable[[float], int], step: float = 0.0) -> float | None:
     """The least level, from `start` up, beyond which there are more than any tail of noise would leave; None where there is none.
 
-    `count(level)` says how many go beyond a level; lower levels are asked for comparison.
+    `count(level)` says how many go beyond a level; lower levels are asked for comparison. In steps of a converter what goes beyond a level
+    was rounded up to the next whole `step`, from half a step below it.
     """
     levels = start / BELOW * LEVELS
+    real = np.maximum(levels, (np.ceil(levels / step) - 0.5) * step) if step > 0.0 else levels
     beyond = np.array([count(level) for level in levels])
     for i in np.flatnonzero((levels >= 0.999 * start) & (beyond > 0)):
-        share = (levels[:i] / levels[i]) ** HEAVIEST
-        if np.any(binom.sf(beyond[i] - 1, beyond[:i], share) < CHANCE):
+        share = (real[:i] / levels[i]) ** HEAVIEST
+        if np.any(binom.sf(beyond[i] - 1, beyond[:i], np.minimum(share, 1.0)) < CHANCE):
             return float(levels[i])
     return None
 
