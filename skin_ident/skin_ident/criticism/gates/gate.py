@@ -23,7 +23,7 @@ BLOCK_S = 2.0
 FEWEST_BLOCKS = 3  # of a session; shorter ones in one that would have fewer
 RESAMPLES = 1000
 MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming
-MUCH = 0.15  # the same from which the plain error is asked less
+MUCH, CLEAR = 0.25, 0.15  # the same from which the plain error is asked no further, and from which half of its fall is enough
 MOST, NOTHING = 0.5, -0.02  # the same from which its lower bound may be next to nothing, where most of it is in one block
 MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
 HEARD, LOUD = 0.28, 0.35  # of what is left in a channel: what a change of that size can lower its error by, at most, is 4 and 6 %
@@ -58,7 +58,7 @@ class Gain:
         falls = self.ci95[0] > 0.0
         least = NOTHING if self.relative > MOST and falls else 0.0
         sure = self.lower > least and (plain or falls)
-        material = MATERIAL_RMSE / 2.0 if plain else MATERIAL_RMSE
+        material = MATERIAL_RMSE / 2.0 if plain or self.relative > CLEAR else MATERIAL_RMSE
         return sure and not self.spoilt and self.relative > MATERIAL and self.after < (1.0 - material) * self.before
 
     def shows_at(self, where: str) -> bool:
