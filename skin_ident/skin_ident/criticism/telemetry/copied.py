@@ -31,8 +31,10 @@ def find_copies(recordings: list) -> list[Symptom]:
 
 
 def _blocks(recordings: list) -> list[Symptom]:
-    """The stretches that have been there before in all channels."""
+    """The stretches that have been there before in all channels, and in the depth unless that was another."""
     again = repeats_of([np.array(list(r.channels.values())).T for r in recordings])
+    first = next(iter(recordings[0].channels))
+    again = [r for r in again if _with_its_depth(recordings, r) or _moved_otherwise(recordings, r, first)]
     return [_copy(recordings, again, tuple(recordings[again[0].at].channels))] if again else []
 
 
@@ -49,6 +51,14 @@ def _within(recordings: list, again: list[Repeat], known: dict[str, np.ndarray])
     """Repeats found among samples that are not `known`, by the samples of the recordings."""
     kept = [np.flatnonzero(~known[r.name]) for r in recordings]
     return [replace(r, start=int(kept[r.at][r.start]), origin=int(kept[r.source][r.origin])) for r in again]
+
+
+def _with_its_depth(recordings: list, again: Repeat) -> bool:
+    """Whether the depth, where there is one, is the same digit for digit, too; one that is nearly the same is the same motion once more."""
+    at, source = recordings[again.at].depth, recordings[again.source].depth
+    if at is None or source is None:
+        return True
+    return np.array_equal(at[again.start : again.start + again.length], source[again.origin : again.origin + again.length])
 
 
 def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
