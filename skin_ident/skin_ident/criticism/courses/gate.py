@@ -50,10 +50,10 @@ def believed(gain: Gain, course: Course) -> bool:
 def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
     """What the course gains in `held`, or in `train` where nothing is held out, fitted to every other block and predicting the blocks
     between; the model is `before` or `after`, each free as far as training leaves it."""
-    if held and course.slopes:
-        gain, asked = _gain_in(course, before, after, train, held, noise), _gain_in(course, before, after, train, [], noise)
-        return asked if len(train) > 1 and _agrees(gain) and asked.relative > gain.relative else gain
-    return _gain_in(course, before, after, train, held, noise)
+    gain = _gain_in(course, before, after, train, held, noise)
+    if not (held and course.slopes and len(train) > 1 and _agrees(gain)):
+        return gain
+    return max(gain, _gain_in(course, before, after, train, [], noise), key=lambda g: g.relative)
 
 
 def _agrees(gain: Gain) -> bool:
@@ -75,13 +75,15 @@ def _gain_in(course: Course, before: Model, after: Model, train: list[Session], 
 def helps(run: Run, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> bool:
     """Whether held-out sessions with such a course of their own are nearer to `after` than without one to `before`, in the plain error of
     the channels where it shows; else it is what one session had, and nobody can tell that from noise."""
-    own = fitted(run.course, after, held, noise, left_open(after, train, held, noise)) if held else run
+    if not held:
+        return True
+    own = fitted(run.course, after, held, noise, left_open(after, train, held, noise))
     rows = list(run.course.rows)
 
     def left(model: Model, sessions: list[Session]) -> float:
         return sum(float(np.sum((residual(model, s) ** 2 * s.weight)[rows])) for s in sessions)
 
-    return not held or left(after, added(held, own.values)) < left(before, held)
+    return left(after, added(held, own.values)) < left(before, held)
 
 
 def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:

@@ -24,7 +24,7 @@ from skin_ident.criticism.courses.carriers import SLOPE, ZERO
 from skin_ident.criticism.courses.course import Run
 from skin_ident.criticism.courses.kinds import WAVE, Course
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
-from skin_ident.criticism.gates.uncertain import left_open
+from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.whitening import Whitener, fit_whitener
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.sessions.session import Session
@@ -66,9 +66,8 @@ def find_wave(model: Model, train: list[Session], held: list[Session], noise: Wh
     sessions = [*train, *held]
     if not held or any(np.mean(s.weight > 0.0) < WHOLE or np.ptp(s.motion.t) < LASTS_S for s in sessions):
         return None
-    free = left_open(model, train, held, noise)
-    left = [residual(model, s) for s in held]
-    e = [*(residual(model, s) for s in train), *(free.beside(left, held, noise) if free else left)]
+    left = beside_uncertainty([residual(model, s) for s in held], model, train, held, noise)
+    e = [*(residual(model, s) for s in train), *left]
     every = [w for w in (_wave(c, model, sessions, e, len(train)) for c in _courses(sessions[0])) if w]
     able = [w for w in every if min(w.excess) > EXCESS and w.part > GOOD_PART]
     able = [w for w in able if not any(_same(w, other, sessions) for other in every) and not _locked(w, sessions)]

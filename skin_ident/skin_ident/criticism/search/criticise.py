@@ -251,8 +251,8 @@ class Search:
         searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
         told = score > MATERIAL * after.count or not searched
         stood = stands(run, gain, self.present.model, self.train) and self.resolved(gain, run.course.cause, after.model)
-        borne_out = run.course.slopes or helps(run, self.present.model, after.model, self.train, self.held, self.noise)
-        if not (told and stood and borne_out):
+        stood = stood and (run.course.slopes or helps(run, self.present.model, after.model, self.train, self.held, self.noise))
+        if not (told and stood):
             self.wandering = max(self.wandering, run.score)
             return None
         return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)

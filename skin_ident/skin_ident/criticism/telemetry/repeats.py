@@ -4,7 +4,7 @@ Noise does not repeat. But where a converter is coarse beside the noise, the sam
 often short windows recur in these very recordings tells how long chance can last.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,6 @@ from numpy.lib.stride_tricks import sliding_window_view
 WINDOW = 32  # samples
 LIVELY = 12  # different readings that a window must hold, so that a quiet hold is not taken for a copy
 SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
-SEVERAL, HARDLY = 3, 1.5  # recurrences hardly longer than a window, by which chance is told, too: noise that wanders lets some last
 CHANCE = 0.001  # recurrences of the length found that chance may bring at most
 PART = 100_000  # windows looked at in one go, which bounds the memory
 MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)  # odd, of the windows' polynomial hash
@@ -36,8 +35,8 @@ def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
     every = sorted(_repeats(codes), key=lambda r: -r.length)
     if not every:
         return []
-    expected, lasting = _by_chance(codes, every), _as_others_last(every)
-    return [r for r in every if max(expected(r.length), lasting(r.length)) < CHANCE]
+    expected = _by_chance(codes, every)
+    return [r for r in every if expected(r.length) < CHANCE]
 
 
 def _codes(rows: list[np.ndarray]) -> list[np.ndarray]:
@@ -94,14 +93,6 @@ def _by_chance(codes: list[np.ndarray], repeats: list[Repeat]):
     rest = [row[k] for row, k in zip(codes, kept, strict=True)]
     many, few = (int(np.count_nonzero(first != np.arange(first.size))) for *_, first in (_recurring(rest, n) for n in SHORT))
     return lambda length: few * (few / max(many, few, 1)) ** ((length - SHORT[1]) / (SHORT[1] - SHORT[0]))
-
-
-def _as_others_last(repeats: list[Repeat]) -> Callable[[int], float]:
-    """How many of a length there would be if all lasted as those that are hardly longer than a window do, carried on geometrically."""
-    beyond = [r.length - WINDOW + 1 for r in repeats if r.length < HARDLY * WINDOW]
-    if len(beyond) < SEVERAL:
-        return lambda length: 0.0
-    return lambda length: len(repeats) * (1.0 - 1.0 / float(np.mean(beyond))) ** (length - WINDOW)
 
 
 def _common(a: np.ndarray, b: np.ndarray) -> int:
