@@ -152,3 +152,8 @@ def write_table(path: Path, r: Recording, mark=","):
     lines = [mark.join(names), *(mark.join(f"{v:.9g}" for v in row) for row in rows)]
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def same(a, b, tolerance=1e-8):
+    """Whether two recordings hold the same depth, force and taxels."""
+    return all(np.allclose(getattr(a, k), getattr(b, k), rtol=tolerance, atol=1e-12) for k in ("depth", "force", "taxels"))

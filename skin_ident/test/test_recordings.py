@@ -1,11 +1,8 @@
 """What is written is what is read, whichever file it comes in; what is wrong is said in one sentence."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
-from making import KINDS, START_NS, recording, serialised, typestore, write_bag, write_mcap, write_table
+from making import KINDS, START_NS, recording, same, serialised, typestore, write_bag, write_mcap, write_table
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from skin_ident.recordings.errors import RecordingError
@@ -13,10 +10,6 @@ from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import DISPLACEMENT, FORCE_TO_FORCE, MATERIAL_TEST, TAXELS_ONLY, Recording
 
 R = recording(n=300, shares=(1.0, 0.4))
-
-
-def same(a, b, tolerance=1e-8):
-    return all(np.allclose(getattr(a, k), getattr(b, k), rtol=tolerance, atol=1e-12) for k in ("depth", "force", "taxels"))
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3", "NONE", "LZ4", "ZSTD"])
@@ -181,75 +174,6 @@ def test_a_depth_counted_away_from_the_skin_is_turned_round(tmp_path, shown, sig
     read = load(write_table(tmp_path / "a.csv", Recording("a", t, -x, **{k: sign * row for k, row in rows.items()})))[0]
     assert np.allclose(read.depth, x, atol=1e-8) and "counts away from the skin" in " ".join(read.warnings)
     assert np.allclose(read.force, force, atol=1e-6)
-
-
-def records(data):
-    """Opcode, start and size of every record of an MCAP file."""
-    at = 8
-    while at + 9 <= len(data) - 8:
-        op, size = data[at], int.from_bytes(data[at + 1 : at + 9], "little")
-        yield op, at, 9 + size
-        at += 9 + size
-
-
-@pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])
-@pytest.mark.parametrize("share", [0.3, 0.77, 0.98])
-def test_truncated_mcap_gives_what_it_holds(tmp_path, compression, share):
-    data = write_mcap(tmp_path / "a.mcap", R, compression).read_bytes()
-    (tmp_path / "a.mcap").write_bytes(data[: int(share * len(data))])
-    r = load(tmp_path / "a.mcap")[0]
-    assert 0.5 * share * len(R) < len(r) <= len(R) and (len(r) == len(R) or "cut off" in " ".join(r.warnings))
-    assert all(np.array_equal(a[..., : len(r)], b) for a, b in ((R.depth, r.depth), (R.force, r.force), (R.taxels, r.taxels)))
-
-
-def test_mcap_without_summary_or_index_reads_the_same(tmp_path):
-    data = write_mcap(tmp_path / "a.mcap", R, "LZ4").read_bytes()
-    kept = b"".join(data[at : at + size] for op, at, size in records(data) if op not in (7, 8, 11, 14, 2, 10, 13))
-    (tmp_path / "b.mcap").write_bytes(data[:8] + kept)
-    assert same(load(tmp_path / "b.mcap")[0], R, 1e-15)
-
-
-def test_mcap_without_chunks_reads_the_same(tmp_path):
-    r = load(write_mcap(tmp_path / "a.mcap", R, use_chunking=False))[0]
-    assert same(r, R, 1e-15) and r.warnings == ()
-
-
-def test_damaged_chunk_is_left_out_and_counted(tmp_path):
-    data = bytearray(write_mcap(tmp_path / "a.mcap", R).read_bytes())
-    chunks = [(at, size) for op, at, size in records(data) if op == 6]
-    at, size = chunks[len(chunks) - 2]
-    data[at + size // 2] ^= 0x10
-    (tmp_path / "a.mcap").write_bytes(data)
-    said = " ".join(load(tmp_path / "a.mcap")[0].warnings)
-    assert "1 damaged chunk" in said and "lost" in said
-
-
-@pytest.mark.parametrize("library", ["zlib_ng.zlib_ng", "binascii"])
-def test_checksums_are_the_same_with_and_without_zlib_ng(tmp_path, library):
-    """A bag that is whole has no word said about it, one with a flipped bit has, whichever library takes the checksums."""
-    if library != "binascii":
-        pytest.importorskip(library)
-    program = (
-        "import sys\n"
-        "if sys.argv[1] == 'binascii': sys.modules['zlib_ng'] = None\n"
-        "from skin_ident.recordings import load, mcap_chunk\n"
-        "assert mcap_chunk.crc32.__module__ == sys.argv[1], mcap_chunk.crc32.__module__\n"
-        "print([len(load.load(path)[0].warnings) for path in sys.argv[2:]])"
-    )
-    whole = write_mcap(tmp_path / "a.mcap", R, chunk_size=5000)
-    data = bytearray(whole.read_bytes())
-    at, size = [(at, size) for op, at, size in records(data) if op == 6][-2]
-    data[at + size // 2] ^= 0x10
-    (tmp_path / "b.mcap").write_bytes(data)
-    done = subprocess.run([sys.executable, "-c", program, library, whole, tmp_path / "b.mcap"], capture_output=True, text=True, timeout=60)
-    assert done.stdout.startswith("[0, ") and not done.stdout.startswith("[0, 0]"), done.stderr
-
-
-@pytest.mark.parametrize(("content", "says"), [(b"", "empty"), (b"\x89MCAP0\r\n", "no force"), (b"hello, I am no bag", "not an MCAP file")])
-def test_file_that_is_no_mcap(tmp_path, content, says):
-    (tmp_path / "a.mcap").write_bytes(content)
-    with pytest.raises(RecordingError, match=says):
-        load(tmp_path / "a.mcap")
 
 
 def test_message_and_file_compression(tmp_path):
