@@ -18,9 +18,9 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.record import inspect
-from skin_ident.criticism.search.criticise import Search
 from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.search import Search
 from skin_ident.criticism.search.size import affordable
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import Session, longest, prepare, without_parting

@@ -40,13 +40,13 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     names = (*names, "m") if session.free_mass else names
-    least = {} if session.drive is not None else _least_damping(model.dispersion, LATE * session.motion.dt)
+    least = {} if session.drive is not None else least_damping(model.dispersion, LATE * session.motion.dt)
     for p in parameters_of(model.dispersion):
         if p.name in names:
             yield Unknown("dispersion", replace(p, lower=max(p.lower, least.get(p.name, p.lower))), p.name)
 
 
-def _least_damping(skin: Dispersion, late: float) -> dict[str, float]:
+def least_damping(skin: Dispersion, late: float) -> dict[str, float]:
     """The least that damping may be, N s/m, where depth drives the skin: it gives back no more than it took, neither under the taxels nor
     in all. A reading that is `late` by part of a sample looks as if it did; one that is later has a cause, which damping below nothing
     would hide."""

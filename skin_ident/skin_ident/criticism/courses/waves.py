@@ -68,7 +68,8 @@ def find_wave(model: Model, train: list[Session], held: list[Session], noise: Wh
         return None
     left = beside_uncertainty([residual(model, s) for s in held], model, train, held, noise)
     e = [*(residual(model, s) for s in train), *left]
-    every = [w for w in (_wave(c, model, sessions, e, len(train)) for c in _courses(sessions[0])) if w]
+    simulations = [simulated(model, s) for s in sessions]
+    every = [w for w in (_wave(c, simulations, sessions, e, len(train)) for c in _courses(sessions[0])) if w]
     able = [w for w in every if min(w.excess) > EXCESS and w.part > GOOD_PART]
     able = [w for w in able if not any(_same(w, other, sessions) for other in every) and not _locked(w, sessions)]
     if not able:
@@ -92,15 +93,15 @@ def _courses(session: Session) -> Iterator[Course]:
             yield from (Course(carrier, WAVE, (c,), place_of(channel, session.n_taxels)) for carrier in (ZERO, SLOPE))
 
 
-def _wave(course: Course, model: Model, sessions: list[Session], e: list[np.ndarray], training: int) -> Wave | None:
+def _wave(course: Course, simulations: list[np.ndarray], sessions: list[Session], e: list[np.ndarray], training: int) -> Wave | None:
     row = course.rows[0]
     low = min(LOW, *(int(2.0 * np.ptp(s.motion.t) / SHORTEST_S) for s in sessions))
     high = min(HIGH, *(s.t.size // 5 for s in sessions))
     if high < (FEWEST + 1) * low or low < 2:
         return None
     z, values, parts = [], {}, {}
-    for s, x in zip(sessions, e, strict=True):
-        own, good = simulated(model, s)[row], s.weight[row] > 0.0
+    for s, y_all, x in zip(sessions, simulations, e, strict=True):
+        own, good = y_all[row], s.weight[row] > 0.0
         full = own if course.carrier == SLOPE else np.ones_like(own)
         D, y = s.band.thin(full)[good], x[row][good]
         cosines, bent = _shapes(s.t[good], s, high)

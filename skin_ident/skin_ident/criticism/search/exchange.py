@@ -5,39 +5,42 @@ as well. So each cause is taken out once the others are known, and everything is
 Novovičová, J. Kittler, Floating search methods in feature selection, Pattern Recognition Letters 15 (1994) 1119-1125).
 """
 
-from copy import copy
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
-from skin_ident.criticism.courses.course import Run, worthwhile
+from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.rivals import plainest_first, reach
+from skin_ident.criticism.search.own import take_course
+from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.together import lasts
+
+if TYPE_CHECKING:
+    from skin_ident.criticism.search.search import Search
 
 PROMISING = 0.8  # of what a cause explains, from which another one may explain more once it is fitted
 
 
-def exchange(search: Any) -> bool:
+def exchange(search: "Search") -> bool:
     """Put the better account in the place of the first finding that has one, and say whether there was one; where the same cause is found
     again, its rivals are those it has now. Not asked of short records. `search` is the state of `criticise`."""
     several = len(search.named) > 1 and lasts(search)
     return several and any(_exchanged(search, finding) for finding in tuple(search.named) if not finding.courses)
 
 
-def _exchanged(search: Any, finding: Named) -> bool:
+def _exchanged(search: "Search", finding: Named) -> bool:
     search.progress(f"asking again what {finding.cause} in the {finding.where} stands for")
     ahead, key = _without(search, finding), (finding.cause, finding.where)
     last = ahead.look()
     explained = _explained(search.present, ahead)
-    runs = _runs(ahead)
+    runs = ahead.own_courses()
     if max([*(r.score for r in last.ranked if (r.cause, r.where) != key), *(r.score for r in runs)], default=0.0) < PROMISING * explained:
         return False
     trials = ahead.trials(last)
     explained = max([explained, *(t.score for t in trials if t.key == key)])
-    own, shared = ahead._choose(trials, runs)
+    own, shared = ahead.choose(trials, runs)
     if not (own or shared):
         return False
     other = (own or shared)[1]
@@ -47,33 +50,24 @@ def _exchanged(search: Any, finding: Named) -> bool:
         search.named = [again if n is finding else n for n in search.named]
     if other.cause == finding.cause or reach(other.explained) < explained:
         return False
-    search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
-    search._befores.pop(key, None)
+    search.named, search.present, search.noise, search.bends = ahead.named, ahead.present, ahead.noise, ahead.bends
+    search.befores.pop(key, None)
     if own:
-        search._take_course(*own)
+        take_course(search, *own)
     else:
-        search._accept(*shared)
+        search.accept(*shared)
     return True
 
 
-def _runs(ahead: Any) -> list[Run]:
-    """Courses that no session has yet."""
-    had = {r.course for r in ahead.runs}
-    runs = worthwhile(ahead.present.model, ahead.train, ahead.noise, ahead.encoder_step)
-    return plainest_first([r for r in runs if r.course not in had])
-
-
-def _without(search: Any, finding: Named) -> Any:
+def _without(search: "Search", finding: Named) -> "Search":
     """The state in which everything but `finding` has been named."""
-    ahead = copy(search)
+    rest = lacking(search.present.model, finding.cause, finding.where)
+    ahead = search.ahead(fit(rest, search.train, search.noise))
     ahead.named = [n for n in search.named if n is not finding]
-    model = search.present.model
-    rest = tuple(e for e in model.effects if (e.cause, e.where) != (finding.cause, finding.where))
-    ahead.present = fit(replace(model, effects=rest), search.train, search.noise)
     return ahead
 
 
-def _explained(present: Fit, without: Any) -> float:
+def _explained(present: Fit, without: "Search") -> float:
     """What `present` explains beyond the state `without`, as a trial's score is."""
     cost = fit(present.model, without.train, without.noise, 0).cost
     charge = np.log(present.count) * (len(present.unknowns) - len(without.present.unknowns))

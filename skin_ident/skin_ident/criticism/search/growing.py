@@ -139,6 +139,11 @@ def instances(model: Model, cause: str, where: str) -> tuple[Effect, ...]:
     return tuple(e for e in model.effects if (e.cause, e.where) == (cause, where))
 
 
+def lacking(model: Model, cause: str, where: str) -> Model:
+    """The model without the effects that carry one cause at one place."""
+    return replace(model, effects=tuple(e for e in model.effects if (e.cause, e.where) != (cause, where)))
+
+
 def negligible(e: Effect) -> bool:
     """Whether every amplitude of an effect is within what good hardware has anyway."""
     sizes = [p for p in parameters_of(e) if p.role == AMPLITUDE]

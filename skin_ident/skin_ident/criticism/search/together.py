@@ -5,18 +5,20 @@ are taken for granted one after the other, and the search looks one step further
 first one then believed beside the second?
 """
 
-from copy import copy
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.course import Run
 from skin_ident.criticism.gates.gate import MATERIAL
 from skin_ident.criticism.gates.resolution import readable, resolved
-from skin_ident.criticism.search.growing import instances
+from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.trial import Trial, sized
+
+if TYPE_CHECKING:
+    from skin_ident.criticism.search.search import Search
 
 FILTERS = ("time_shift", "lag", "mount_compliance", "rate_dependence")  # of which two make of the depth what smooths its steps
 ASKED = 3  # causes that are taken for granted
@@ -25,7 +27,7 @@ LASTS_S = 30.0  # of training together: of less, two bent causes fit whatever is
 Pair = tuple[tuple[Fit, Named], tuple[Fit, Named]]
 
 
-def two_at_once(search: Any, trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
+def two_at_once(search: "Search", trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
     """The two findings that explain most together, the first with its fit alone; `search` is the state of `criticise`. Nothing where the
     record is short, or what belongs to each session alone explains more than the causes, or no two are believed beside each other."""
     promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL * t.fit.count and sized(t.forms[-1])]
@@ -40,7 +42,7 @@ def two_at_once(search: Any, trials: list[Trial], runs: list[Run]) -> Pair | tup
     return (alone, replace(first, alternatives=rivals)), second
 
 
-def lasts(search: Any) -> bool:
+def lasts(search: "Search") -> bool:
     """Whether training sessions are long enough to speak of several causes beside each other."""
     return sum(float(s.motion.t[-1] - s.motion.t[0]) for s in search.train) >= LASTS_S
 
@@ -49,16 +51,14 @@ def _explained(pair: Pair) -> float:
     return sum(finding.explained for _, finding in pair)
 
 
-def _beside(search: Any, first: Trial) -> Pair | None:
+def _beside(search: "Search", first: Trial) -> Pair | None:
     """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together."""
-    ahead = copy(search)
-    ahead.present = first.fit
+    ahead = search.ahead(first.fit)
     second = ahead.first_believed(ahead.trials(ahead.look()), [])
     if second is None or (second[1].cause, second[1].where) == first.key or {first.key[0], second[1].cause} <= set(FILTERS):
         return None
     after, train = second[0], ahead.train
-    rest = tuple(e for e in after.model.effects if (e.cause, e.where) != first.key)
-    without = fit(replace(after.model, effects=rest), train, ahead.noise).model
+    without = fit(lacking(after.model, *first.key), train, ahead.noise).model
     gain = ahead.gain(without, after.model, first.key[1])
     seen = readable(instances(after.model, *first.key), ahead.encoder_step)
     seen = seen and resolved(gain, first.key[0], without, after.model, train, ahead.encoder_step)

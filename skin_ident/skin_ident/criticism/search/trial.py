@@ -1,13 +1,13 @@
 """One cause tried: grown and refitted beside everything else, and what can be said of it before held-out data are asked."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.baseline.residual import simulated
-from skin_ident.criticism.baseline.unknowns import LATE
-from skin_ident.criticism.search.growing import determined, instances, unlike_skin
+from skin_ident.criticism.baseline.unknowns import LATE, least_damping
+from skin_ident.criticism.search.growing import determined, instances, lacking, unlike_skin
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.sessions.one_rate import at_one_rate
@@ -23,7 +23,8 @@ HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
 MEMORY = ((HYSTERESIS, RELAXATION), (RELAXATION, HYSTERESIS))
 LATE_DEPTH = ("time_shift", "clock_depth")
 OFFSET, SWALLOWED = ("position_offset", "rig"), ("dead_zone", "skin")
-STIFFER = (("nonlinear_stiffness", "skin"), ("rate_dependence", "skin"))
+DAMPING = ("rate_dependence", "skin")
+STIFFER = (("nonlinear_stiffness", "skin"), DAMPING)
 
 
 @dataclass(frozen=True)
@@ -60,24 +61,24 @@ def plausible(t: Trial, sessions: list[Session]) -> bool:
     channels = sessions[0].channels
     if t.ranked.where != "skin" or t.ranked.cause.startswith(("spread", "dead_zone")) or "force" not in channels or len(channels) == 1:
         return True
-    without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if (e.cause, e.where) != t.key))
+    without = lacking(t.fit.model, *t.key)
     felt = np.sqrt(sum(np.sum((simulated(t.fit.model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
     return bool(felt[0] > FELT * felt[1:].max())
 
 
 def _drives(t: Trial, sessions: list[Session]) -> bool:
     """Whether damping that depends on speed gives back more under the taxels than it takes; what a late reading makes of it is allowed."""
-    skin, own = t.fit.model.dispersion, instances(t.fit.model, "rate_dependence", "skin")
-    if not own or not t.fit.model.shares:
+    if not instances(t.fit.model, *DAMPING) or not t.fit.model.shares:
         return False
-    without = replace(t.fit.model, effects=tuple(e for e in t.fit.model.effects if e not in own))
+    without = lacking(t.fit.model, *DAMPING)
     row = int(np.argmax(t.fit.model.shares)) - len(t.fit.model.shares)
     taken, all_taken = 0.0, 0.0
     for s in sessions:
         more = simulated(t.fit.model, s)[row] - simulated(without, s)[row]
         taken += float(np.sum(more * s.motion.v))
         all_taken += float(np.sum(s.motion.v**2 * (s.motion.x > 0.0)))
-    return taken + (skin.b1 + LATE * sessions[0].motion.dt * skin.k1) * all_taken < 0.0
+    skin = t.fit.model.dispersion
+    return taken + (skin.b1 - least_damping(skin, LATE * sessions[0].motion.dt)["b1"]) * all_taken < 0.0
 
 
 def sized(t: Trial) -> bool:

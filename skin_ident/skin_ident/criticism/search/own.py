@@ -1,0 +1,88 @@
+"""What each session has of its own, as a finding of the search: a zero that steps, a gain that drifts, a clock that slips."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.courses.carriers import SLOPE
+from skin_ident.criticism.courses.course import Run, added, beside_the_rest, fitted
+from skin_ident.criticism.courses.gate import course_gain, helps, stands
+from skin_ident.criticism.courses.kinds import STEPS
+from skin_ident.criticism.gates.gate import MATERIAL
+from skin_ident.criticism.gates.uncertain import left_open
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
+from skin_ident.criticism.search.trial import Trial
+
+if TYPE_CHECKING:
+    from skin_ident.criticism.search.search import Search
+
+ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
+FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted
+WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
+PLAIN = 0.5  # if it leaves more than this of the error
+EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
+
+
+def refitted(search: "Search", run: Run) -> tuple[Fit, float]:
+    """The model fitted again beside a course, and the score of the course with that, as a trial's is."""
+    after = fit(search.present.model, added(search.train, run.values), search.noise)
+    return after, search.present.cost - after.cost - run.charge
+
+
+def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
+    """A finding from the first course of each session's own, where the blocks between support it."""
+    run = runs[0]
+    search.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
+    after, score = refitted(search, run)
+    gain = course_gain(run.course, search.present.model, after.model, search.train, search.held, search.noise)
+    score = max(run.score, score)
+    rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
+    rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
+    searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
+    told = score > MATERIAL * after.count or not searched
+    stood = stands(run, gain, search.present.model, search.train) and search.resolved(gain, run.course.cause, after.model)
+    stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
+    if not (told and stood):
+        search.wandering = max(search.wandering, run.score)
+        return None
+    return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
+
+
+def take_alone(search: "Search") -> bool:
+    """Name one thing that is wrong in held-out sessions alone: an own course of theirs, where the blocks between support it."""
+    if search.alone or not search.held:
+        return False
+    had = {r.course for r in search.runs}
+    runs = plainest_first(beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step))
+    run = next((r for r in runs if r.course not in had), None)
+    if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in search.held):
+        return False
+    gain = course_gain(run.course, search.present.model, search.present.model, search.train, search.held, search.noise)
+    much = gain.after < ALONE * gain.before and gain.squares > FORM * search.fallen(gain.channel)
+    wanders = run.score < WANDERING * search.wandering and gain.after > PLAIN * gain.before
+    stood = stands(run, gain, search.present.model, search.held) and search.resolved(gain, run.course.cause, search.present.model)
+    if not (much and stood and not wanders):
+        return False
+    if run.size < EXTRAORDINARY * fitted(run.course, search.present.model, search.train, search.noise).size:
+        return False
+    search.runs.append(run)
+    search.held, search.alone = added(search.held, run.values), True
+    rivals = own_rivals([r for r in runs if r.course not in had], run.score, {run.course.key})
+    search.named.append(Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said))
+    search.progress(f"named {run.course.cause} in the {run.course.where}, in what was held out alone")
+    return True
+
+
+def take_course(search: "Search", run: Run, finding: Named) -> None:
+    """Give every session its course; the rest of the search goes on with what is left."""
+    search.runs.append(run)
+    train = added(search.train, run.values)
+    search.present = fit(search.present.model, train, search.noise)
+    free = left_open(search.present.model, train, search.held, search.noise)
+    other = fitted(run.course, search.present.model, search.held, search.noise, free) if search.held else None
+    search.train, search.held = train, added(search.held, other.values) if other else search.held
+    search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
+    search.progress(f"named {finding.cause} in the {finding.where}")

@@ -1,0 +1,256 @@
+"""The state of a search for causes, and its loop: survey, try the best few, let held-out sessions decide, repeat."""
+
+from collections.abc import Callable, Iterator
+from copy import copy
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit, fit, fit_effects
+from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.courses.carriers import DELAY, SLOPE
+from skin_ident.criticism.courses.course import BEHIND, MARGIN, Run, worthwhile
+from skin_ident.criticism.courses.kinds import CONSTANT
+from skin_ident.criticism.gates.description import description_length
+from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
+from skin_ident.criticism.gates.resolution import of_the_converter, readable, resolved
+from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
+from skin_ident.criticism.search.proposals import Direction
+from skin_ident.criticism.search.ranking import Ranked
+from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
+from skin_ident.criticism.search.survey import Survey, survey
+from skin_ident.criticism.search.together import two_at_once
+from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
+from skin_ident.criticism.search.wandering import take_wave
+from skin_ident.criticism.search.weighing import hanging, weighed, with_mass
+from skin_ident.criticism.sessions.session import Session
+from skin_models.effect import Effect
+from skin_models.model import Model
+
+MOST_FINDINGS = 5
+SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
+WITHIN = 0.35  # of the best score: further down, no refit makes up for it
+NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
+SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
+SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
+SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
+WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
+
+Progress = Callable[[str], None]
+
+
+@dataclass
+class Search:
+    """The loop's state: the present fit, what was named, what held-out data refused, and the surveys of all rounds."""
+
+    train: list[Session]
+    held: list[Session]
+    which: tuple[Direction, ...]
+    progress: Progress
+    encoder_step: float = 0.0
+    weighable: bool = False  # whether the mass may be another than was assumed or declared
+
+    def __post_init__(self) -> None:
+        self.named: list[Named] = []
+        self.rounds: list[tuple[Survey, str | None]] = []
+        self.runs: list[Run] = []
+        self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
+        self.suspected: set[tuple[str, str]] = set()
+        self.bends: dict[tuple[str, str], Gain] = {}  # what would have been named, and may be what converters do
+        self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
+        self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
+        self.befores: dict[tuple[str, str], Model] = {}
+        self._surveyed: tuple[Model, list[Session], Survey] | None = None
+
+    def run(self, fitted: Fit) -> None:
+        """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
+        self.present = fitted
+        while len(self.rounds) < MOST_FINDINGS:
+            last = self.look()
+            trials = self.trials(last)
+            runs = self.own_courses()
+            if self._weigh(max([0.0, *(t.score for t in trials), *(r.score for r in runs)])):
+                continue
+            own, shared = self.choose(trials, runs)
+            taken = own or shared
+            alone = not taken and take_alone(self)
+            pair = () if taken or self.named else two_at_once(self, trials, runs)
+            alone = alone or (not (taken or pair) and take_wave(self))
+            self.rounds.append((last, (taken or pair[0])[1].cause if taken or pair else self.named[-1].cause if alone else None))
+            if own:
+                take_course(self, *own)
+            elif shared or pair:
+                for fitted, finding in pair or (shared,):
+                    self.accept(fitted, finding)
+            elif not alone:
+                return
+
+    def _weigh(self, best: float) -> bool:
+        """Whether the mass accounts for the record better than the `best` of all causes; then it is fitted from now on, and what has been
+        named without it must be found again."""
+        heavy = with_mass(self.present, self.train, self.noise, best) if self.weighable and best > 0.0 else None
+        if heavy is None:
+            return False
+        self.progress("fitting the mass, too")
+        self.train, self.held = weighed(self.train), weighed(self.held)
+        self.hanging = hanging(self.present.model, heavy.model)
+        self.present = fit(replace(heavy.model, effects=self.hanging), self.train, self.noise)
+        self.present = fit(self.present.model, self.train, self.survey().noise)  # that of the other mass was the noise of a wrong model
+        self.named, self.befores = [n for n in self.named if n.courses], {}
+        return True
+
+    def choose(self, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
+        """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those. Of
+        one cause at one place that form is taken which explains more.
+
+        Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named for
+        it. A clock that slips wherever it helps is no noise: where it predicts nothing, it is passed over.
+        """
+        best = max((t.score for t in trials), default=0.0)
+        plain = runs and runs[0].course.shape == CONSTANT and runs[0].course.carrier != SLOPE  # one number, and no other depths feign it
+        first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
+        same = trials and runs and trials[0].key == runs[0].course.key
+        own = own_course(self, runs, trials) if first or (same and refitted(self, runs[0])[1] > best) else None
+        if first and not own and runs[0].course.carrier == DELAY:
+            return self.choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
+        shared = None if own or first else self.first_believed(trials, runs)
+        if not (own or shared or first) and runs and runs[0].score > BEHIND * best:
+            own = own_course(self, runs, trials)
+        return own, shared
+
+    def ahead(self, present: Fit) -> "Search":
+        """The same state with another fit, from which to look further; what is found there is not found here."""
+        other = copy(self)
+        other.present, other.bends = present, dict(self.bends)
+        return other
+
+    def own_courses(self) -> list[Run]:
+        """What each session may have of its own and has not yet, the plainest first."""
+        had = {r.course for r in self.runs}
+        runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
+        return plainest_first([r for r in runs if r.course not in had])
+
+    def look(self) -> Survey:
+        """Survey what the present model leaves, in the noise that the survey finds."""
+        self.progress("surveying every cause")
+        last = self.survey()
+        self.noise = last.noise
+        self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
+        return last
+
+    def survey(self) -> Survey:
+        """Every cause ranked against the present model; that of last time where neither model nor sessions have changed since."""
+        if self._surveyed is None or self._surveyed[0] is not self.present.model or self._surveyed[1] is not self.train:
+            self._surveyed = self.present.model, self.train, survey(self.present.model, self.train, self.which)
+        return self._surveyed[2]
+
+    def trials(self, last: Survey) -> list[Trial]:
+        """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, all
+        taxels alike before one of them, and one that the record itself has shown before all that explain little more."""
+        known = {(n.cause, n.where) for n in self.named}
+        shown = [r for r in last.ranked if (r.cause, r.where) in self.suspected - known and r.score > 0.0]
+        able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score) and r not in shown]
+
+        def tried(causes: list[Ranked]) -> Iterator[Trial]:
+            return (t for t in map(self._trial, causes) if plausible(t, self.train))
+
+        trials = [*tried(shown), *islice(tried(able[:LONGEST]), SHORTLIST)]
+        enough = WITHIN * max((t.score for t in trials), default=0.0)
+        trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
+        again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
+        first = again[:1] or all_alike(trials)
+        return first + [t for t in trials if t not in first]
+
+    def _trial(self, r: Ranked) -> Trial:
+        self.progress(f"trying {r.cause} in the {r.where}")
+        grown, *plainer = (self._scored(r, after) for after in grow(self.present, r, self.train, self.which, self.noise))
+        return replace(grown, plainer=next(iter(plainer), None))
+
+    def _scored(self, r: Ranked, after: Fit) -> Trial:
+        charge = np.log(after.count) * (len(after.unknowns) - len(self.present.unknowns))
+        return Trial(r, after, float(self.present.cost - after.cost - charge))
+
+    def first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
+        """The best trial that held-out data support. What is small beside the largest effect so far in a channel may be its imperfect
+        form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
+        for trial in (form for t in trials for form in t.forms if form.score > 0.0):
+            if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
+                return None
+            gain = self.gain(self.present.model, trial.fit.model, trial.key[1])
+            if gain.passed and of_the_converter(gain, trial.key[0], self.train):
+                self.bends[trial.key] = gain
+                return None
+            rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
+            shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
+            alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
+            alternatives += same_by_nature(trial, trials, {a.key for a in alternatives}, self.train)
+            finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
+            told = trial.score > MATERIAL * trial.fit.count and sized(trial)  # what it was fitted to must gain by it, too
+            told = told and (trial in trials or gain.lower > SURELY * gain.relative)
+            much = gain.squares > SHADOW * self.fallen(gain.channel)
+            seen = readable(instances(trial.fit.model, *trial.key), self.encoder_step)
+            seen = seen and self.resolved(gain, trial.key[0], trial.fit.model)
+            if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
+                return trial.fit, finding
+        return None
+
+    def fallen(self, channel: str) -> float:
+        """The largest fall of the mean square, N^2, by what has been named and is carried by a channel."""
+        return max((n.gain.squares for n in self.named if channel in n.gain.carried), default=0.0)
+
+    def _shorter(self, after: Fit) -> bool:
+        """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
+        return description_length(self.present, self.train) - description_length(after, self.train) > SHORTER
+
+    def resolved(self, gain: Gain, cause: str, after: Model) -> bool:
+        return resolved(gain, cause, self.present.model, after, self.train, self.encoder_step)
+
+    def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
+        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out. Of the
+        same cause at two places one instance each is compared, where one explains most: a second mends its form, wherever it is."""
+        one = best.forms[-1].score
+        if other.key[0] == best.key[0] and one > (1.0 - WIDE) * best.score and other.forms[-1].score > reach(one):
+            return True
+        if other.score > reach(best.score):
+            return True
+        if other.score <= (1.0 - WIDE) * best.score:
+            return False
+        return self.gain(self.present.model, other.fit.model, other.key[1]).relative >= NEARLY * gain.relative
+
+    def accept(self, after: Fit, finding: Named) -> None:
+        """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
+        key = (finding.cause, finding.where)
+        start = self.befores.setdefault(key, self.present.model)
+        same = next((n for n in self.named if (n.cause, n.where) == key), None)
+        if same is None:
+            self.named.append(finding)
+        else:
+            more = replace(same, gain=self.gain(start, after.model, finding.where), explained=same.explained + finding.explained)
+            self.named = [more if n is same else n for n in self.named]
+        self.present = after
+        self.train, self.held = ([settled(after.model, s) for s in sessions] for sessions in (self.train, self.held))
+        self.progress(f"named {finding.cause} in the {finding.where}")
+
+    def eliminate(self) -> None:
+        """Take out every cause, last found first, without which the rest predicts held-out data just as well."""
+        for finding in reversed([n for n in self.named[:-1] if not n.courses]):
+            without = fit(lacking(self.present.model, finding.cause, finding.where), self.train, self.noise)
+            if not self.gain(without.model, self.present.model, finding.where).passed:
+                self.present, self.named = without, [n for n in self.named if n is not finding]
+
+    def check_numbers(self, given: Model) -> None:
+        """Whether the numbers of the given model are wrong once every named cause is in it; where they are not, they stay as given."""
+        as_given = replace(self.present.model, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)
+        frozen = fit_effects(as_given, self.train, self.noise)
+        gain = self.gain(frozen.model, self.present.model, "skin", fit_effects)
+        if gain.passed and gain.before - gain.after > NUMBERS * gain.before:
+            self.named.insert(0, Named("parameters", "skin", gain, frozen.cost - self.present.cost, ()))
+        else:
+            self.present = frozen
+
+    def gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
+        held = [] if self.held and deaf(before, after, self.train, self.held, where) else self.held
+        return held_out_gain(before, after, self.train, held, self.noise, refit_before)
