@@ -103,7 +103,9 @@ def beside_the_rest(model: Model, train: list[Session], held: list[Session], noi
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
     runs = [_run(course, ground) for course in courses(ground.sessions[0])]
-    return sorted((r for r in _of_sensors(runs, ground) if r.worth(encoder_step)), key=lambda r: -r.score)
+    worth = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step)]
+    shadow = max((r.score for r in runs if not r.worth(encoder_step)), default=0.0)
+    return sorted((r for r in worth if r.score > shadow), key=lambda r: -r.score)
 
 
 def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.carriers import SLOPE
-from skin_ident.criticism.courses.course import Run, added, beside_the_rest, fitted
+from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.gates.gate import MATERIAL
@@ -39,7 +39,8 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     after, score = refitted(search, run)
     gain = course_gain(run.course, search.present.model, after.model, search.train, search.held, search.noise)
     score = max(run.score, score)
-    rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > reach(score) and t.key[0] != run.course.cause)
+    near = reach(_alike_in_all(run, trials, score))
+    rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > near and t.key[0] != run.course.cause)
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
     told = score > MATERIAL * after.count or not searched
@@ -49,6 +50,13 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
         search.wandering = max(search.wandering, run.score)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
+
+
+def _alike_in_all(run: Run, trials: list[Trial], score: float) -> float:
+    """What the course explains if it is the same in all sessions, where that is nearly as much as its `score`, else that: rivals, which
+    sessions share, are held against what they share."""
+    shared = max((t.score for t in trials if t.key == run.course.key), default=0.0)
+    return shared if score < MARGIN * shared else score
 
 
 def take_alone(search: "Search") -> bool:

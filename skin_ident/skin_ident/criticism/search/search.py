@@ -113,11 +113,12 @@ class Search:
         plain = runs and runs[0].course.shape == CONSTANT and runs[0].course.carrier != SLOPE  # one number, and no other depths feign it
         first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
         same = trials and runs and trials[0].key == runs[0].course.key
-        own = own_course(self, runs, trials) if first or (same and refitted(self, runs[0])[1] > best) else None
+        score = max(runs[0].score, refitted(self, runs[0])[1]) if same and not first else runs[0].score if runs else 0.0
+        own = own_course(self, runs, trials) if first or (same and score > best) else None
         if first and not own and runs[0].course.carrier == DELAY:
             return self.choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
         shared = None if own or first else self.first_believed(trials, runs)
-        if not (own or shared or first) and runs and runs[0].score > BEHIND * best:
+        if not (own or shared or first) and runs and score > BEHIND * best:
             own = own_course(self, runs, trials)
         return own, shared
 
