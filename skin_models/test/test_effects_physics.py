@@ -18,7 +18,7 @@ from skin_models.effects.dead_zone import GatedTaxel, HardDeadZone, SkinDeadZone
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.gain_error import GainStep
 from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, SkinHysteresis
-from skin_models.effects.lag import Lag, SecondOrderLag
+from skin_models.effects.lag import Lag, OneSidedLag, SecondOrderLag
 from skin_models.effects.mount_compliance import JointedMount, MountCompliance
 from skin_models.effects.preisach import PreisachHysteresis
 from skin_models.effects.quantization import SensorQuantization
@@ -177,6 +177,16 @@ def test_a_lag_follows_a_ramp_at_its_time_constant():
     t, tau = np.arange(0.0, 2.0, 0.01), 0.1
     out = Lag(where="load_cell", tau=tau).batch(3.0 * t, at_times(np.zeros(t.size), 0.01))
     assert out == pytest.approx(3.0 * (t - tau * -np.expm1(-t / tau)), abs=1e-12)
+
+
+def test_a_one_sided_lag_follows_a_ramp_up_sooner_than_one_down():
+    tau, recovery, t = 0.03, 4.0, np.arange(400) * 0.01
+    lag = OneSidedLag(where="taxel", tau=tau, recovery=recovery)
+    ramps = np.array([5.0 + 3.0 * t, 5.0 - 3.0 * t])
+    late = (ramps - lag.batch(ramps, at_times(np.zeros(t.size), 0.01)))[:, -1] / 3.0
+    assert late == pytest.approx([tau / 2.0, -2.0 * tau], rel=1e-6)
+    alike = OneSidedLag(where="taxel", tau=tau, recovery=1.0).batch(np.sin(ramps), at_times(np.zeros(t.size), 0.01))
+    assert alike == pytest.approx(Lag(where="taxel", tau=tau).batch(np.sin(ramps), at_times(np.zeros(t.size), 0.01)), abs=1e-12)
 
 
 @pytest.mark.parametrize("damping", [0.3, 0.7071, 1.0, 3.0])

@@ -3,6 +3,7 @@
     first order      tau z' + z = y,                                    y' = z
     second order     (tau / 2 zeta)^2 z'' + tau z' + z = y,             y' = z        zeta = 1 / sqrt 2: Butterworth; 1: two equal poles
     in part          T z' + z = y,                         y' = y + tau / T (z - y)   0 <= tau <= T: the rest of it is prompt
+    one-sided        tau r^(-1/2) z' + z = y where y > z, tau r^(1/2) z' + z = y elsewhere,      y' = z        r > 1: slow to recover
 
 All start at rest, z(0) = y(0), and are late by tau for slow inputs; tau = 0 is the identity. The steps are exact for an input that is
 linear between samples (first-order hold). Of first order:
@@ -10,7 +11,8 @@ linear between samples (first-order hold). Of first order:
     z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n],        e = exp(-dt / tau),  g = (1 - e) tau / dt.
 
 Sources: G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley 1998, section 6.3.2;
-N. W. Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior, Springer 1989, ch. 3 (a soft layer over a sensor).
+N. W. Tschoegl, The Phenomenological Theory of Linear Viscoelastic Behavior, Springer 1989, ch. 3 (a soft layer over a sensor);
+S. El-Molla et al., Journal of Sensors (2016) 1736169 (capacitive films that take seconds to recover).
 """
 
 from dataclasses import dataclass
@@ -20,7 +22,7 @@ import numpy as np
 from scipy.signal import lfilter, lfilter_zi
 
 from skin_models.effect import Dynamic, Place
-from skin_models.operators.lagging import in_part, lagged, lagged_step, second_order_factors
+from skin_models.operators.lagging import in_part, lagged, lagged_either_way, lagged_step, lagged_step_either_way, second_order_factors
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
@@ -115,3 +117,36 @@ class PartialLag(Dynamic):
         """The same recursion as a filter, at rest at y[0]."""
         mine = self.mine(y)
         return self.put_back(y, in_part(mine, lagged(mine, self.settling, s.dt), self.tau, self.settling)) if self.tau else y
+
+
+@dataclass(frozen=True)
+class OneSidedLag(Dynamic):
+    """Sensor lag that is another on the way up than on the way down, as of a film that takes longer to recover than to respond."""
+
+    cause: ClassVar[str] = "lag"
+    form: ClassVar[str] = "one_sided"
+    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
+    source: ClassVar[str] = "El-Molla et al. 2016"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = Lag
+
+    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, doc="time constant, the geometric mean of both ways")
+    recovery: float = quantity("1", 1.0, lower=0.02, upper=50.0, role=SHAPE, typical=1.5, doc="ratio r of that down to that up")
+
+    def initial(self, rng=None) -> None:
+        """None: the first sample is taken as rest. From then on the state is z[n-1] and y[n-1], N."""
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n], e and g those of the way that leads from z[n-1] to y[n]."""
+        state, z = lagged_step_either_way(state, self.mine(y), *self._ways, dt)
+        return state, self.put_back(y, z)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same, sample by sample: which way it goes depends on what came before."""
+        return self.put_back(y, lagged_either_way(self.mine(y), *self._ways, s.dt))
+
+    @property
+    def _ways(self) -> tuple[float, float]:
+        """Time constants up and down, s."""
+        return self.tau / self.recovery**0.5, self.tau * self.recovery**0.5

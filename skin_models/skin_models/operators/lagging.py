@@ -1,5 +1,6 @@
 """The exact steps of lags, for an input that is linear between samples."""
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -30,6 +31,31 @@ def lagged_step(state: tuple | None, y: Any, tau: float, dt: float) -> tuple[tup
     """One sample of the same: the state (z and y of the sample before, None before the first) after it, and z."""
     z, last = (y, y) if state is None else state
     e, g = lag_factors(tau, dt)
+    z = e * z + (g - e) * last + (1.0 - g) * y
+    return (z, y), z
+
+
+def lagged_either_way(y: np.ndarray, up: float, down: float, dt: float) -> np.ndarray:
+    """z (..., N) of y, at rest at y[..., 0], with one time constant while y is above z and another one elsewhere."""
+    rising, falling = lag_factors(up, dt), lag_factors(down, dt)
+    rows = [_either_way(row.tolist(), rising, falling) for row in y.reshape(-1, y.shape[-1])]
+    return np.array(rows).reshape(y.shape)
+
+
+def _either_way(y: list[float], rising: tuple[float, float], falling: tuple[float, float]) -> list[float]:
+    z, out = y[0], [y[0]]
+    for last, now in itertools.pairwise(y):
+        e, g = rising if now > z else falling
+        z = e * z + (g - e) * last + (1.0 - g) * now
+        out.append(z)
+    return out
+
+
+def lagged_step_either_way(state: tuple | None, y: Any, up: float, down: float, dt: float) -> tuple[tuple, Any]:
+    """One sample of the same: the state (z and y of the sample before, None before the first) after it, and z."""
+    z, last = (y, y) if state is None else state
+    (e1, g1), (e2, g2) = lag_factors(up, dt), lag_factors(down, dt)
+    e, g = np.where(y > z, e1, e2), np.where(y > z, g1, g2)
     z = e * z + (g - e) * last + (1.0 - g) * y
     return (z, y), z
 
