@@ -7,6 +7,8 @@ from scipy.signal import lfilter
 
 from .effect import Effect, Sensor
 
+HEAVIEST = 3.0  # kg, of a plunger that a stage still moves
+
 
 class Play(Effect):
     """Depth lost at reversals: the tip follows once a gap is used up. `soft` rounds it, a wind-up spring as a fraction of the gap."""
@@ -89,12 +91,12 @@ class OffCentre(Effect):
 
 def _moving_mass(c):
     mass = c.rng.uniform(0.1, 0.3)
-    return Sensor(c, lambda y, fine, a, rng: y + a * mass * fine.acceleration)
+    return Sensor(c, lambda y, fine, a, rng: y + a * mass * fine.acceleration, limit=HEAVIEST / mass)
 
 
 def _sprung_mass(c):
     mass, hertz, zeta = c.rng.uniform(0.1, 0.3), c.rng.uniform(8, 20), c.rng.uniform(0.1, 0.4)
-    return Sensor(c, lambda y, fine, a, rng: y + a * mass * _second_order(fine.acceleration, fine.dt, hertz, zeta))
+    return Sensor(c, lambda y, fine, a, rng: y + a * mass * _second_order(fine.acceleration, fine.dt, hertz, zeta), limit=HEAVIEST / mass)
 
 
 def _second_order(y, dt, hertz, zeta):
