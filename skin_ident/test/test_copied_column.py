@@ -41,3 +41,11 @@ def test_of_two_equal_taxels_the_second_is_not_judged():
 def test_the_force_that_drives_a_test_leaves_its_copy():
     looked = inspect(sessions(2, 1, "force", depth=False))
     assert [s.cause for s in looked.symptoms] == ["data_error"] and not looked.sessions[0].stuck
+
+
+def test_a_copy_in_all_but_few_samples_is_a_copy():
+    first, *others = sessions()
+    force = first.force.copy()
+    force[np.argmin(force)] = 1.1 * force.max()
+    looked = inspect([replace(first, force=force), *others])
+    assert [(s.cause, s.channels) for s in looked.symptoms if s.cause == "data_error"] == [("data_error", ("force", "taxel_0"))]

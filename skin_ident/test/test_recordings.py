@@ -286,3 +286,17 @@ def test_a_taxel_of_no_numbers_keeps_its_place(tmp_path):
     read = load(tmp_path / "a.csv")[0]
     assert read.taxel_names == ("taxel_0", "taxel_1", "taxel_2") and not read.taxels[1].any()
     assert np.allclose(read.taxels[2], r.taxels[2]) and "taxel_1: most of its samples are no numbers" in " ".join(read.warnings)
+
+
+def test_a_file_named_in_capitals_is_the_same(tmp_path):
+    write_mcap(tmp_path / "a.mcap", R).rename(tmp_path / "RUN.MCAP")
+    assert same(load(tmp_path)[0], R, 1e-15)
+
+
+def test_a_rig_description_is_read_as_people_mean_it(tmp_path):
+    write_table(tmp_path / "a.csv", R)
+    (tmp_path / "rig.yaml").write_text("moving_mass_kg: 4e-4\n")
+    assert load(tmp_path)[0].declared.moving_mass_kg == pytest.approx(4e-4)
+    (tmp_path / "rig.yaml").write_text("skin_thickness_mm: 4\nskin_thickness_mm: 6\n")
+    with pytest.raises(RecordingError, match="stands twice"):
+        load(tmp_path)

@@ -80,6 +80,9 @@ def test_a_zero_that_may_be_off_is_warned_of():
 def test_short_recordings_are_refused():
     assert "too short" in refused([presses(0).part(0, 200), presses(1)])
     assert "alone" in refused([presses(0).part(0, 800)])
+    slow = presses(1)
+    slow = replace(slow, t=20.0 * slow.t)  # what they have in common is seen at the slow one's rate alone
+    assert "too short" in refused([presses(0).part(0, 400), slow])
 
 
 def test_motion_is_told_from_noise():

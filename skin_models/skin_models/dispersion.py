@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skin_models.errors import ModelError
 from skin_models.parameter import check_parameters, quantity
 from skin_models.signals import GRAVITY, Motion, Sample
 
@@ -54,7 +55,9 @@ class Dispersion:
 
     @property
     def sensed_share(self) -> float:
-        """Static share of the applied force that reaches the taxel, k1 / (k1 + k2)."""
+        """Static share of the applied force that reaches the taxel, k1 / (k1 + k2). Raises `ModelError` for skin without stiffness."""
+        if self.k1 + self.k2 == 0.0:
+            raise ModelError("k1 + k2 is zero: skin that does not resist has no share that reaches a taxel")
         return self.k1 / (self.k1 + self.k2)
 
     @property

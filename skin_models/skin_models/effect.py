@@ -80,7 +80,7 @@ class Effect(ABC):
     def taxel(self) -> int | None:
         """Index of the one taxel it acts on, or None."""
         head, _, tail = self.where.partition("_")
-        return int(tail) if head == "taxel" and tail.isdigit() else None
+        return int(tail) if head == "taxel" and tail.isdecimal() else None
 
     @property
     def rows(self) -> Any:

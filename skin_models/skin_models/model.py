@@ -5,6 +5,7 @@ for its places), and both give truth (what the skin did) beside measured (what t
 """
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -62,6 +63,8 @@ class Model:
             raise ModelError(f"{_twins(self.positions)} are at the same place")
         if not np.all(np.isfinite(shares) & (shares >= 0.0)):
             raise ModelError(f"shares of the taxels must be finite and not negative, not {self.shares}")
+        if len({id(e) for e in self.effects}) < len(self.effects):  # each effect has a state of its own
+            object.__setattr__(self, "effects", tuple(map(copy, self.effects)))
         for e in self.effects:
             if e.taxel is not None and e.taxel >= len(self.shares):
                 raise ModelError(f"{e.cause} sits in {e.where}, but the model has {len(self.shares)} taxels, counted from taxel_0")

@@ -3,7 +3,7 @@
 A contact whose force is known drives the skin by that force, one whose depth is known by the depth:
 
     force, no effect in the skin     spread over the taxels, then the transfer function of eq 32 on each of them (`Transmission`)
-    force, effects in the skin       the depth that gives the force (`Column`), then as for a depth
+    force, effects in the skin       the depth that gives the force (`Columns`), then as for a depth
     depth                            the model's chain gives applied and sensed force, the sensed force is spread
 
 then the sensors' effects on every taxel. A taxel right under a contact, of the area that the model was measured with, feels what the

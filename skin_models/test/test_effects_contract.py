@@ -194,8 +194,9 @@ def test_parameters_are_declared_and_their_bounds_enforced(cls, where):
         for nonsense in (math.nan, "1", None, True, -math.inf):
             with pytest.raises(ModelError, match=p.name):
                 e.with_values(**{p.name: nonsense})
-    with pytest.raises(ModelError, match="cannot sit in"):
-        cls.typical("moon")
+    for nowhere in ("moon", "taxel_²", "taxel_-1"):
+        with pytest.raises(ModelError, match="cannot sit in"):
+            cls.typical(nowhere)
     with pytest.raises(ModelError, match="needs a place"):
         cls.typical(None)
 

@@ -1,7 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from skin_models.dispersion import Dispersion
+from skin_models.effects.lag import Lag
 from skin_models.effects.stress_relaxation import StressRelaxation
+from skin_models.errors import ModelError
 from skin_models.layout import A201_AREA, grid, row
 from skin_models.live import LiveModel, under_plunger
 from skin_models.materials import material
@@ -41,3 +46,15 @@ def test_shares_of_a_layout_come_from_the_spread_unless_they_were_measured():
     beside = np.exp(-((10 / 5.25) ** 2))
     assert spread.shares == pytest.approx([beside, 1.0, beside])
     assert under_plunger(MODEL, row(1, 1.0), Gaussian(width=5.25e-3)) is MODEL
+
+
+def test_an_effect_that_stands_twice_has_two_states():
+    lag = Lag(where="load_cell", tau=0.05)
+    twice, apart = (replace(MODEL, effects=effects) for effects in ((lag, lag), (lag, Lag(where="load_cell", tau=0.05))))
+    a, b = LiveModel(twice), LiveModel(apart)
+    assert [a.step(t, x).force for t, x in zip(T, X, strict=True)] == [b.step(t, x).force for t, x in zip(T, X, strict=True)]
+
+
+def test_skin_without_stiffness_is_refused_in_a_sentence():
+    with pytest.raises(ModelError, match="does not resist"):
+        _ = Dispersion(m=4e-4, b1=1.0, k1=100.0, b2=1.0, k2=-100.0).sensed_share

@@ -27,6 +27,7 @@ from skin_models.materials import material  # noqa: E402
 from skin_models.model_file import save_model  # noqa: E402
 from skin_models.ros.processes import Domain, Processes, wait_until  # noqa: E402
 from skin_models.ros.qos import LATCHED  # noqa: E402
+from skin_models.ros.skin_node import indentation  # noqa: E402
 from skin_models.signals import motion  # noqa: E402
 
 SILICONE = material("silicone_4mm").model
@@ -257,3 +258,9 @@ def test_bad_parameters_end_with_one_sentence(graph, tmp_path, monkeypatch, para
 
 def test_it_ends_cleanly(graph):
     assert start(graph).end() == 0
+
+
+def test_of_several_joints_only_the_one_called_indentation_is_the_depth():
+    assert indentation(JointState(name=["shoulder", "indentation"], position=[1.0, 2e-3], velocity=[0.0, 0.1])) == (2e-3, 0.1)
+    assert indentation(JointState(name=["stage"], position=[2e-3], velocity=[0.1])) == (2e-3, 0.1)
+    assert np.isnan(indentation(JointState(name=["shoulder", "elbow"], position=[1.0, 2.0], velocity=[0.0, 0.1]))).all()

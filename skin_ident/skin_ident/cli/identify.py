@@ -73,12 +73,12 @@ def _rig(chosen: argparse.Namespace, specimen: Model, folder: Path) -> Iterator[
     if not chosen.live:
         yield _numbered(lambda battery, name, i: SimulatedRig().record(specimen, entry_from_words(battery), 100 * chosen.seed + i, name))
         return
-    from skin_ident.ros.testbed import Testbed  # needs an installed workspace
+    from skin_ident.ros.testbed import TARE, Testbed  # needs an installed workspace
 
     hidden = folder / "specimen.yaml"
     save_model(specimen, hidden)
     with Testbed(hidden, chosen.seed, FASTER) as testbed:
-        testbed.execute("{type: battery, profiles: [{type: free_air, clearance_mm: 1.0, duration_s: 0.5}, {type: tare}]}")
+        testbed.execute(TARE)
         yield _numbered(lambda battery, name, i: replace(load_one(testbed.session(folder / f"{i}_{name}", battery)), name=name))
 
 

@@ -47,7 +47,8 @@ from skin_ident.criticism.telling.judging import judge
 from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import believed, tell
-from skin_ident.criticism.usable import belong_together, doubted, something_moves
+from skin_ident.criticism.usable import belong_together, doubted, named_apart, something_moves
+from skin_ident.criticism.vocabulary import verdict_of
 from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
@@ -78,7 +79,7 @@ def diagnose(
         if twins:
             raise DiagnosisError("a recorded twin is for sessions in time, not for static scans")
         return diagnose_scans(recordings, hold_out, model, progress)
-    every = _named_apart([*recordings, *hold_out])
+    every = named_apart([*recordings, *hold_out])
     belong_together(every, model)
     something_moves(every[: len(recordings)])
     every, odd = put_right([doubted(r) for r in every])
@@ -129,7 +130,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     symptoms = (*odd, *seen)
     rest = systematic_rest(c.last, list(c.train), list(c.held), step)
     explained = max((n.gain.squares for n in c.named), default=0.0)
-    verdict = _verdict(bool(c.named or symptoms), rest.is_systematic(explained))
+    verdict = verdict_of(bool(c.named or symptoms), rest.is_systematic(explained))
     experiments = separating_experiments(c, train, progress)
     progress("judging what it is worth")
     whole = _split(looked.whole, training)
@@ -206,20 +207,6 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     dts = [r.dt for r in recordings]
     told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, channels, rest, dts)]
     return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]
-
-
-def _verdict(anything: bool, systematic: bool) -> str:
-    if anything:
-        return "partly_explained" if systematic else "explained"
-    return "unexplained" if systematic else "nothing_wrong"
-
-
-def _named_apart(recordings: list) -> list:
-    """Sessions whose names are all different, so that findings can speak of them."""
-    names = [r.name for r in recordings]
-    while len(set(names)) < len(names):
-        names = [name if names.count(name) == 1 else f"{name} ({i + 1})" for i, name in enumerate(names)]
-    return [r if name == r.name else replace(r, name=name) for r, name in zip(recordings, names, strict=True)]
 
 
 def _split(sessions: list[Session], training: int) -> tuple[list[Session], list[Session]]:

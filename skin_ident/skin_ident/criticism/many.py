@@ -6,7 +6,7 @@ beside the load cell, for causes of their own alone. The ratios of all taxels ar
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from skin_ident.criticism.array.proposing import is_of_array
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.noise.whitening import fit_whitener
-from skin_ident.criticism.record import inspect
+from skin_ident.criticism.record import bad_samples, inspect, mended_depth
 from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.search import Search
@@ -190,16 +190,7 @@ def criticism_of_all(
 
 
 def _whole(recording, symptoms: tuple, slowest: float) -> Session:
-    names = [c for c in recording.channels if c != "force" or recording.depth is not None]
-    bad = np.zeros((len(names), len(recording)), bool)
-    for (session, channel), mask in _masks(symptoms):
-        if session == recording.name and channel in names:
-            bad[names.index(channel)] |= mask
-    return prepare(recording, bad, slowest)
-
-
-def _masks(symptoms: tuple) -> Iterator[tuple[tuple[str, str], np.ndarray]]:
-    yield from (pair for s in symptoms for pair in s.bad.items())
+    return prepare(mended_depth(recording, symptoms), bad_samples(recording, symptoms), slowest)
 
 
 def _spread_out(beyond: np.ndarray | None, s: Session, chosen: list[int]) -> np.ndarray | None:

@@ -74,10 +74,10 @@ def inspect(recordings: list) -> Inspected:
         *_in_the_drive(recordings),
     ]
     copies = copies_among(early, recordings[0])
-    mended = [_mended(emptied(r, copies), early) for r in recordings]
+    mended = [mended_depth(emptied(r, copies), early) for r in recordings]
     mended = _spread_again(mended, early)
     slowest = max(r.dt for r in recordings)
-    sessions = [prepare(r, _bad_samples(r, early), slowest) for r in mended]
+    sessions = [prepare(r, bad_samples(r, early), slowest) for r in mended]
     late = _in_residuals(mended, sessions, [s for s in early if s.cause == "data_error"])
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
@@ -87,11 +87,11 @@ def inspect(recordings: list) -> Inspected:
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
     mended = _spread_again(mended, symptoms)
     clipped = [s for s in symptoms if s.cause == "saturation"]
-    whole = [prepare(r, _bad_samples(r, [s for s in symptoms if s not in clipped]), slowest) for r in mended]
+    whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), slowest) for r in mended]
     stuck = _stuck(symptoms) | dict.fromkeys(copies, 0.0)
     if not clipped and not stuck:
         return Inspected(symptoms, whole, whole)
-    searched = [replace(prepare(r, _bad_samples(r, symptoms), slowest), stuck=stuck) for r in mended]
+    searched = [replace(prepare(r, bad_samples(r, symptoms), slowest), stuck=stuck) for r in mended]
     return Inspected(symptoms, searched, whole)
 
 
@@ -104,7 +104,7 @@ def _between_levels(early: list[Symptom], late: list[Symptom]) -> tuple[list[Sym
 
 
 def _spread_again(recordings: list, symptoms) -> list:
-    return with_believed_spread(recordings, [_bad_samples(r, symptoms) for r in recordings])
+    return with_believed_spread(recordings, [bad_samples(r, symptoms) for r in recordings])
 
 
 def _stuck(symptoms) -> dict[str, float]:
@@ -127,7 +127,7 @@ def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom
     """What shows in measured less simulated, at full rate, beside what is `known`; outliers are taken out before the rest is looked for."""
     first = _first_fit(sessions)
     predicted = [simulated(first, s) for s in sessions]
-    wrong = [_bad_samples(r, known) for r in recordings]
+    wrong = [bad_samples(r, known) for r in recordings]
     raw = [np.where(b, m, s.raw) for s, m, b in zip(sessions, predicted, wrong, strict=True)]
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
     channels, n, dt = sessions[0].channels, sessions[0].n_taxels, recordings[0].dt
@@ -145,7 +145,7 @@ def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom
 
 def _beside(rows: list[np.ndarray], recordings: list, symptoms: list[Symptom]) -> list[np.ndarray]:
     """Rows (C, N) of each recording, bridged where symptoms rule samples out."""
-    return [_bridged(y, _bad_samples(r, symptoms)) for y, r in zip(rows, recordings, strict=True)]
+    return [_bridged(y, bad_samples(r, symptoms)) for y, r in zip(rows, recordings, strict=True)]
 
 
 def _first_fit(sessions: list[Session]) -> Model:
@@ -154,7 +154,7 @@ def _first_fit(sessions: list[Session]) -> Model:
     return fit(start, sessions, noise, 4).model
 
 
-def _mended(recording, symptoms: list[Symptom]):
+def mended_depth(recording, symptoms: list[Symptom]):
     """The recording with its depth bridged where the encoder was wrong, and its force where that drives the test."""
     for channel in ("depth", "force") if recording.depth is None else ("depth",):
         for mask in _masks(recording.name, channel, symptoms):
@@ -166,7 +166,7 @@ def _masks(name: str, channel: str, symptoms) -> list[np.ndarray]:
     return [mask for s in symptoms for (session, c), mask in s.bad.items() if session == name and c == channel]
 
 
-def _bad_samples(recording, symptoms) -> np.ndarray:
+def bad_samples(recording, symptoms) -> np.ndarray:
     """Mask (C, N) of what is not to be believed. Without a depth no channel can be compared, so long gaps of it count for all."""
     channels = [c for c in recording.channels if c != "force" or recording.depth is not None]
     bad = np.zeros((len(channels), len(recording)), bool)

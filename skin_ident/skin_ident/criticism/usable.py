@@ -4,6 +4,8 @@ What fails here would end in a name for nothing: a still plunger makes taxels lo
 skin look as if it flowed. Everything is refused in one sentence that says what to do.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from skin_ident.criticism.errors import DiagnosisError
@@ -35,10 +37,11 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
     lasts = recordings[0].t[-1] - recordings[0].t[0] + 1.5 * recordings[0].dt  # N samples are N periods, and stamps jitter
     if len(recordings) == 1 and lasts < LONE_S:
         raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")
+    slowest = max(r.dt for r in recordings)
     for r in recordings:
         _says_what_is_what(r)
         _has_both_sides(r)
-        _is_long_enough(r)
+        _is_long_enough(r, slowest)
         _touches(r)
         _has_its_zero_at_the_surface(r)
 
@@ -78,6 +81,14 @@ def _says_what_is_what(r) -> None:
         )
 
 
+def named_apart(recordings: list) -> list:
+    """Recordings whose names are all different, so that findings can speak of them."""
+    names = [r.name for r in recordings]
+    while len(set(names)) < len(names):
+        names = [name if names.count(name) == 1 else f"{name} ({i + 1})" for i, name in enumerate(names)]
+    return [r if name == r.name else replace(r, name=name) for r, name in zip(recordings, names, strict=True)]
+
+
 def doubted(r):
     """The recording, with a warning where the load is gone at a third of the greatest depth or deeper: its zero may be off."""
     if r.depth is None:
@@ -100,8 +111,8 @@ def _has_both_sides(r) -> None:
         )
 
 
-def _is_long_enough(r) -> None:
-    band = Band(r.dt)
+def _is_long_enough(r, slowest: float) -> None:
+    band = Band(r.dt, slowest=slowest)
     kept = (len(r) - band.kernel.size) // band.every + 1
     if kept < FEWEST:
         least = r.dt * (band.kernel.size + FEWEST * band.every)

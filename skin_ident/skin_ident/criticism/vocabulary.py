@@ -16,6 +16,13 @@ class Cause:
     needs: str
 
 
+def verdict_of(anything: bool, systematic: bool) -> str:
+    """The verdict where `anything` was found, and where something `systematic` is left."""
+    if anything:
+        return "partly_explained" if systematic else "explained"
+    return "unexplained" if systematic else "nothing_wrong"
+
+
 CAUSES: tuple[Cause, ...] = (
     Cause(
         "parameters",

@@ -4,7 +4,7 @@
     force_step_n: 0.0678          # one step of the load cell's converter
     taxel_step_n: 0.107           # one number for all, or a list
     encoder_step_um: 0.1
-    plunger_diameter_mm: 9.53
+    plunger_diameter_mm: 9.9      # kept for other programs: nothing here reads it
     taxel_positions_mm: [[0, 0], [14, 0]]
     contact_position_mm: [0, 0]   # where the plunger presses, in the same frame; or by recording: {session_0: [0, 0], session_1: [5, 0]}
     spread_width_mm: 5.25         # c of exp(-(r / c)^2), where a lateral scan of this skin has told it; new scans are held against it
@@ -30,6 +30,8 @@ from typing import Any
 import yaml
 
 from skin_ident.recordings.errors import RecordingError
+from skin_models.errors import ModelError
+from skin_models.strict_yaml import load_yaml
 
 FILE_NAME = "rig.yaml"
 PER_TAXEL = ("taxel_step_n", "taxel_noise_n")  # one number for all taxels, or one for each
@@ -114,7 +116,8 @@ def _strangers(declared: Declared, folder: Path) -> list[str]:
 
 
 def read_declared(path: Path) -> Declared:
-    """The content of a `rig.yaml`. Raises `RecordingError` for an unknown key or a value that is no positive number."""
+    """The content of a `rig.yaml`. Unknown keys become a warning. Raises `RecordingError` for a value that is no positive
+    number, a name that stands twice, or text that is no YAML."""
     try:
         return declared_from(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
@@ -126,9 +129,11 @@ def read_declared(path: Path) -> Declared:
 def declared_from(text: str) -> Declared:
     """The same from the file's text. Raises `RecordingError`."""
     try:
-        content = yaml.safe_load(text)
+        content = load_yaml(text)
     except yaml.YAMLError as error:
         raise RecordingError(f"this is not YAML: {' '.join(str(error).split())}") from error
+    except ModelError as error:
+        raise RecordingError(str(error)) from error
     content = _mapping({} if content is None else content, "a rig description")
     known = [f.name for f in fields(Declared) if f.name != "warnings"]
     numbers = [key for key in known if key not in (*PER_TAXEL, "taxel_positions_mm", "contact_position_mm", "calibration")]

@@ -22,7 +22,7 @@ SUFFIXES = (".mcap", ".db3")
 
 def is_bag(path: Path) -> bool:
     """Whether `path` is a rosbag2 directory or a storage file."""
-    return path.suffix in SUFFIXES if path.is_file() else (path / METADATA).is_file() and bool(_files(path)[0])
+    return path.suffix.lower() in SUFFIXES if path.is_file() else (path / METADATA).is_file() and bool(_files(path)[0])
 
 
 def _files(folder: Path) -> tuple[list[Path], str]:
@@ -34,7 +34,8 @@ def _files(folder: Path) -> tuple[list[Path], str]:
     except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError, AttributeError):
         names, mode = [], ""
     named = [folder / name for name in names if (folder / name).is_file()]
-    return named or sorted(p for p in folder.iterdir() if p.suffix in SUFFIXES or p.suffixes[-2:-1] in ([s] for s in SUFFIXES)), mode
+    there = (p for p in folder.iterdir() if p.suffix.lower() in SUFFIXES or p.suffixes[-2:-1] in ([s] for s in SUFFIXES))
+    return named or sorted(there), mode
 
 
 @dataclass
@@ -72,10 +73,10 @@ class Storage:
         self._stack.close()
 
     def _open(self, path: Path) -> File:
-        if path.suffix == ".zstd":
+        if path.suffix.lower() == ".zstd":
             path = self._unpacked(path)
         try:
-            if path.suffix == ".db3":
+            if path.suffix.lower() == ".db3":
                 return File(path, *survey_sqlite(path))
             found = survey(path)
         except OSError as error:

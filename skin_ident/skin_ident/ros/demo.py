@@ -24,7 +24,7 @@ from skin_ident.cli.diagnose import summary
 from skin_ident.cli.diagnose import write as write_diagnosis
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.recordings.load import load
-from skin_ident.ros.testbed import Testbed
+from skin_ident.ros.testbed import TARE, Testbed
 from skin_models.catalogue import effect_class
 from skin_models.effect import Effect
 from skin_models.errors import SkinError
@@ -43,9 +43,6 @@ HIDEABLE = {  # no zero of a sensor: the tare takes it away
 }
 NOTHING = "none"
 SESSIONS = 3
-# No search for the surface: it ends where the load cell first feels it, some 15 um deep, and the diagnosis would rightly name that. A mean
-# over one second is 5 mN off in one of three cases, which it would name, too.
-TARE = "{type: battery, profiles: [{type: free_air, clearance_mm: 1.0, duration_s: 0.5}, {type: tare, duration_s: 10}]}"
 FASTER = 4.0  # than real time
 LATER = 100  # by which the seeds of the last comparison lie behind those of the sessions
 MOST = 2**31 - 1  # what the driver takes for a seed

@@ -46,9 +46,6 @@ class Contest:
     def __add__(self, other: "Contest") -> "Contest":
         return Contest(self.distance + other.distance, self.explained + other.explained)
 
-    def __rmul__(self, times: float) -> "Contest":
-        return Contest(times * self.distance, times * self.explained)
-
     @property
     def evidence(self) -> np.ndarray:
         """Expected log likelihood ratio of every pair (R, R), whichever of the two is the truth; infinite on the diagonal."""

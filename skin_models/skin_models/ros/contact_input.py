@@ -34,7 +34,6 @@ class ContactInput:
     def __init__(self) -> None:
         """Nothing was heard yet."""
         self._messages: dict[str, _Message] = {}
-        self._all: tuple[Presses, ...] = ()
         self.unusable = 0
 
     def take(self, source: str, contacts: list[Press], now: float) -> None:

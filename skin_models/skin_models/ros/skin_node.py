@@ -178,6 +178,8 @@ class SkinNode(Node):
 
 def indentation(message: JointState) -> tuple[float, float]:
     """Depth (m) and speed (m/s) of the joint `indentation`, or of the only joint; NaN for what is not there."""
+    if JOINT not in message.name and len(message.position) > 1:
+        return math.nan, math.nan
     i = message.name.index(JOINT) if JOINT in message.name else 0
     return tuple(values[i] if i < len(values) else math.nan for values in (message.position, message.velocity))
 

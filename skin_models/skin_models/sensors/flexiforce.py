@@ -14,7 +14,6 @@ to part.
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -37,8 +36,6 @@ PART_TO_PART = 0.4  # greatest relative difference of a unit from the middle
 @dataclass(frozen=True)
 class FlexiForce:
     """One taxel. Relative sizes are shares of the capacity unless said otherwise."""
-
-    DIAMETER: ClassVar[float] = 9.53e-3  # m, of the sensing disc
 
     slope: float = quantity("N/V", MIDDLE_SLOPE, lower=0.1, upper=1e3, doc="slope found by its calibration")
     change: float = quantity("1", 0.0, lower=-0.9, upper=9.0, doc="relative change of the reading since that calibration")

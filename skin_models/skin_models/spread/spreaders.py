@@ -1,7 +1,7 @@
 """Forces of contacts to forces of taxels, for `SimulatedSkin`: dense numpy with explicit state, or the compiled path in place.
 
 Both take two forces per contact: one that is known and passes through the transfer function of eq 32 taxel by taxel, and one that has
-come through the skin already (from a `Column`) and is only spread. Both are applied forces: the field's gain holds the static share.
+come through the skin already (from `Columns`) and is only spread. Both are applied forces: the field's gain holds the static share.
 """
 
 from dataclasses import dataclass

@@ -76,6 +76,12 @@ def fit(
     return Fit(model, which, _standard_errors(model, sessions, noise, which, cost), cost, believed)
 
 
+def cost_of(model: Model, sessions: list[Session], noise: Whitener) -> float:
+    """The sum of squared whitened residuals, as of `Fit.cost`, of a model as it is."""
+    r = whitened(model, sessions, noise)
+    return float(r @ r)
+
+
 def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
     """Fit the effects of `model` and leave its dispersion model and shares as they are."""
     return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model)))

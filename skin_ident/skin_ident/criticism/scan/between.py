@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.criticism.scan.cells import Cells
-from skin_ident.criticism.scan.fault import Fault, quantity
+from skin_ident.criticism.scan.fault import Fault
 from skin_ident.criticism.scan.faults import Looked
 from skin_ident.criticism.scan.fitting import Member, by_size, tangents
 from skin_ident.criticism.scan.noise import slope_of
 from skin_ident.criticism.scan.search import Search
 from skin_ident.criticism.scan.whitening import Noise
+from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 

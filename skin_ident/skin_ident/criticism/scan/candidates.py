@@ -45,7 +45,6 @@ CANDIDATES = (
     Candidate("saturation", "taxel", "", ("ceiling",), "reading", ((0.5,), (3.0,))),
     Candidate("parameters", "skin", "", (), "level"),
 )
-SIZED = ("parameters",)  # acts on the sizes k themselves
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.scan.cells import Cells
-from skin_ident.criticism.scan.fault import Fault, mm, quantity
+from skin_ident.criticism.scan.fault import Fault, mm
 from skin_ident.criticism.scan.rough import Rough
+from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.spread_scan import SpreadScan
 from skin_models.thesis.tables import scan as thesis_table
 

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.scan.fault import Fault, quantity
+from skin_ident.criticism.scan.fault import Fault
 from skin_ident.criticism.scan.faults import Looked
 from skin_ident.criticism.scan.search import Search
+from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.recordings.declared import Declared
 
 LOUDER = 1.5  # times the declared noise

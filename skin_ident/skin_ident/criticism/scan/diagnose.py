@@ -22,6 +22,8 @@ from skin_ident.criticism.scan.start import declared_start, given_start, plain_s
 from skin_ident.criticism.scan.trials import Setting, Trial
 from skin_ident.criticism.scan.unreadable import unreadable
 from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace
+from skin_ident.criticism.usable import named_apart
+from skin_ident.criticism.vocabulary import verdict_of
 from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model import Model
@@ -43,7 +45,8 @@ def diagnose_scans(
     """
     if not scans:
         raise DiagnosisError("there is no scan to diagnose")
-    scans, held = _named_apart(list(scans), list(hold_out or []))
+    every = named_apart([*scans, *(hold_out or [])])
+    scans, held = every[: len(scans)], every[len(scans) :]
     progress("looking at the tables")
     declared = scans[0].declared
     looked = look(scans, [direction(s) for s in scans], declared)
@@ -55,7 +58,7 @@ def diagnose_scans(
     progress("asking what is left")
     rest = systematic_rest(found, setting)
     looked = between_scans(declared_noise(looked, found, declared), found, scans, held, apart)
-    verdict = _verdict(bool(found.named or looked.faults), rest.is_systematic)
+    verdict = verdict_of(bool(found.named or looked.faults), rest.is_systematic)
     names = {s.name for s in held}
     content = as_findings(found, looked, setting, rest, [*scans, *held], names, verdict, model.name if model else "")
     return _outcome(content, found, [*scans, *held], model)
@@ -66,13 +69,6 @@ def direction(scan: SpreadScan) -> str:
     words = re.split(r"[^a-z0-9]+", scan.name.lower().rsplit(".", 1)[0])
     named = [w for w in words if w in ("x", "y")]
     return scan.direction or (named[0] if len(named) == 1 else "")
-
-
-def _named_apart(scans: list[SpreadScan], held: list[SpreadScan]) -> tuple[list[SpreadScan], list[SpreadScan]]:
-    """Scans whose names are all different, so that findings can speak of them."""
-    names = [s.name for s in [*scans, *held]]
-    apart = [s if names.count(s.name) == 1 else replace(s, name=f"{s.name} ({i + 1})") for i, s in enumerate([*scans, *held])]
-    return apart[: len(scans)], apart[len(scans) :]
 
 
 def _held(held: list[SpreadScan], declared) -> Cells | None:
@@ -98,12 +94,6 @@ def _setting(looked: Looked, held: Cells | None, start: Member) -> Setting:
     if held is not None:
         held = replace(held, scan=np.zeros(len(held), int))
     return Setting(cells, able(x), rich(x), looked.floor, Test(start, held), x.both_sides)
-
-
-def _verdict(anything: bool, systematic: bool) -> str:
-    if anything:
-        return "partly_explained" if systematic else "explained"
-    return "unexplained" if systematic else "nothing_wrong"
 
 
 def _outcome(content: dict, found: Search, scans: list[SpreadScan], model: Model | None) -> Outcome:

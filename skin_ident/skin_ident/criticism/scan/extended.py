@@ -17,7 +17,6 @@ from skin_models.effects.position_offset import PositionOffset
 from skin_models.effects.saturation import Saturation
 from skin_models.model import Model
 from skin_models.parameter import clipped
-from skin_models.spread.noted import spread_width
 
 POINTS = 61
 WIDEST = 6.0  # widths, where the table of a shape ends at the latest
@@ -47,11 +46,6 @@ def model_of(m: Member, given: Model | None, name: str) -> Model:
 def baseline_of(m: Member, given: Model | None, name: str) -> Model:
     """The baseline as a model: the given one, or the static one."""
     return given or model_of(m, None, name)
-
-
-def width_noted(model: Model) -> float:
-    """The width that a given model is simulated with, m."""
-    return spread_width(model.notes)
 
 
 def surface_width(m: Member) -> tuple[float, float]:

@@ -26,11 +26,6 @@ class Fault:
         return replace(self, bad=bad)
 
 
-def quantity(value: float, unit: str) -> dict[str, Any]:
-    """A parameter as findings.json writes it."""
-    return {"value": float(value), "unit": unit}
-
-
 def mm(length: float) -> str:
     """A length (m) in words."""
     return f"{1e3 * length:.4g} mm"

@@ -9,11 +9,12 @@ from scipy.stats import spearmanr
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.scan.cells import Cells, cells_of
 from skin_ident.criticism.scan.copies import find_copies, resolution
-from skin_ident.criticism.scan.fault import Fault, mm, quantity
+from skin_ident.criticism.scan.fault import Fault, mm
 from skin_ident.criticism.scan.levels import Levels, find_levels
 from skin_ident.criticism.scan.rough import rough
 from skin_ident.criticism.scan.slips import FACTORS, factor_near, find_slips
 from skin_ident.criticism.scan.start import plain_start
+from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 

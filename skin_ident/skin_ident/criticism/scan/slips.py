@@ -7,9 +7,10 @@ from itertools import combinations
 import numpy as np
 
 from skin_ident.criticism.scan.cells import Cells
-from skin_ident.criticism.scan.fault import Fault, mm, quantity
+from skin_ident.criticism.scan.fault import Fault, mm
 from skin_ident.criticism.scan.rough import Rough
 from skin_ident.criticism.scan.sharp import sharpened
+from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.spread_scan import SpreadScan
 
 _WORDS = {10.0: "a decimal point, or kgf and N", 100.0: "a decimal point, or gf and N", 1e3: "mN and N", 4.44822: "lbf and N"}

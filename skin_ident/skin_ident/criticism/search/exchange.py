@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
@@ -69,6 +69,6 @@ def _without(search: "Search", finding: Named) -> "Search":
 
 def _explained(present: Fit, without: "Search") -> float:
     """What `present` explains beyond the state `without`, as a trial's score is."""
-    cost = fit(present.model, without.train, without.noise, 0).cost
+    cost = cost_of(present.model, without.train, without.noise)
     charge = np.log(present.count) * (len(present.unknowns) - len(without.present.unknowns))
     return float(without.present.cost - cost - charge)

@@ -7,7 +7,7 @@ from itertools import islice
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, fit, fit_effects
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, fit_effects
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE
 from skin_ident.criticism.courses.course import BEHIND, MARGIN, Run, worthwhile
@@ -15,6 +15,7 @@ from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.gates.resolution import of_the_converter, readable, resolved
+from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
@@ -54,6 +55,8 @@ class Search:
     weighable: bool = False  # whether the mass may be another than was assumed or declared
 
     def __post_init__(self) -> None:
+        self.present: Fit  # the model so far, fitted, and the noise that was seen with it, both from `run` on
+        self.noise: Whitener
         self.named: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []
         self.runs: list[Run] = []
@@ -79,12 +82,13 @@ class Search:
             alone = not taken and take_alone(self)
             pair = () if taken or self.named else two_at_once(self, trials, runs)
             alone = alone or (not (taken or pair) and take_wave(self))
-            self.rounds.append((last, (taken or pair[0])[1].cause if taken or pair else self.named[-1].cause if alone else None))
+            new = taken or (pair[0] if pair else None)
+            self.rounds.append((last, new[1].cause if new else self.named[-1].cause if alone else None))
             if own:
                 take_course(self, *own)
             elif shared or pair:
-                for fitted, finding in pair or (shared,):
-                    self.accept(fitted, finding)
+                for after, finding in pair or (shared,):
+                    self.accept(after, finding)
             elif not alone:
                 return
 
@@ -139,7 +143,7 @@ class Search:
         self.progress("surveying every cause")
         last = self.survey()
         self.noise = last.noise
-        self.present = replace(self.present, cost=fit(self.present.model, self.train, self.noise, 0).cost)
+        self.present = replace(self.present, cost=cost_of(self.present.model, self.train, self.noise))
         return last
 
     def survey(self) -> Survey:

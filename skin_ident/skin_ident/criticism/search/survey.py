@@ -51,6 +51,6 @@ def _richest(model: Model, bends: list[np.ndarray], which: tuple[Direction, ...]
     return [np.concatenate([bend[small], own]) for bend, own in zip(bends, of_each_session(model, sessions), strict=True)]
 
 
-def detectable(p: Projected, z: float = 3.0) -> np.ndarray:
+def detectable(p: Projected, z: float) -> np.ndarray:
     """Amount of each direction, in typical sizes, that would stand out by `z` standard errors; inf where the data do not excite it."""
     return np.where(p.energies > 0.0, z / np.sqrt(np.where(p.energies > 0.0, p.energies, 1.0)), np.inf)

@@ -116,7 +116,7 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
 
 
 def all_alike(trials: list[Trial]) -> list[Trial]:
-    """Where the best trial is in one taxel and its cause may as well be the skin's: the same in all taxels, if that explains as much."""
+    """Where the best trial is a dead zone, of the skin or of one taxel: the same dead zone in all taxels, if that explains as much."""
     best = trials[0] if trials else None
     alike = [t for t in trials if (t.key, (t.ranked.cause, "skin")) in SAME and t.ranked.cause == best.ranked.cause]
     return [t for t in alike if best.ranked.where != "taxel" and t.score > reach(best.score)]

@@ -13,6 +13,7 @@ from skin_ident.criticism.telemetry.repeats import Repeat, repeats_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 VALUES = 12  # different values that a column must hold
+FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
 EQUAL = 0.98  # of its samples
 ELSEWHERE = 0.05  # of its range, by which the depth must differ, beyond its own steps, from that of a stretch which one channel repeats
 COLUMN = "copied column"
@@ -104,19 +105,23 @@ def _mask(recording, k: int, again: list[Repeat]) -> np.ndarray:
 
 def _columns(recordings: list) -> list[Symptom]:
     """Groups of channels that hold the same numbers, each group one symptom at the first channel that repeats."""
-    groups: dict[bytes, list[str]] = {}
+    groups: list[tuple[np.ndarray, dict[str, float]]] = []
     for channel in recordings[0].channels:
         y = np.concatenate([r.channels[channel] for r in recordings])
-        if np.unique(y).size >= VALUES:
-            groups.setdefault(_fingerprint(y), []).append(channel)
+        if np.unique(y).size < VALUES:
+            continue
+        equal = next(((names, share) for first, names in groups if (share := _equal(y, first)) > EQUAL), None)
+        if equal:
+            equal[0][channel] = equal[1]
+        else:
+            groups.append((y, {channel: 1.0}))
     found = []
-    for names in groups.values():
-        rows = [np.concatenate([r.channels[c] for r in recordings]) for c in names]
-        same = [c for c, row in zip(names[1:], rows[1:], strict=True) if np.mean(row == rows[0]) > EQUAL]
+    for first, group in groups:
+        names, same = list(group), list(group)[1:]
         if same:
-            share = float(np.mean(rows[1] == rows[0]))
+            share = group[same[0]]
             hold = f"{', '.join(same[:8])} {'holds' if len(same) == 1 else 'hold'}"
-            why = f"{hold} the same numbers as {names[0]} in {100 * share:.3g} % of {rows[0].size} samples, and "
+            why = f"{hold} the same numbers as {names[0]} in {100 * share:.3g} % of {first.size} samples, and "
             why += "is judged no further" if len(same) == 1 else "are judged no further"
             where = place_of(same[0], len(recordings[0].taxels))
             found.append(Symptom("data_error", where, (names[0], *same), {}, {"why": why, "kind": COLUMN, "copies": len(same)}))
@@ -137,6 +142,7 @@ def emptied(recording, copies: tuple[str, ...]):
     return replace(recording, taxels=taxels) if copies else recording
 
 
-def _fingerprint(y: np.ndarray) -> bytes:
-    """Equal for rows that are the same but for few samples: their deciles and extremes are not enough, some samples are added."""
-    return np.percentile(y, [10, 30, 50, 70, 90]).tobytes()
+def _equal(a: np.ndarray, b: np.ndarray) -> float:
+    """The share of samples in which two rows (N,) hold the same number; 0 where a few of them say already that it is small."""
+    few = slice(None, None, max(a.size // FEW, 1))
+    return float(np.mean(a == b)) if np.mean(a[few] == b[few]) > LIKELY else 0.0

@@ -93,10 +93,10 @@ def _death(recording, row: np.ndarray) -> int | None:
     dead = tested[tested > last]
     if last < 0 or usual <= 0.0 or dead.size < FEWEST or np.any(np.abs(slopes[dead[1:]]) > GONE * usual):
         return None
-    return _last_sign_of_life(recording, row, load, pieces, last, int(dead[1]))
+    return _last_sign_of_life(row, load, pieces, last, int(dead[1]))
 
 
-def _last_sign_of_life(recording, row: np.ndarray, load: np.ndarray, pieces: list, last: int, dead: int) -> int:
+def _last_sign_of_life(row: np.ndarray, load: np.ndarray, pieces: list, last: int, dead: int) -> int:
     """The change point, by least squares: a live line before, silence after."""
     a, b = int(pieces[last][0]), int(pieces[dead][0])
     slope = _slope(load[pieces[last][0] - pieces[last].size : b], row[pieces[last][0] - pieces[last].size : b]) if last else 1.0

@@ -53,10 +53,10 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
     """One entry of `findings` that an effect stands for."""
     effects = instances(model, named.cause, named.where)
     parameters: dict[str, Any] = _dispersion(model, std) if named.cause == "parameters" else {}
-    for i, e in enumerate(effects):
-        for p in parameters_of(e):
-            name = p.name if i == 0 else f"{p.name}_{i + 1}"
-            parameters[name] = {"value": p.value, "unit": p.unit, "std": std.get(f"{e.cause}.{e.where}.{name}")}
+    for i, e in enumerate(model.effects):
+        for p in parameters_of(e) if e in effects else ():
+            label = model.listed_as(i, p.name)
+            parameters[label.rsplit(".", 1)[1]] = {"value": p.value, "unit": p.unit, "std": std.get(label)}
     gain = named.gain
     return {
         "cause": named.cause,
@@ -135,7 +135,7 @@ def _separating(named: Named, experiments: Experiments) -> dict[str, Any]:
     return {"separating_experiment": "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))}
 
 
-def telemetry_words(recordings: list, symptoms: tuple[Symptom, ...], given: bool) -> dict[str, str]:
+def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
     """For causes that telemetry decides: empty where it looked, or why it could not."""
     declared = recordings[0].declared
     undeclared = "rig.yaml does not declare"
@@ -183,7 +183,7 @@ def as_findings(
     baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, *before)
     entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
-    known = telemetry_words(recordings, symptoms, given)
+    known = telemetry_words(recordings, given)
     steps = {"quantization": _steps_seen(recordings), **_bends_seen(c)}
     excluded, untestable = excluded_and_untestable(c.last, [s for s, _ in c.rounds], named, known, steps)
     return {
@@ -212,11 +212,11 @@ def as_findings(
             "unit": "N",
         },
         "verdict": verdict,
-        "warnings": _warnings(recordings, held),
+        "warnings": _warnings(recordings),
     }
 
 
-def _warnings(recordings: list, held: list[Session]) -> list[str]:
+def _warnings(recordings: list) -> list[str]:
     """What the reader must know before believing any of it."""
     said = {r.name: dict.fromkeys((*r.warnings, *r.declared.warnings)) for r in recordings}
     shared = [w for w in said[recordings[0].name] if len(recordings) > 1 and all(w in own for own in said.values())]
