@@ -16,6 +16,7 @@ from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.cyclic_softening import CyclicSoftening
 from skin_models.effects.dead_zone import GatedTaxel, HardDeadZone, SkinDeadZone, TaxelDeadZone
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
+from skin_models.effects.friction import Friction, StribeckFriction
 from skin_models.effects.gain_error import GainStep
 from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, SkinHysteresis
 from skin_models.effects.lag import Lag, OneSidedLag, SecondOrderLag
@@ -28,7 +29,7 @@ from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.effects.time_shift import TimeShift
 from skin_models.operators.elapsed import Elapsed
 from skin_models.operators.play import play
-from skin_models.signals import motion
+from skin_models.signals import Motion, motion
 
 MM = 1e-3
 
@@ -280,3 +281,13 @@ def test_a_lagging_loop_is_a_dissipating_one_run_the_other_way_round():
     one, other = (cls(where="skin", k_sensed=3e3, k_dispersed=1e3, threshold=0.1 * MM) for cls in (SkinHysteresis, LaggingHysteresis))
     assert np.array_equal(other.batch(y, s), -one.batch(y, s))
     assert trapezoid(other.batch(y, s).sum(axis=0), x) < 0.0 < trapezoid(one.batch(y, s).sum(axis=0), x)
+
+
+def test_lubricated_friction_falls_with_speed_to_what_coulombs_law_says():
+    speeds = np.array([1e-3, 1e-2, 1.0])
+    s = Motion(np.arange(3.0), np.zeros(3), speeds, np.zeros(3), 1.0)
+    shape = {"force": 0.3, "coefficient": 0.0, "speed": 1e-5}
+    rubbed = StribeckFriction(where="rig", **shape, peak=0.8, peak_speed=1e-3).batch(np.zeros(3), s)
+    assert rubbed == pytest.approx([0.3 * 1.4, 0.3 * (1.0 + 0.8 / 101.0), 0.3], rel=1e-5)
+    plain = StribeckFriction(where="rig", **shape, peak=0.0).batch(np.zeros(3), s)
+    assert np.array_equal(plain, Friction(where="rig", **shape).batch(np.zeros(3), s))

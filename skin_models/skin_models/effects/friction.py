@@ -1,14 +1,17 @@
-"""Friction of the rig's guide or of the load cell's mounting: the measured force steps with the sign of the speed. Two forms:
+"""Friction of the rig's guide or of the load cell's mounting: the measured force steps with the sign of the speed. Three forms:
 
     smoothed over speed       y' = y + (F + mu |y|) tanh(v / v_s)
+    Stribeck, as it begins    y' = y + (F + mu |y|) tanh(v / v_s) (1 + p / (1 + (v / v_p)^2))
     Dahl, over distance       y' = y + (F + mu |y|) z / d,        z' = v - |v| z / d
 
 Coulomb's law, smoothed: over the speed v_s, below which the force falls off, or over the distance d that bristles bend before they slip;
-those hold their force while the plunger rests. F acts in the air too; what the load itself presses into the guide rubs in proportion to
-it (mu). Dahl's is stepped exactly for a path that is monotone between samples.
+those hold their force while the plunger rests. Surfaces that slide on a lubricant rub more by p before they have the speed to ride on it.
+F acts in the air too; what the load itself presses into the guide rubs in proportion to it (mu). Dahl's is stepped exactly for a path that
+is monotone between samples.
 
-Sources: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138; P. Dahl, A Solid Friction Model, TOR-0158,
-1968; C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419-425 (LuGre, of which it is the part before slip).
+Sources: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138; D. P. Hess, A. Soom, Journal of Tribology 112
+(1990) 147-152 (Stribeck's curve); P. Dahl, A Solid Friction Model, TOR-0158, 1968; C. Canudas de Wit et al., IEEE Trans. Automatic Control
+40 (1995) 419-425 (LuGre, of which it is the part before slip).
 """
 
 from dataclasses import dataclass
@@ -58,6 +61,24 @@ class Friction(_Rubbing, Memoryless):
     def apply(self, y, s):
         """y + (F + mu |y|) tanh(v / v_s)."""
         return self._rubbing(y, np.tanh(s.v / self.speed))
+
+
+@dataclass(frozen=True)
+class StribeckFriction(_Rubbing, Memoryless):
+    """Smoothed friction that is greater before surfaces slide on their lubricant, seen by the load cell."""
+
+    form: ClassVar[str] = "stribeck"
+    source: ClassVar[str] = "Hess and Soom 1990"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = Friction
+
+    speed: float = quantity("m/s", 2e-4, lower=1e-7, upper=1.0, role=SHAPE, typical=2e-4, doc="speed v_s over which the sign is smoothed")
+    peak: float = quantity("1", 0.0, lower=0.0, upper=5.0, role=SHAPE, typical=0.5, doc="share p by which it is greater near rest")
+    peak_speed: float = quantity("m/s", 1e-3, lower=1e-7, upper=1.0, role=SHAPE, typical=1e-3, doc="speed v_p, at which half of it is left")
+
+    def apply(self, y, s):
+        """y + (F + mu |y|) tanh(v / v_s) (1 + p / (1 + (v / v_p)^2))."""
+        return self._rubbing(y, np.tanh(s.v / self.speed) * (1.0 + self.peak / (1.0 + (s.v / self.peak_speed) ** 2)))
 
 
 @dataclass(frozen=True)
