@@ -16,7 +16,6 @@ from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.copied import copies_among, emptied, find_copies
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.encoder import find_encoder_faults
-from skin_ident.criticism.telemetry.excursions import runs
 from skin_ident.criticism.telemetry.lines import find_interference
 from skin_ident.criticism.telemetry.more_than_applied import find_more_than_applied
 from skin_ident.criticism.telemetry.outliers import find_outliers
@@ -25,6 +24,7 @@ from skin_ident.criticism.telemetry.pile_up import find_saturation
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.units import find_unit_faults
+from skin_ident.stretches import runs
 from skin_models.model import Model
 
 TREND = 25  # samples of the running median that is taken for what a force really did

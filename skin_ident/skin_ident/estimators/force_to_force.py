@@ -19,7 +19,7 @@ from skin_ident.estimators.sessions import because, stretches
 from skin_ident.estimators.split import jacobian
 from skin_ident.estimators.transfer_data import Pair
 from skin_ident.estimators.transfer_fit import TransferFit
-from skin_ident.estimators.verdicts import SURE, VAGUE
+from skin_ident.estimators.verdicts import word_of
 from skin_ident.quality import FAR_TOO_LITTLE, MOST, inspected
 from skin_ident.recordings.recording import Recording
 from skin_models.parameter import Parameter
@@ -162,9 +162,9 @@ def _judged(parameters: Sequence[Parameter], std: np.ndarray, reason: str) -> di
 
 
 def _verdict(p: Parameter, std: float) -> Verdict:
-    relative = std / abs(p.value) if p.value else np.inf
-    if relative <= SURE:
-        return Verdict(IDENTIFIABLE, f"known to {100 * relative:.2g} %")
-    if relative <= VAGUE:
-        return Verdict(WEAK, f"only {1 / relative:.1f} times its standard error")
-    return Verdict(NOT_IDENTIFIABLE, "not told from zero by these data: the force hardly varies at the frequencies where this matters")
+    word = word_of(p.value, std)
+    if word == IDENTIFIABLE:
+        return Verdict(word, f"known to {100 * std / abs(p.value):.2g} %")
+    if word == WEAK:
+        return Verdict(word, f"only {abs(p.value) / std:.1f} times its standard error")
+    return Verdict(word, "not told from zero by these data: the force hardly varies at the frequencies where this matters")

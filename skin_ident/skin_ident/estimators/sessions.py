@@ -10,6 +10,7 @@ from skin_ident.estimators.prefilter import Prefilter, prefilters_for
 from skin_ident.quality import Quality, inspected
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.staircase import drawn_again
+from skin_ident.stretches import runs
 from skin_models.dispersion import Dispersion
 from skin_models.signals import GRAVITY, Motion, motion
 from skin_models.words import counted
@@ -146,9 +147,7 @@ def _felt(r: Recording, taxels: np.ndarray, prefilter: Prefilter) -> np.ndarray:
 
 def stretches(good: np.ndarray, least: int) -> tuple[slice, ...]:
     """Runs of `least` or more rows that are good."""
-    changes = np.flatnonzero(np.diff(np.concatenate([[0], good.astype(np.int8), [0]])))
-    runs = zip(changes[::2], changes[1::2], strict=True)
-    return tuple(slice(int(a), int(b)) for a, b in runs if b - a >= least)
+    return tuple(slice(int(a), int(b)) for a, b in zip(*runs(good), strict=True) if b - a >= least)
 
 
 def _same_channels(recordings: Sequence[Recording]) -> None:

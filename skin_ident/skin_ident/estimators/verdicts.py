@@ -69,6 +69,12 @@ def _carried(p: Parameter, parameters: tuple[Parameter, ...], shape, rms: dict[s
     return force | {f"taxel_{i}": float(values[f"share_{i}"] * size) for i in shape.live}
 
 
+def word_of(value: float, std: float) -> str:
+    """How well a parameter is known, by its standard error."""
+    relative = std / abs(value) if value else np.inf
+    return IDENTIFIABLE if relative <= SURE else WEAK if relative <= VAGUE else NOT_IDENTIFIABLE
+
+
 def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verdict:
     if p.name == "m":
         return Verdict(FIXED, "held at the value that was given")
@@ -82,11 +88,11 @@ def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verd
     relative = std / abs(p.value) if p.value else np.inf
     newtons = max(carried.values(), default=0.0)
     size = f"its term carries {newtons:.3g} N rms, known to {newtons * min(relative, 99.0):.2g} N"
-    if relative <= SURE:
-        return Verdict(IDENTIFIABLE, size)
-    if relative <= VAGUE:
-        return Verdict(WEAK, f"{size}: only {1 / relative:.1f} times its standard error")
-    return Verdict(NOT_IDENTIFIABLE, f"{size}: not told from zero by these data")
+    word = word_of(p.value, std)
+    if word == IDENTIFIABLE:
+        return Verdict(word, size)
+    only = f"only {1 / relative:.1f} times its standard error" if word == WEAK else "not told from zero by these data"
+    return Verdict(word, f"{size}: {only}")
 
 
 def _of_mass(sessions, shape, m: Parameter, std: float) -> Verdict:
@@ -95,8 +101,7 @@ def _of_mass(sessions, shape, m: Parameter, std: float) -> Verdict:
     constant, inertial = m.value * rms["g"], m.value * rms["a"]
     alone, alone_std = _by_acceleration(sessions)
     if rms["a"] >= INERTIAL * rms["g"]:
-        good = IDENTIFIABLE if std <= SURE * m.value else WEAK if std <= VAGUE * m.value else NOT_IDENTIFIABLE
-        return Verdict(good, f"acceleration carries {inertial:.3g} N rms beside {constant:.3g} N of gravity")
+        return Verdict(word_of(m.value, std), f"acceleration carries {inertial:.3g} N rms beside {constant:.3g} N of gravity")
     return Verdict(
         NOT_IDENTIFIABLE,
         f"its column is constant gravity: -m g carries {constant:.3g} N, acceleration only {inertial:.2g} N rms, so this number stands "

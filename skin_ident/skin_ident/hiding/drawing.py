@@ -1,14 +1,14 @@
 """Which effect to hide: the cause, its place and its form, drawn by a seed where they are left open."""
 
-from collections.abc import Iterator
 
 import numpy as np
 
+from skin_ident.criticism.search.proposals import places_of
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.hiding.errors import HidingError
 from skin_models.catalogue import effects
-from skin_models.effect import Effect, Place
+from skin_models.effect import Effect
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 ANYTHING = "any"
@@ -24,7 +24,7 @@ def hideable(session: Session) -> dict[str, list[tuple[type[Effect], str]]]:
         if cls.cause in ARRAY and session.n_taxels < 2:
             continue
         if cls.cause in BY_NAME and any(True for _ in cls.shapes(session.motion)):
-            found.setdefault(cls.cause, []).extend((cls, where) for where in _places(cls, session))
+            found.setdefault(cls.cause, []).extend((cls, where) for where in places_of(cls, session))
     return {cause: options for cause, options in found.items() if options}
 
 
@@ -74,14 +74,3 @@ def _either_sign(effect: Effect) -> bool:
     return all(p.lower < 0.0 for p in parameters_of(effect) if p.role == AMPLITUDE)
 
 
-def _places(cls: type[Effect], session: Session) -> Iterator[str]:
-    for word, place in cls.places.items():
-        if place is Place.LOAD_CELL and "force" not in session.channels:
-            continue
-        if place is Place.DEPTH and session.drive is not None:
-            continue
-        if word.endswith(("taxel", "taxels")) and not session.n_taxels:
-            continue
-        yield word
-        if word == "taxel" and session.n_taxels > 1:
-            yield from (f"taxel_{i}" for i in range(session.n_taxels))

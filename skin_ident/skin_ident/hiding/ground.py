@@ -5,12 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import fit, tangents
-from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.baseline.unknowns import unknowns
-from skin_ident.criticism.noise.estimate import RICHEST, pursue
-from skin_ident.criticism.noise.whitening import stack
-from skin_ident.criticism.search.proposals import bank, directions
+from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import Session, prepare, without_parting
 from skin_ident.recordings.mass import known_mass
@@ -36,12 +33,8 @@ def ground(recordings: list[Recording]) -> Ground:
     start = dispersion_start(sessions, known_mass(recordings[0].declared).kg)
     sessions = [without_parting(s, start.dispersion) for s in sessions]
     model = fit(start, sessions, survey(start, sessions[:1], which).noise).model
-    noise = survey(model, sessions[:1], which).noise
+    left = survey(model, sessions[:1], which).left_by_everything(sessions[0])
     own = tangents(model, sessions[:1], unknowns(model, sessions[0]))[0]
-    every = np.concatenate([own, bank(model, which, sessions[:1])[0]])
-    e = residual(model, sessions[0])
-    A, r = stack([every], sessions[:1], noise), stack([e], sessions[:1], noise)
-    left = e - np.tensordot(pursue(A, r, len(own) + RICHEST, forced=len(own)), every, 1)
     return Ground(tuple(recordings), tuple(sessions), model, rms(left, sessions[0].weight), own)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.rows import all_finite, finite, interpolated
+from skin_ident.stretches import runs
 from skin_models.tables.order import in_order
 from skin_models.words import counted
 
@@ -130,20 +131,14 @@ def _rate_warning(dt: float, rate_hz: float | None) -> tuple[str, ...]:
     return (f"sampled at {1 / dt:.6g} Hz, while {rate_hz:.6g} Hz is declared",)
 
 
-def _edges(flags: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where runs of True begin and end."""
-    changes = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
-    return changes[::2], changes[1::2]
-
-
 def _long_runs(flags: np.ndarray) -> np.ndarray:
     """The same flags, without runs of `BRIDGED` or fewer."""
     out = np.zeros_like(flags)
     if flags.any():
-        for start, stop in zip(*_edges(flags), strict=True):
+        for start, stop in zip(*runs(flags), strict=True):
             out[start:stop] = stop - start > BRIDGED
     return out
 
 
 def _runs(flags: np.ndarray) -> int:
-    return _edges(flags)[0].size
+    return runs(flags)[0].size

@@ -12,6 +12,7 @@ from skin_ident.report.plot import Axis, Line, axis, legend, plot
 from skin_ident.report.shapes import Binned, binned, smooth, span_of, spectrum, thinned
 from skin_ident.report.view import View, unit_of
 from skin_ident.report.words import channel
+from skin_ident.stretches import runs
 
 
 def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], ...]:
@@ -56,8 +57,7 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
 
 def _not_compared(t: np.ndarray, judged: np.ndarray) -> Callable[[Axis], list[Line]]:
     """What shades, over the height of an axis, the stretches that were not compared."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], ~judged, [0]]).astype(int)))
-    pairs = [(t[a], t[min(b, t.size - 1)]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    pairs = [(t[a], t[min(b, t.size - 1)]) for a, b in zip(*runs(~judged), strict=True)]
 
     def shade(y: Axis) -> list[Line]:
         across = [np.array([a, a, b, b, np.nan]) for a, b in pairs]

@@ -7,9 +7,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from skin_testbed_msgs.msg import ParameterEstimates
 
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.estimate import FIXED, IDENTIFIABLE, NOT_IDENTIFIABLE, WEAK
+from skin_ident.estimators.estimate import FIXED
 from skin_ident.estimators.live import LiveFit
-from skin_ident.estimators.verdicts import SURE, VAGUE
+from skin_ident.estimators.verdicts import word_of
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
 
@@ -34,8 +34,7 @@ def estimates(fit: LiveFit, stamp: Time) -> ParameterEstimates:
 def _word(name: str, value: float, std: float) -> str:
     if std == 0.0 and name.startswith("share_") and value == 1.0:
         return FIXED  # shares are relative to the strongest taxel
-    relative = std / abs(value) if value else math.inf
-    return IDENTIFIABLE if relative <= SURE else WEAK if relative <= VAGUE else NOT_IDENTIFIABLE
+    return word_of(value, std)
 
 
 def std(fit: LiveFit) -> dict[str, float]:

@@ -72,7 +72,7 @@ class Run:
         return self.score > LEAST and self.largest >= least.get(self.course.carrier, 0.0)
 
 
-def own(model: Model, sessions: list[Session]) -> list[np.ndarray]:
+def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndarray]:
     """Every bend of every channel's zero, and another zero of depth, (K, C, n) by session; what bends one session's is nothing in the
     others."""
     every = [Course(ZERO, BEND, (c,), "") for c in range(len(sessions[0].channels))]

@@ -18,15 +18,18 @@ PASSES = 2
 
 def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
     """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
-    weights = [s.weight for s in sessions]
+    every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
     noise = white(residuals)
     for _ in range(PASSES):
-        every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
-        A, r = stack(every, sessions, noise), stack(residuals, sessions, noise)
-        z = pursue(A, r, len(tangents[0]) + RICHEST, forced=len(tangents[0]))
-        left = [e - np.tensordot(z, a, 1) for e, a in zip(residuals, every, strict=True)]
-        noise = fit_whitener(left, weights)
+        noise = fit_whitener(less(residuals, every, len(tangents[0]), noise, sessions), [s.weight for s in sessions])
     return noise
+
+
+def less(residuals: list[np.ndarray], every: list[np.ndarray], forced: int, noise: Whitener, sessions: list[Session]) -> list[np.ndarray]:
+    """Residuals (C, n) of each session less what the first `forced` rows of `every` (M, C, n), and the best of the others, explain of the
+    samples believed."""
+    z = pursue(stack(every, sessions, noise), stack(residuals, sessions, noise), forced + RICHEST, forced=forced)
+    return [e - np.tensordot(z, a, 1) for e, a in zip(residuals, every, strict=True)]
 
 
 def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0) -> np.ndarray:

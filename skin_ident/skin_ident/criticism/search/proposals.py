@@ -46,10 +46,11 @@ class Direction:
 
 def directions(session: Session) -> tuple[Direction, ...]:
     """Every direction that the catalogue offers for the channels at hand."""
-    return tuple(d for cls in effects() for where in _wheres(cls, session) for d in _directions(cls, where, session))
+    return tuple(d for cls in effects() for where in places_of(cls, session) for d in _directions(cls, where, session))
 
 
-def _wheres(cls: type[Effect], session: Session) -> Iterator[str]:
+def places_of(cls: type[Effect], session: Session) -> Iterator[str]:
+    """Every place at which an effect could show in the channels of a session, as findings call it."""
     for word in cls.places:
         if _unseen(cls.places[word], session):
             continue

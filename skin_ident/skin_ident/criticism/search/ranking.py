@@ -142,8 +142,8 @@ def _signed_solution(G: np.ndarray, b: np.ndarray, signs: np.ndarray, chosen: li
     split = np.concatenate([index, free])
     turn = np.concatenate([flips, -np.ones(free.size)])
     root = np.linalg.cholesky(G[np.ix_(index, index)])
-    rows = np.searchsorted(np.sort(index), split)
-    lifted = root.T[:, np.argsort(index)][:, rows] * turn
+    columns = np.concatenate([np.arange(index.size), np.flatnonzero(signs[index] == 0)])
+    lifted = root.T[:, columns] * turn
     w, _ = nnls(lifted, np.linalg.solve(root, b[index]), maxiter=50 * split.size)
     z = np.zeros(b.size)
     np.add.at(z, split, w * turn)

@@ -7,8 +7,8 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import tangents, unpressed
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.unknowns import unknowns, values
-from skin_ident.criticism.courses.course import own as of_each_session
-from skin_ident.criticism.noise.estimate import noise_model
+from skin_ident.criticism.courses.course import bends_of_each_session
+from skin_ident.criticism.noise.estimate import less, noise_model
 from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.search.proposals import Direction, bank
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, Projected, Ranked, project, rank
@@ -30,6 +30,11 @@ class Survey:
         own = tangents(self.model, [session], unknowns(self.model, session))[0]
         return np.concatenate([own, bank(self.model, self.projected.which, [session])[0]]), len(own)
 
+    def left_by_everything(self, session: Session) -> np.ndarray:
+        """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
+        every, own = self.directions_of(session)
+        return less([residual(self.model, session)], [every], own, self.noise, [session])[0]
+
 
 def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
     """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
@@ -48,7 +53,7 @@ def _richest(model: Model, bends: list[np.ndarray], which: tuple[Direction, ...]
     """All that may explain more than noise (M, C, n): the courses of each session's own, and small amounts of every cause. Large ones of
     the same would be asked twice."""
     small = [d.probe < 1.0 for d in which]
-    return [np.concatenate([bend[small], own]) for bend, own in zip(bends, of_each_session(model, sessions), strict=True)]
+    return [np.concatenate([bend[small], own]) for bend, own in zip(bends, bends_of_each_session(model, sessions), strict=True)]
 
 
 def detectable(p: Projected, z: float) -> np.ndarray:

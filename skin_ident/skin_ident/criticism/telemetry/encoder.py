@@ -7,10 +7,11 @@ more than its noise, and no channel shows a third of k dx nearby, the encoder wa
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
-from skin_ident.criticism.telemetry.excursions import fill_clusters, held, paired, runs
+from skin_ident.criticism.telemetry.excursions import fill_clusters, held, paired
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.criticism.telemetry.tails import smallest_step
+from skin_ident.stretches import runs
 
 TREND = 9  # samples of the running median that is taken for the true speed
 STEPS = 6.0  # encoder steps that a jump must exceed

@@ -7,6 +7,8 @@ in the model (which may place a contact wrongly), and one jump alone may be a co
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from skin_ident.stretches import runs
+
 LONGEST = 8  # samples of one excursion
 BACK = 0.45  # of the smaller jump, within which it must come back
 OWN = 0.6  # of a jump in the residual that must be in the measurement itself
@@ -60,12 +62,6 @@ def fill_clusters(mask: np.ndarray) -> np.ndarray:
         mine = np.flatnonzero(group == g)
         filled[starts[mine[0]] : ends[mine[-1]]] = True
     return filled
-
-
-def runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where runs of True begin and end (exclusive)."""
-    change = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
-    return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
 
 
 def held(y: np.ndarray, shortest: int) -> tuple[np.ndarray, np.ndarray]:

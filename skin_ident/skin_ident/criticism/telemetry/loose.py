@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from skin_ident.criticism.telemetry.excursions import runs
 from skin_ident.criticism.telemetry.tails import reach, smallest_step
+from skin_ident.stretches import runs
 
 LOADED = 0.2  # of the greatest load, below which nothing is lost by an open contact
 FALLS = 0.6  # of the reading that ought to be there, by which it must jump

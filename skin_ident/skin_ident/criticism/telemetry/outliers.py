@@ -6,9 +6,10 @@ simulation then runs ahead of it, its depth being smoothed. A frozen run misses 
 
 import numpy as np
 
-from skin_ident.criticism.telemetry.excursions import excursions, fill_clusters, held, runs
+from skin_ident.criticism.telemetry.excursions import excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import LEAST, reach, smallest_step, stands_apart
+from skin_ident.stretches import runs
 
 LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for where there are none beyond it
 FEWEST = 2  # frozen runs that make a finding by themselves

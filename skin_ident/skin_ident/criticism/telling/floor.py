@@ -19,8 +19,8 @@ from skin_ident.criticism.baseline.residual import residual, simulated, stiffnes
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.gates.resolution import unread_depth
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
-from skin_ident.criticism.noise.estimate import RICHEST, pursue
-from skin_ident.criticism.noise.whitening import Whitener, stack, white
+from skin_ident.criticism.noise.estimate import less
+from skin_ident.criticism.noise.whitening import white
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
@@ -45,21 +45,10 @@ def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, An
     It bounds what any model can gain. `rms` N; `lag_one` is the correlation of neighbouring samples.
     """
     longest = max(sessions, key=lambda s: float(s.weight.sum()))
-    rest = left_by_everything(last, longest)
+    rest = last.left_by_everything(longest)
     rows = {c: e[w > 0] for c, e, w in zip(longest.channels, rest, longest.weight, strict=True)}
     edge = float(longest.band.edge)
     return {c: {"rms": _rms(e), "unit": "N", "lag_one": _lag_one(e), "band_hz": edge} for c, e in rows.items()}
-
-
-def left_by_everything(last: Survey, session: Session) -> np.ndarray:
-    """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
-    return _less(residual(last.model, session), *last.directions_of(session), last.noise, session)
-
-
-def _less(e: np.ndarray, every: np.ndarray, forced: int, noise: Whitener, session: Session) -> np.ndarray:
-    """`e` (C, n) less what the first `forced` rows of `every` (M, C, n), and the best of the others, explain of the samples believed."""
-    A, r = stack([every], [session], noise), stack([e], [session], noise)
-    return e - np.tensordot(pursue(A, r, forced + RICHEST, forced=forced), every, 1)
 
 
 def predicted_between(last: Survey, session: Session) -> np.ndarray:
@@ -71,7 +60,7 @@ def predicted_between(last: Survey, session: Session) -> np.ndarray:
     out = e.copy()
     for side in (0, 1):
         seen = replace(session, weight=session.weight * (odd == side))
-        out[:, odd != side] = _less(e, every, own, white([e]), seen)[:, odd != side]
+        out[:, odd != side] = less([e], [every], own, white([e]), [seen])[0][:, odd != side]
     return out
 
 
@@ -90,7 +79,7 @@ def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str,
     if all(rms <= DOUBTED * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
         return floor
     tested = list(c.held or c.train)
-    fitted = _pooled([left_by_everything(c.last, s) for s in tested], tested)
+    fitted = _pooled([c.last.left_by_everything(s) for s in tested], tested)
     between = _pooled([predicted_between(c.last, s) for s in tested], tested)
     return {name: {**floor[name], "rms": float(rms)} for name, rms in zip(floor, np.minimum(fitted, between), strict=True)}
 
@@ -140,7 +129,7 @@ def _fitted(c: Criticism, floor: dict[str, dict[str, Any]]) -> tuple[np.ndarray,
     fitted = _pooled([residual(c.extended.model, s) for s in sessions], sessions)
     if all(rms <= DOUBTED * max(low["rms"], ROUNDING) for rms, low in zip(fitted, floor.values(), strict=True)):
         return fitted, fitted
-    return fitted, _pooled([left_by_everything(c.last, s) for s in sessions], sessions)
+    return fitted, _pooled([c.last.left_by_everything(s) for s in sessions], sessions)
 
 
 def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
