@@ -74,6 +74,24 @@ def test_what_comes_at_random_is_simulated_and_claims_no_gain():
     assert np.std(one[1]) == pytest.approx(0.3 / np.sqrt(2), rel=0.15) and np.abs(one[0] - np.median(one[0])).max() > 1.0
 
 
+@pytest.mark.parametrize("drops_to_nothing", [True, False])
+def test_few_drops_stand_out_of_heavy_tails_where_all_end_at_one_reading(drops_to_nothing):
+    """Three a session, none farther than noise of three degrees of freedom goes in ten: of the same size but in all directions they are
+    taken for it."""
+
+    def change(y, rng):
+        y = y + 0.15 * rng.standard_t(3, y.shape)
+        for at in 500 + 900 * np.arange(3) + rng.integers(300, size=3):
+            size = 0.0 if drops_to_nothing else y[0, at] + rng.choice([-1, 1]) * rng.uniform(2.5, 6.0)
+            y[0, at : at + 2] = size
+        return 0.05 * np.round(y / 0.05)
+
+    found = [s for s in inspect([session(i, change) for i in range(3)]).symptoms if s.cause == "outliers"]
+    assert [s.channels for s in found] == [("taxel_0",)] * drops_to_nothing
+    if found:
+        assert found[0].evidence["count"] == pytest.approx(18, abs=3)
+
+
 def test_noise_that_is_not_as_declared_is_told_in_newtons_and_simulated():
     outcome = diagnosed(lambda y, rng: y, declared=Declared(force_noise_n=0.01))
     finding = outcome.findings["findings"][0]

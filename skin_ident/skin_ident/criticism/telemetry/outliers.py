@@ -5,14 +5,16 @@ simulation then runs ahead of it, its depth being smoothed. A frozen run misses 
 """
 
 import numpy as np
+from scipy.stats import binom
 
 from skin_ident.criticism.telemetry.excursions import excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
-from skin_ident.criticism.telemetry.tails import LEAST, reach, smallest_step, stands_apart
+from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
 from skin_ident.stretches import runs
 
 LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for where there are none beyond it
 FEWEST = 2  # frozen runs that make a finding by themselves
+DROPPED = 3  # excursions that must end at one reading
 FROZEN = 5  # samples at one value
 MISSED = 10.0  # noise widths of change that a frozen run must have missed
 SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
@@ -56,11 +58,27 @@ def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray
         return sum(runs(excursions(a, b, level))[0].size for a, b in zip(e, y, strict=True))
 
     level = stands_apart(limit, beyond, step) or stands_apart(LOWEST * limit, beyond, step)
-    away = [fill_clusters(excursions(a, b, level)) if level else np.zeros(a.size, bool) for a, b in zip(e, y, strict=True)]
+    far = [excursions(a, b, level or limit) for a, b in zip(e, y, strict=True)]
+    away = [fill_clusters(f) for f in far] if level else _to_one_reading(far, y, limit, step)
     values, counts = np.unique(np.concatenate(y), return_counts=True)
     idle = float(values[np.argmax(counts)])
     still = [_frozen(b, a, limit, step, j | (np.abs(b - idle) < limit)) for a, b, j in zip(e, y, jumps, strict=True)]
     return away, still
+
+
+def _to_one_reading(far: list[np.ndarray], y: list[np.ndarray], limit: float, step: float) -> list[np.ndarray]:
+    """Those of the excursions that end at one and the same reading, as where a line drops out. Of what goes beyond `limit` in a tail as
+    heavy as noise may have, to either side, a share of at most `HEAVIEST` / (2 limit) lies within a newton, so that few of many meet at one
+    step of a converter by chance."""
+    ends = np.concatenate([b[runs(f)[0]] for b, f in zip(y, far, strict=True)])
+    if ends.size < DROPPED:
+        return [np.zeros_like(f) for f in far]
+    readings, counts = np.unique(np.round(ends / max(step, 1e-12)), return_counts=True)
+    by_chance = ends.size * binom.sf(counts.max() - 1, ends.size, min(1.0, 0.5 * HEAVIEST * step / limit))
+    if counts.max() < DROPPED or by_chance > CHANCE:
+        return [np.zeros_like(f) for f in far]
+    one = readings[np.argmax(counts)] * step
+    return [f & (np.abs(b - one) <= 0.5 * step) for b, f in zip(y, far, strict=True)]
 
 
 def _startled(e: np.ndarray) -> np.ndarray:
