@@ -14,7 +14,7 @@ Whether sessions that were held out bear one out is asked in `gate`.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -48,10 +48,13 @@ ALIKE = 0.95  # of the likelihood gain of a slope in one channel, which the same
 BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
 
 
+Moments = dict[str, np.ndarray]  # s, by session
+
+
 @dataclass(frozen=True)
 class Run:
     """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
-    values (C, N) N and its words by session, and the period of their samples, s."""
+    values (C, N) N and its words by session, the period of their samples, s, and by session the moments of its steps, s."""
 
     course: Course
     score: float
@@ -60,6 +63,7 @@ class Run:
     values: dict[str, np.ndarray]
     said: dict[str, str]
     period: float
+    moments: Moments = field(default_factory=dict)
 
     @property
     def size(self) -> float:
@@ -122,9 +126,12 @@ def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Sessio
     return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
 
 
-def fitted(course: Course, model: Model, sessions: list[Session], noise: Whitener, free: Open | None = None) -> Run:
-    """The course fitted to what `model` leaves, beside what is `free` to change of it."""
-    return _run(course, _held_ground(model, sessions, noise, free) if free else _ground(model, sessions, noise))
+def fitted(
+    course: Course, model: Model, sessions: list[Session], noise: Whitener, free: Open | None = None, at: Moments | None = None
+) -> Run:
+    """The course fitted to what `model` leaves, beside what is `free` to change of it. Steps are looked for, or are `at` given moments."""
+    ground = _held_ground(model, sessions, noise, free) if free else _ground(model, sessions, noise)
+    return _linear_run(course, ground, at) if at else _run(course, ground)
 
 
 @dataclass(frozen=True)
@@ -201,10 +208,10 @@ def _run(course: Course, g: _Ground) -> Run:
     return max(run, _linear_run(course, replace(g, plain=halfway)), key=lambda r: r.score)
 
 
-def _linear_run(course: Course, g: _Ground) -> Run:
-    moments = {s.name: _moments(course, g, s) for s in g.sessions}
-    z, score, charge = _solve(course, g, moments)
-    if course.shape == STEPS and score > 0.0:
+def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
+    moments = at or {s.name: _moments(course, g, s) for s in g.sessions}
+    z, score, charge = _solve(course, g, moments, exactly=at is not None)
+    if course.shape == STEPS and score > 0.0 and at is None:
         moments = {s.name: _around(moments[s.name], z[s.name], s, g.span(course, s)) for s in g.sessions}
         z, score, charge = _solve(course, g, moments, exactly=True)
         lasting = {name: _lasting(m, z[name]) for name, m in moments.items()}
@@ -217,7 +224,7 @@ def _linear_run(course: Course, g: _Ground) -> Run:
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt)
+    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt, moments)
 
 
 def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
-from skin_ident.criticism.courses.carriers import ZERO
+from skin_ident.criticism.courses.carriers import DEPTH, ZERO
 from skin_ident.criticism.courses.course import Run, added, fitted
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, WAVE, Course
 from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain, gain_of_residuals
@@ -87,12 +87,15 @@ def helps(run: Run, before: Model, after: Model, train: list[Session], held: lis
 
 
 def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:
-    """Residual (C, n) with each block's course fitted to its neighbours."""
+    """Residual (C, n) with each block's course fitted to its neighbours. When the depth jumped may be seen in all blocks: jumping a little
+    too early or too late feigns a speed that was not there."""
     e = residual(model, s)
+    known = fitted(course, model, [s], noise, free).moments if course.carrier == DEPTH else None
+    at = known if known and known[s.name].size else None
     odd = ((s.t - s.t[0]) / BLOCK_S[course.shape]).astype(int) % 2
     out = e.copy()
     for side in (0, 1):
         seen = replace(s, weight=s.weight * (odd == side))
-        run = fitted(course, model, [seen], noise, free)
+        run = fitted(course, model, [seen], noise, free, at)
         out[:, odd != side] -= s.band.thin(run.values[s.name])[:, odd != side]
     return out

@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import SLOPE
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.gates.gate import MATERIAL
 from skin_ident.criticism.gates.uncertain import left_open
+from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.trial import Trial
@@ -89,8 +91,9 @@ def take_course(search: "Search", run: Run, finding: Named) -> None:
     search.runs.append(run)
     train = added(search.train, run.values)
     search.present = fit(search.present.model, train, search.noise)
-    free = left_open(search.present.model, train, search.held, search.noise)
-    other = fitted(run.course, search.present.model, search.held, search.noise, free) if search.held else None
+    noise = fit_whitener([residual(search.present.model, s) for s in train], [s.weight for s in train])  # the old one holds the course, too
+    free = left_open(search.present.model, train, search.held, noise)
+    other = fitted(run.course, search.present.model, search.held, noise, free) if search.held else None
     search.train, search.held = train, added(search.held, other.values) if other else search.held
     search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
     search.progress(f"named {finding.cause} in the {finding.where}")
