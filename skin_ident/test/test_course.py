@@ -1,5 +1,6 @@
 """What belongs to one session alone is told from what all sessions share, and nothing is made up where there is nothing."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -42,6 +43,19 @@ def test_a_gain_that_is_off_in_the_held_out_session_alone_is_named(tmp_path, see
     recordings = load(tmp_path)
     (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     assert (found["cause"], found["where"]) == ("gain_error", "taxel") and set(found["evidence"]["of_each_session"]) == {"session_2.tsv"}
+
+
+@pytest.mark.parametrize("moment", [19.9, 21.7, 24.0])
+def test_counts_are_lost_wherever_blocks_of_a_session_begin(tmp_path, moment):
+    """Blocks of four seconds are fitted and predicted by turns: a moment at their border, or within one, is found as well."""
+    made, truth = make_sessions(None, seed=round(10 * moment), n_sessions=3, noise="white", protocol="multisine_only")
+    off = max(2.0 * truth.noise_rms["force"] / (truth.skin.k1 + truth.skin.k2), 5e-6)
+    write_case([replace(s, x=s.x - off * (s.t > moment)) for s in made], tmp_path)
+    recordings = load(tmp_path)
+    (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert (found["cause"], found["where"]) == ("position_offset", "rig")
+    for words in found["evidence"]["of_each_session"].values():
+        assert min(abs(float(at) - moment) for at in re.findall(r"at ([\d.]+) s", words)) < 0.2, words
 
 
 @pytest.mark.parametrize("seed", [51, 52])

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import SLOPE
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
@@ -87,11 +87,16 @@ def take_alone(search: "Search") -> bool:
 
 
 def take_course(search: "Search", run: Run, finding: Named) -> None:
-    """Give every session its course; the rest of the search goes on with what is left."""
+    """Give every session its course; the rest of the search goes on with what is left. The course was found in noise that held it, too, and
+    its moments may be off: so it is fitted once more in what is left with it, there and in held-out sessions."""
     search.runs.append(run)
-    train = added(search.train, run.values)
-    search.present = fit(search.present.model, train, search.noise)
-    noise = fit_whitener([residual(search.present.model, s) for s in train], [s.weight for s in train])  # the old one holds the course, too
+    model, train = search.present.model, added(search.train, run.values)
+    model = fit(model, train, search.noise).model
+    noise = fit_whitener([residual(model, s) for s in train], [s.weight for s in train])
+    again = fitted(run.course, model, search.train, noise)
+    if cost_of(model, added(search.train, again.values), noise) < cost_of(model, train, noise):
+        run, train = again, added(search.train, again.values)
+    search.present = fit(model, train, search.noise)
     free = left_open(search.present.model, train, search.held, noise)
     other = fitted(run.course, search.present.model, search.held, noise, free) if search.held else None
     search.train, search.held = train, added(search.held, other.values) if other else search.held
