@@ -11,7 +11,7 @@ from scipy.special import gamma
 from skin_models.catalogue import effects
 from skin_models.effect import Place
 from skin_models.effects.adhesion import Adhesion
-from skin_models.effects.backlash import Backlash, WindUp
+from skin_models.effects.backlash import Backlash, TouchedBacklash, WindUp
 from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.cyclic_softening import CyclicSoftening
 from skin_models.effects.dead_zone import GatedTaxel, HardDeadZone, SkinDeadZone, TaxelDeadZone
@@ -291,3 +291,12 @@ def test_lubricated_friction_falls_with_speed_to_what_coulombs_law_says():
     assert rubbed == pytest.approx([0.3 * 1.4, 0.3 * (1.0 + 0.8 / 101.0), 0.3], rel=1e-5)
     plain = StribeckFriction(where="rig", **shape, peak=0.0).batch(np.zeros(3), s)
     assert np.array_equal(plain, Friction(where="rig", **shape).batch(np.zeros(3), s))
+
+
+def test_a_rig_that_was_zeroed_by_touching_loses_depth_on_the_way_out_alone():
+    x = 1e-3 * triangle([0, 1, 0, 1])
+    tip = TouchedBacklash(where="rig", gap=0.1e-3).batch(x, at_times(x))
+    way = np.sign(np.diff(x, prepend=-1.0))
+    settled = np.abs(x - 0.5e-3) < 0.3e-3
+    assert (tip - x)[settled & (way > 0)] == pytest.approx(0.0, abs=1e-12)
+    assert (tip - x)[settled & (way < 0)] == pytest.approx(0.1e-3, abs=1e-12)

@@ -1,10 +1,11 @@
 """Backlash: depth is lost at every reversal of the drive.
 
     plain       tip depth = P[x],  the play operator of half width gap / 2 (`skin_models.operators.play`)
+    touched     tip depth = P[x] + gap / 2,  of a rig that was zeroed by touching the skin, with the gap taken up
     wind-up     tip depth = x - (gap / 2) z,  z Dahl's bristles over a distance (`skin_models.operators.bristles`)
 
-The drive starts in the middle of its gap. A drive that rubs winds up at every reversal until it slips: the same depth is lost, but with
-a rounded corner. Both are exact for any path that is monotone between samples.
+The drive starts in the middle of its gap, and so its zero is there, unless it was found by touching. A drive that rubs winds up at every
+reversal until it slips: the same depth is lost, but with a rounded corner. All are exact for any path that is monotone between samples.
 
 Sources: M. Nordin and P.-O. Gutman, Controlling mechanical systems with backlash: a survey, Automatica 38 (2002) 1633-1649; P. Dahl, A
 Solid Friction Model, TOR-0158, 1968.
@@ -44,6 +45,24 @@ class Backlash(Dynamic):
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The play operator over the whole recording."""
         return play(y, 0.5 * self.gap)
+
+
+@dataclass(frozen=True)
+class TouchedBacklash(Backlash):
+    """The same gap of a rig whose zero was found on the way in: depth is right on the way in, and lost on the way out."""
+
+    form: ClassVar[str] = "touched"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = Backlash
+
+    def step(self, state, y, s: Sample, dt: float):
+        """The tip in its gap, and gap / 2 more."""
+        state, tip = super().step(state, y, s, dt)
+        return state, tip + 0.5 * self.gap
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The play operator over the whole recording, and gap / 2 more."""
+        return super().batch(y, s) + 0.5 * self.gap
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,12 @@ from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import Session
-from skin_models.effects.drift import Creep
+from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.mount_compliance import DampedMount, JointedMount, YieldingMount
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 CLOSES = 0.05  # of the greatest depth, within which a joint is closed
+AT_ONCE_S = 1.0  # within which a drift that begins so fast is there: what follows is hardly more than a constant
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
@@ -92,8 +93,9 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
     """Names, not `said` yet, that are the same signal: a force below a threshold is swallowed by skin or taxels; in contact a plunger that
     has F / k less to go presses as if the skin swallowed F, as does one behind a joint that closes at once; a tip at g(x), as behind a
     joint, makes of a linear skin one whose spring stiffens as g and whose damping grows as g' with depth; one that follows late makes of it
-    one with an arm that relaxes fast; what skin or mount have done within a sample, a late depth does as well; and at one speed memory of
-    time is memory of the path, of a skin that relaxes as of a sensor that creeps."""
+    one with an arm that relaxes fast; what skin or mount have done within a sample, a late depth does as well; at one speed memory of
+    time is memory of the path, of a skin that relaxes as of a sensor that creeps; and what drifts as log t from the first second on is
+    nearly there from the start."""
     at_one, (cause, where) = at_one_rate(sessions), trial.key
     others = [other for one, other in (SAME + MEMORY if at_one else SAME) if one == trial.key]
     if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
@@ -103,6 +105,9 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
         others.append(("drift", where))
     elif at_one and any(isinstance(e, Creep) for e in mine):
         others.append(("hysteresis", where))
+    for cls, constant in ((LogDrift, "force_offset"), (LogGainDrift, "gain_error")):
+        if any(isinstance(e, cls) and e.tau < AT_ONCE_S for e in mine):
+            others.append((constant, where))
     joints = [e for e in mine if isinstance(e, JointedMount)]
     if joints:
         deepest = max(float(s.motion.x.max()) for s in sessions)
