@@ -14,9 +14,8 @@ import numpy as np
 
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.proposing import is_of_array
-from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.fitting import fit, noise_of
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.record import bad_samples, inspect, mended_depth
 from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import directions
@@ -178,19 +177,16 @@ def criticism_of_all(
 ) -> Criticism:
     """The criticism with all taxels in its sessions and its model, as the analysis of the array asks for it."""
     own = {s.name: s.beyond for s in (*c.train, *c.held)}
-    sessions = [_whole(r, symptoms, max(r.dt for r in recordings)) for r in recordings]
+    slowest = max(r.dt for r in recordings)
+    sessions = [prepare(mended_depth(r, symptoms), bad_samples(r, symptoms), slowest) for r in recordings]
     train, held = (
         [replace(without_parting(s, model.dispersion), beyond=_spread_out(own.get(s.name), s, chosen)) for s in part]
         for part in split(sessions)
     )
-    noise = fit_whitener([residual(model, s) for s in train], [s.weight for s in train])
+    noise = noise_of(model, train)
     named = (*(named_of_all(n, chosen) for n in c.named), *rest.named)
     extended, last = replace(c.extended, model=model), replace(c.last, noise=noise)
     return replace(c, extended=extended, last=last, named=named, train=tuple(train), held=tuple(held))
-
-
-def _whole(recording, symptoms: tuple, slowest: float) -> Session:
-    return prepare(mended_depth(recording, symptoms), bad_samples(recording, symptoms), slowest)
 
 
 def _spread_out(beyond: np.ndarray | None, s: Session, chosen: list[int]) -> np.ndarray | None:

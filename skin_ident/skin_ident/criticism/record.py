@@ -6,10 +6,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from skin_ident.criticism.array.spreading import with_believed_spread
-from skin_ident.criticism.baseline.fitting import fit
-from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.baseline.fitting import fit, noise_of
+from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.weighing import weighed
 from skin_ident.criticism.sessions.session import Session, meeting, prepare
 from skin_ident.criticism.telemetry.clock import find_clock_faults
@@ -150,7 +149,7 @@ def _beside(rows: list[np.ndarray], recordings: list, symptoms: list[Symptom]) -
 
 def _first_fit(sessions: list[Session]) -> Model:
     start = dispersion_start(sessions)
-    noise = fit_whitener([residual(start, s) for s in sessions], [s.weight for s in sessions])
+    noise = noise_of(start, sessions)
     return fit(start, sessions, noise, 4).model
 
 

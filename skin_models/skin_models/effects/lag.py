@@ -120,22 +120,16 @@ class PartialLag(Dynamic):
 
 
 @dataclass(frozen=True)
-class OneSidedLag(Dynamic):
-    """Sensor lag that is another on the way up than on the way down, as of a film that takes longer to recover than to respond."""
+class OneSidedLag(Lag):
+    """Sensor lag that is another on the way up than on the way down, as of a film that takes longer to recover than to respond; `tau` is
+    the geometric mean of both."""
 
-    cause: ClassVar[str] = "lag"
     form: ClassVar[str] = "one_sided"
-    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "El-Molla et al. 2016"
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = Lag
 
-    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, doc="time constant, the geometric mean of both ways")
-    recovery: float = quantity("1", 1.0, lower=0.02, upper=50.0, role=SHAPE, typical=1.5, doc="ratio r of that down to that up")
-
-    def initial(self, rng=None) -> None:
-        """None: the first sample is taken as rest. From then on the state is z[n-1] and y[n-1], N."""
-        return None
+    recovery: float = quantity("1", 1.0, lower=0.02, upper=50.0, role=SHAPE, typical=1.5, doc="ratio r of the time constants, down over up")
 
     def step(self, state, y, s: Sample, dt: float):
         """z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n], e and g those of the way that leads from z[n-1] to y[n]."""

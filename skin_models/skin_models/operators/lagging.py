@@ -30,9 +30,12 @@ def lagged(y: np.ndarray, tau: float, dt: float) -> np.ndarray:
 def lagged_step(state: tuple | None, y: Any, tau: float, dt: float) -> tuple[tuple, Any]:
     """One sample of the same: the state (z and y of the sample before, None before the first) after it, and z."""
     z, last = (y, y) if state is None else state
-    e, g = lag_factors(tau, dt)
-    z = e * z + (g - e) * last + (1.0 - g) * y
+    z = _next(z, last, y, *lag_factors(tau, dt))
     return (z, y), z
+
+
+def _next(z: Any, last: Any, y: Any, e: Any, g: Any) -> Any:
+    return e * z + (g - e) * last + (1.0 - g) * y
 
 
 def lagged_either_way(y: np.ndarray, up: float, down: float, dt: float) -> np.ndarray:
@@ -46,7 +49,7 @@ def _either_way(y: list[float], rising: tuple[float, float], falling: tuple[floa
     z, out = y[0], [y[0]]
     for last, now in itertools.pairwise(y):
         e, g = rising if now > z else falling
-        z = e * z + (g - e) * last + (1.0 - g) * now
+        z = e * z + (g - e) * last + (1.0 - g) * now  # `_next`, without the call: this is done for every sample
         out.append(z)
     return out
 
@@ -55,8 +58,7 @@ def lagged_step_either_way(state: tuple | None, y: Any, up: float, down: float, 
     """One sample of the same: the state (z and y of the sample before, None before the first) after it, and z."""
     z, last = (y, y) if state is None else state
     (e1, g1), (e2, g2) = lag_factors(up, dt), lag_factors(down, dt)
-    e, g = np.where(y > z, e1, e2), np.where(y > z, g1, g2)
-    z = e * z + (g - e) * last + (1.0 - g) * y
+    z = _next(z, last, y, np.where(y > z, e1, e2), np.where(y > z, g1, g2))
     return (z, y), z
 
 

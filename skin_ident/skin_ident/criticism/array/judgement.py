@@ -30,6 +30,7 @@ class Judged:
 
     @property
     def key(self) -> tuple[str, str]:
+        """Cause and place."""
         return self.hypothesis.cause, self.hypothesis.where
 
 

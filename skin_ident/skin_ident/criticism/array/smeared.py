@@ -32,14 +32,17 @@ class Smeared(Dynamic):
     tau: float = quantity("s", 0.05, lower=1e-3, upper=10.0, role=SHAPE, typical=0.05, scan=TAUS, doc="time constant of the smear")
 
     def initial(self, rng=None) -> None:
+        """None: what is heard at the first sample has always been heard."""
         return None
 
     def step(self, state, y, s: Sample, dt: float):
+        """y + share z, z[n] = e z[n-1] + (1 - e) neighbours, e = exp(-dt / tau)."""
         heard, e = neighbours(np.asarray(y, float)), float(np.exp(-dt / self.tau))
         z = heard if state is None else e * state + (1.0 - e) * heard
         return z, y + self.share * z
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same recursion as a filter."""
         heard, e = neighbours(y), float(np.exp(-s.dt / self.tau))
         z, _ = lfilter([1.0 - e], [1.0, -e], heard, zi=e * heard[..., :1])
         return y + self.share * z

@@ -12,7 +12,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import Unknown, effect_unknowns, scales, unknowns, values, with_values
-from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -74,6 +74,11 @@ def fit(
             break
         r = whitened(model, sessions, noise)
     return Fit(model, which, _standard_errors(model, sessions, noise, which, cost), cost, believed)
+
+
+def noise_of(model: Model, sessions: list[Session]) -> Whitener:
+    """The noise of sessions where all that a model leaves of them is taken for it."""
+    return fit_whitener([residual(model, s) for s in sessions], [s.weight for s in sessions])
 
 
 def cost_of(model: Model, sessions: list[Session], noise: Whitener) -> float:

@@ -14,11 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import fit
-from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.baseline.fitting import fit, noise_of
+from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.errors import DiagnosisError
-from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -94,7 +93,7 @@ def _same_motion(recording, twin, t: np.ndarray) -> None:
 
 def _surrogate(sessions: list[Session], mass: float, names: list[str]) -> Model:
     start = dispersion_start(sessions, mass)
-    noise = fit_whitener([residual(start, s) for s in sessions], [s.weight for s in sessions])
+    noise = noise_of(start, sessions)
     found = fit(start, sessions, noise).model
     return replace(found, name="twin", source=f"dispersion model fitted to the simulated twin {', '.join(names)}")
 

@@ -94,7 +94,7 @@ def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndar
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. A depth that is
-    read in steps cannot show less than one."""
+    read in steps cannot show less than one; where what it cannot show explains most, nothing that explains less is asked for."""
     Q = _basis(stack(own_rows(model, sessions, sessions), sessions, noise))
     return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 
@@ -107,9 +107,9 @@ def beside_the_rest(model: Model, train: list[Session], held: list[Session], noi
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
     runs = [_run(course, ground) for course in courses(ground.sessions[0])]
-    worth = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step)]
-    shadow = max((r.score for r in runs if not r.worth(encoder_step)), default=0.0)
-    return sorted((r for r in worth if r.score > shadow), key=lambda r: -r.score)
+    untold = max((r.score for r in runs if not r.worth(encoder_step)), default=0.0)
+    able = (r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and r.score > untold)
+    return sorted(able, key=lambda r: -r.score)
 
 
 def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:

@@ -32,10 +32,12 @@ class Course:
 
     @property
     def cause(self) -> str:
+        """The cause that it stands for."""
         return "drift" if self.shape == WAVE else CAUSES[self.carrier, self.shape]
 
     @property
     def key(self) -> tuple[str, str]:
+        """Cause and place."""
         return self.cause, self.where
 
     @property

@@ -11,15 +11,13 @@ Source: G. Schwarz, Estimating the dimension of a model, Annals of Statistics 6 
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit
-from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.baseline.fitting import Fit, noise_of
 from skin_ident.criticism.sessions.session import Session
 
 
 def description_length(fit: Fit, sessions: list[Session]) -> float:
     """L of the fitted model over `sessions`, in twice nats."""
-    noise = fit_whitener([residual(fit.model, s) for s in sessions], [s.weight for s in sessions])
+    noise = noise_of(fit.model, sessions)
     samples = sum(int(np.count_nonzero(s.weight.min(axis=0))) for s in sessions)
     innovations = 2.0 * samples * float(np.sum(np.log(np.diag(noise.root))))
     return innovations + len(fit.unknowns) * float(np.log(max(samples * len(noise.root), 2)))

@@ -5,15 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
-from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, noise_of
 from skin_ident.criticism.courses.carriers import SLOPE
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.gates.gate import MATERIAL
 from skin_ident.criticism.gates.uncertain import left_open
-from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.trial import Trial
@@ -90,12 +88,13 @@ def take_course(search: "Search", run: Run, finding: Named) -> None:
     """Give every session its course; the rest of the search goes on with what is left. The course was found in noise that held it, too, and
     its moments may be off: so it is fitted once more in what is left with it, there and in held-out sessions."""
     search.runs.append(run)
-    model, train = search.present.model, added(search.train, run.values)
-    model = fit(model, train, search.noise).model
-    noise = fit_whitener([residual(model, s) for s in train], [s.weight for s in train])
+    train = added(search.train, run.values)
+    model = fit(search.present.model, train, search.noise).model
+    noise = noise_of(model, train)
     again = fitted(run.course, model, search.train, noise)
-    if cost_of(model, added(search.train, again.values), noise) < cost_of(model, train, noise):
-        run, train = again, added(search.train, again.values)
+    moved = added(search.train, again.values)
+    if cost_of(model, moved, noise) < cost_of(model, train, noise):
+        run, train = again, moved
     search.present = fit(model, train, search.noise)
     free = left_open(search.present.model, train, search.held, noise)
     other = fitted(run.course, search.present.model, search.held, noise, free) if search.held else None

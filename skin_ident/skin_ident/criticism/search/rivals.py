@@ -21,6 +21,7 @@ class Rival:
 
     @property
     def key(self) -> tuple[str, str]:
+        """Cause and place."""
         return self.cause, self.where
 
 

@@ -117,7 +117,9 @@ class Search:
         plain = runs and runs[0].course.shape == CONSTANT and runs[0].course.carrier != SLOPE  # one number, and no other depths feign it
         first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
         same = trials and runs and trials[0].key == runs[0].course.key
-        score = max(runs[0].score, refitted(self, runs[0])[1]) if same and not first else runs[0].score if runs else 0.0
+        score = runs[0].score if runs else 0.0
+        if same and not first:  # in another form than the best trial, which has been refitted, too
+            score = max(score, refitted(self, runs[0])[1])
         own = own_course(self, runs, trials) if first or (same and score > best) else None
         if first and not own and runs[0].course.carrier == DELAY:
             return self.choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
@@ -211,6 +213,7 @@ class Search:
         return description_length(self.present, self.train) - description_length(after, self.train) > SHORTER
 
     def resolved(self, gain: Gain, cause: str, after: Model) -> bool:
+        """Whether a gain is more than what steps of encoder and converters leave open."""
         return resolved(gain, cause, self.present.model, after, self.train, self.encoder_step)
 
     def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
@@ -257,5 +260,6 @@ class Search:
             self.present = frozen
 
     def gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
+        """What `after` gains over `before` in held-out data; in blocks of training where what is held out cannot show it."""
         held = [] if self.held and deaf(before, after, self.train, self.held, where) else self.held
         return held_out_gain(before, after, self.train, held, self.noise, refit_before)

@@ -11,11 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit
+from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit, noise_of
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.gates.gate import FOLD_ITERATIONS, rmse_fall
-from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.sessions.session import Session, with_reference, without_parting
 from skin_ident.criticism.telemetry.faults import PREDICTS, effect_of, effects_of, with_effects
@@ -52,7 +51,7 @@ def judge(
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
     start = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects)
     plain = [[without_parting(s, start.dispersion) for s in sessions] for sessions in whole]
-    noise = fit_whitener([residual(start, s) for s in plain[0]], [s.weight for s in plain[0]])
+    noise = noise_of(start, plain[0])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
     train, held = (
         [replace(s, beyond=own.beyond, spread=own.spread) for s, own in zip(*pair, strict=True)]
@@ -117,7 +116,7 @@ def _fold(c: Criticism, whole: list[Session], fold: list[int], given: bool) -> I
 
 
 def _refitted(known: Fit, sessions: list[Session]) -> Model:
-    noise = fit_whitener([residual(known.model, s) for s in sessions], [s.weight for s in sessions])
+    noise = noise_of(known.model, sessions)
     return fit(known.model, sessions, noise, FOLD_ITERATIONS, known.unknowns).model
 
 
