@@ -22,6 +22,7 @@ class BareSkin:
         self._m, self._b1, self._k1, self._b2, self._k2 = d.m, d.b1, d.k1, d.b2, d.k2
         self._recovery = d.recovery
         self._fade = math.exp(-period / d.recovery) if d.recovery else 0.0
+        self._free = d.k1 - d.b1 / d.recovery if d.recovery else 0.0  # N/m, what a taxel feels of skin that recovers by itself
         self._surface: float | None = None  # m, where the skin's surface is under the plunger
         self._touched = True
 
@@ -32,7 +33,7 @@ class BareSkin:
         self._touched = x > 0.0 and x + self._recovery * v > 0.0 and (self._touched or x > left)
         if not self._touched:
             self._surface = left
-            return 0.0, 0.0
+            return 0.0, self._free * left
         self._surface = x
         sensed, dispersed = self._b1 * v + self._k1 * x, self._b2 * v + self._k2 * x
         if not sensed + dispersed > 0.0:

@@ -9,7 +9,8 @@ that is left faster than it recovers parts from the plunger instead of pulling a
 
     u' = -u / tau,    tau = (b1 + b2) / (k1 + k2),
 
-and is met again where the plunger comes down to it (`contact`, `meet`).
+and is met again where the plunger comes down to it (`surface`, `meet`). Its two branches then hold each other: the plunger feels nothing,
+a taxel below still feels F_FF = b1 u' + k1 u (`free`), which is what the thesis's transfer function (eq 32) leaves after the force is gone.
 """
 
 import math
@@ -73,17 +74,25 @@ class Dispersion:
         touched = self._presses(s) & (before.touched | (s.x > left))
         return Surface(np.where(touched, s.x, left)[()], touched)
 
+    def free(self, surface: Surface) -> float | np.ndarray:
+        """Sensed force of skin that recovers while nothing touches it, (k1 - b1 / tau) u, N; the dispersed force is its opposite."""
+        return (self.k1 - self.b1 / self.recovery) * surface.depth * (1 - surface.touched) if self.recovery else 0.0 * surface.depth
+
     def contact(self, s: Motion) -> np.ndarray:
-        """Whether the plunger touches the skin, (N,) of bool: `meet` over a whole recording. Depends on the time constant alone."""
-        key = ("contact", self.recovery)
+        """Whether the plunger touches the skin, (N,) of bool."""
+        return self.surface(s).touched
+
+    def surface(self, s: Motion) -> Surface:
+        """Where the surface is, (N,): `meet` over a whole recording. Depends on the time constant alone."""
+        key = ("surface", self.recovery)
         if key not in s.memory:
             s.memory.clear()  # one answer is enough: it is asked for again and again while the effects change
-            s.memory[key] = self._contact(s)
+            s.memory[key] = self._surface(s)
         return s.memory[key]
 
-    def _contact(self, s: Motion) -> np.ndarray:
+    def _surface(self, s: Motion) -> Surface:
         presses = self._presses(s)
-        touched, leaves = presses.copy(), np.flatnonzero(~presses)
+        touched, depth, leaves = presses.copy(), np.maximum(s.x, 0.0), np.flatnonzero(~presses)
         rate = s.dt / self.recovery if self.recovery else np.inf
         i = 0
         while (ahead := np.searchsorted(leaves, i)) < leaves.size:
@@ -91,8 +100,9 @@ class Dispersion:
             surface = max(s.x[i - 1] if i else s.x[0], 0.0)
             apart = _until_met(s.x[i:], presses[i:], surface, rate)
             touched[i : i + apart] = False
+            depth[i : i + apart] = surface * np.exp(-rate * np.arange(1, apart + 1)) if surface else 0.0
             i += apart
-        return touched
+        return Surface(depth, touched)
 
     def _presses(self, s: Motion | Sample):
         return (s.x > 0.0) & (s.x + self.recovery * s.v > 0.0)

@@ -22,6 +22,7 @@ from skin_models.spread.footprint import Footprint, Places
 from skin_models.spread.kernels import Kernel
 from skin_models.spread.noted import kernel_of
 
+_PRESSED = Surface(0.0, True)
 _TELLING = 1e-3  # of the share under a contact: a taxel that felt less than that says nothing of its own gain
 
 
@@ -94,7 +95,7 @@ class Model:
     def simulate(self, s: Motion, seed: int | None = None) -> Response:
         """The response to a measured or planned depth. `seed` drives the effects that are random; None leaves those out."""
         rngs = {id(e): rng for e, rng in zip(self.effects, self._generators(seed), strict=True)}
-        return self._run(s, lambda e, y, context: e.batch(y, context, rngs[id(e)]), Motion.at_depth, self.dispersion.contact).response
+        return self._run(s, lambda e, y, context: e.batch(y, context, rngs[id(e)]), Motion.at_depth, self.dispersion.surface).response
 
     def initial(self, seed: int | None = None) -> "State":
         """The state at rest, for `step`."""
@@ -108,7 +109,7 @@ class Model:
         if not dt > 0.0:
             raise ModelError(f"a sample must come later than the one before, not {dt} s later")
         after = _Stepper(self.effects, state, dt)
-        response = self._run(s, after.act, after.moved, lambda tip: after.touched(self.dispersion, tip)).response
+        response = self._run(s, after.act, after.moved, lambda tip: after.met(self.dispersion, tip)).response
         return State(tuple(after.states), after.shift, after.surface), response
 
     def _generators(self, seed: int | None) -> list[np.random.Generator | None]:
@@ -117,7 +118,7 @@ class Model:
 
     def trace(self, s: Motion) -> "Run":
         """A simulation with the signals between its places, for `bent`."""
-        return self._run(s, _in_batch, Motion.at_depth, self.dispersion.contact)
+        return self._run(s, _in_batch, Motion.at_depth, self.dispersion.surface)
 
     def bent(self, run: "Run", e: Effect) -> Response:
         """What `extended(e).simulate` would give, at the cost of what lies behind the place of `e` alone."""
@@ -133,25 +134,25 @@ class Model:
             return replace(run.response, force=e.batch(run.response.force, run.tip))
         return replace(run.response, taxels=e.batch(run.response.taxels, run.tip))
 
-    def _run(self, s: Any, act: Callable, moved: Callable, touched: Callable) -> "Run":
+    def _run(self, s: Any, act: Callable, moved: Callable, met: Callable) -> "Run":
         """The chain itself, for one sample or a recording.
 
-        `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`, `touched(s)` is the contact rule.
+        `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`, `met(s)` is the contact rule.
         """
         s = self._laid(s)
         tip = moved(s, self._through(Place.DEPTH, s.x, s, act))
         skin = self._through(Place.SKIN, self.dispersion.branches(tip), tip, act)
-        return self._from_skin(Run(s, tip, True if _pressed(tip) else touched(tip)), skin, act)
+        return self._from_skin(Run(s, tip, _PRESSED if _pressed(tip) else met(tip)), skin, act)
 
     def _from_skin(self, run: "Run", skin: Any, act: Callable) -> "Run":
-        pressing = skin * run.contact
+        pressing = skin * run.contact.touched
         if not _pressed(run.tip):
             pressing = pressing * (pressing.sum(axis=0) > 0.0)  # effects of the skin may make it press less, never pull
         # `Run(…)` and not `replace` here and below: these lines run for every single sample.
         return self._from_surface(Run(run.motion, run.tip, run.contact, skin), self._through(Place.SURFACE, pressing, run.tip, act), act)
 
     def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":
-        applied = surface.sum(axis=0) + self.dispersion.inertial(run.tip) * run.contact
+        applied = surface.sum(axis=0) + self.dispersion.inertial(run.tip) * run.contact.touched
         force = self._through(Place.LOAD_CELL, applied, run.tip, act)
         run = Run(run.motion, run.tip, run.contact, run.skin, surface, None, Response(force, None, applied, None))
         return self._from_spread(run, self._spread(run.tip, np.ones_like(applied), act), act)
@@ -204,7 +205,7 @@ class Model:
         return np.where(felt > _TELLING, gains, gains[np.argmax(felt)])
 
     def _from_spread(self, run: "Run", shares: Any, act: Callable) -> "Run":
-        sensed = shares * run.surface[0]
+        sensed = shares * (run.surface[0] + self.dispersion.free(run.contact))
         taxels = self._through(Place.TAXEL, sensed, run.tip, act)
         response = Response(run.response.force, taxels, run.response.force_truth, sensed)
         return Run(run.motion, run.tip, run.contact, run.skin, run.surface, shares, response)
@@ -272,6 +273,6 @@ class _Stepper:
             return s
         return replace(s, x=x, v=s.v + (self.shift - last) / self.dt)
 
-    def touched(self, dispersion: Dispersion, tip: Sample) -> bool:
+    def met(self, dispersion: Dispersion, tip: Sample) -> Surface:
         self.surface = dispersion.meet(self.before.surface, tip, self.dt)
-        return self.surface.touched
+        return self.surface

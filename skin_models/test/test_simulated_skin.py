@@ -55,7 +55,9 @@ def test_force_and_depth_tell_the_same_story():
     x = 0.5e-3 * (1.2 - np.cos(np.arange(200) * 0.03))
     by_depth = run(SimulatedSkin(RELAXING, row(1, 1.0), DT), [presses(depth=[d]) for d in x])
     by_force = run(SimulatedSkin(RELAXING, row(1, 1.0), DT), [presses(force=[r.force]) for r in by_depth])
-    assert [r.taxels[0] for r in by_force] == pytest.approx([r.taxels[0] for r in by_depth], abs=1e-6)
+    touching = [i for i, r in enumerate(by_depth) if r.force > 0.0]
+    assert 100 < len(touching) < len(x)
+    assert [by_force[i].taxels[0] for i in touching] == pytest.approx([by_depth[i].taxels[0] for i in touching], abs=1e-6)
 
 
 def test_without_effects_the_transfer_function_agrees_with_the_column_it_stands_for():
