@@ -1,9 +1,10 @@
 """python campaign.py KIND: hides effects by the hundred in the world's recordings and counts what the diagnosis makes of them.
 
-KIND is `null`, `single`, `pair` or `poor`. One line a case; at the end the rates with their counts, extra names, the held-out error over
-that of an oracle that knows the noise-free signal, and the time. A case is right when the hidden cause is named at its place; `admitted`
-when it is among the alternatives of a finding, or the name is one of the rivals that carry the same equations; `untestable` when the cause
-is listed as such and nothing else is named than what is hidden; `too small` when it is not found and the world could not make it nearly as
+KIND is `null`, `poor_null`, `single`, `pair` or `poor`. One line a case; at the end the rates with their counts, extra names, the held-out
+error over that of an oracle that knows the noise-free signal, and the time. A case is right when the hidden cause is named at its place;
+`admitted` when it is among the alternatives of a finding, or the name is one of the rivals that carry the same equations; `untestable` when
+the cause is listed as such and nothing else is named than what is hidden; `bounded` when nothing else is named and the report bounds it no
+closer than declared calibrations and widths allow; `too small` when it is not found and the world could not make it nearly as
 large as was asked.
 """
 
@@ -59,10 +60,10 @@ class Judged:
 def plan(kind: str, index: int, seed: int, size: float, causes: list[str]) -> Case:
     """Case `index` of a campaign; equal arguments give equal cases."""
     rng = np.random.default_rng([seed, index])
-    setting = {"seed": int(rng.integers(2**31)), "protocol": str(rng.choice(POOR)) if kind == "poor" else "full"}
+    setting = {"seed": int(rng.integers(2**31)), "protocol": str(rng.choice(POOR)) if kind.startswith("poor") else "full"}
     setting["n_taxels"] = int(rng.choice([1, 1, 2, 3]))
-    setting["encoder_step_um"] = float(rng.choice([1.0, 1.0, 5.0, 10.0, 20.0])) if kind == "null" else 1.0
-    count = {"null": 0, "pair": 2}.get(kind, 1)
+    setting["encoder_step_um"] = float(rng.choice([1.0, 1.0, 5.0, 10.0, 20.0])) if kind.endswith("null") else 1.0
+    count = {"null": 0, "poor_null": 0, "pair": 2}.get(kind, 1)
     names = [causes[index % len(causes)]] if count == 1 else list(rng.choice(causes, count, replace=False))
     hides = tuple(Hide(str(n), str(rng.choice(PLACES[str(n)])), None, size) for n in names)
     if any(h.cause in NEEDS_ARRAY or h.form == "copied_column" for h in hides):
@@ -131,6 +132,8 @@ def _word(hidden, findings, alike: list, meant: set[str]) -> str:
         return "untestable"
     if strange:
         return "wrong"
+    if any(e["cause"] == hidden.cause and e.get("limited_by") and _same_place(e["where"], hidden.where) for e in findings["excluded"]):
+        return "bounded"
     return "missed" if np.max(hidden.visible) > LEAST * hidden.size else "too small"
 
 
@@ -185,7 +188,7 @@ def _over_oracle(outcome, truth) -> float:
 def main(arguments: list[str] | None = None) -> None:
     """Command line: KIND [--size 1] [--count 54] [--seed 0] [--first 0] [--causes a,b] [--keep FOLDER]."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("kind", choices=("null", "single", "pair", "poor"))
+    parser.add_argument("kind", choices=("null", "poor_null", "single", "pair", "poor"))
     parser.add_argument("--size", type=float, default=1.0)
     parser.add_argument("--count", type=int, default=54)
     parser.add_argument("--first", type=int, default=0)

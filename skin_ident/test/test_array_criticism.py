@@ -37,6 +37,8 @@ def test_nothing_is_named_where_nothing_is_hidden_and_bounds_are_given(tmp_path)
     bounds = {(e["cause"], e.get("where"), e.get("parameter")) for e in findings["excluded"]}
     assert {("off_centre", "rig", "x"), ("crosstalk", "taxel", "share")} <= bounds
     assert "spread_width" in {u["cause"] for u in findings["untestable"]}
+    limited = [e for e in findings["excluded"] if "limited_by" in e]
+    assert {e["cause"] for e in limited} & {"off_centre", "crosstalk"} and all("taxel_gain_uncertainty" in e["limited_by"] for e in limited)
 
 
 def test_without_positions_an_array_cannot_be_judged_and_the_findings_say_so(tmp_path):

@@ -54,7 +54,8 @@ def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
 
 def size_ruled_out(e: dict, v: View) -> str:
     """How small an excluded cause must be, and whether that is all of it."""
-    return bound(e) + ("; only this of it, see what could not be tested" if _also(e, v.untestable) else "")
+    limit = f"; limited by {text(e['limited_by'])}" if e.get("limited_by") else ""
+    return bound(e) + limit + ("; only this of it, see what could not be tested" if _also(e, v.untestable) else "")
 
 
 def why_untestable(e: dict, v: View) -> str:

@@ -16,6 +16,7 @@ ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
 CHANGED = "; a gain of {} that is not the same in all sessions would explain as much"
 UNTOLD = "the ratios of these taxels under these contacts are those of a spread of a little other width"
 SILENT = 0.01  # of the largest share
+DECLARED = "how well calibrations (taxel_gain_uncertainty) and the width of the spread (spread_width_mm) are known"
 POSSIBLE = 0.5  # probability that something is wrong, below which causes are excluded
 
 
@@ -95,7 +96,8 @@ def excluded(a: ArrayCriticism) -> Iterator[dict[str, Any]]:
         return
     for j in filter(_told, a.judgement.unaided):
         worst = max((abs(q["value"]) + 1.96 * q["std"], q["unit"], name) for name, q in _departures(j, a.layout).items())
-        yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "parameter": worst[2], "below": float(worst[0]), "unit": worst[1]}
+        said = {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "parameter": worst[2], "below": float(worst[0]), "unit": worst[1]}
+        yield {**said, "limited_by": DECLARED, "needs": SCAN} if j.limited else said
 
 
 def _told(j: Judged) -> bool:

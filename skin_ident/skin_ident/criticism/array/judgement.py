@@ -16,17 +16,21 @@ REACH = 3.0  # log odds within which a rival cannot be told from the best,
 AT_ONE_PLACE = 10.0  # and where all sessions press at one place: then causes differ by the very shape of spread and leak alone
 MOST_SUSPECTS = 6
 MOST_REPEATS = 4
+KNOWN = 1e-4  # relative standard error of a calibration, and of a width, that is known as well as any
+MUCH_LESS = 0.5  # times the standard error
 WIDER = 10.0  # times what a cause is like: a prior that does not help to bound it
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """One hypothesis with its log posterior odds against nothing wrong, and its fit in the best component of the mixture."""
+    """One hypothesis with its log posterior odds against nothing wrong, and its fit in the best component of the mixture; `limited` says
+    that it is bounded by what is declared, and hardly by noise: were calibrations and width exact, it would be much closer."""
 
     hypothesis: Hypothesis
     log_odds: float
     fit: Fitted
     background: Background
+    limited: bool = False
 
     @property
     def key(self) -> tuple[str, str]:
@@ -103,7 +107,11 @@ def unlike(layout: Layout, measured: Gains, j: Judged) -> float:
 def _unaided(family: Family, measured: Gains, j: Judged) -> Judged:
     """The cause fitted with a prior too wide to help, in the component of the mixture that suits it best."""
     wide = {name: WIDER * std for name, std in j.hypothesis.free.items()}
-    return replace(j, fit=fitted(family, measured, j.background.scatter, {"width": j.background.width, **wide}))
+    fit, exact = (
+        fitted(family, measured, scatter, {"width": width, **wide})
+        for scatter, width in ((j.background.scatter, j.background.width), (KNOWN, KNOWN))
+    )
+    return replace(j, fit=fit, limited=all(exact.std[name] < MUCH_LESS * fit.std[name] for name in wide))
 
 
 def _changed(family: Family, measured: Gains, mixture: list[Background], suspects: list[int]) -> tuple[str, float]:
