@@ -152,3 +152,16 @@ def test_a_plunger_that_the_skin_cannot_follow_is_refused_in_a_sentence():
     recordings = [Recording(f"shaken_{i}", T, depth, out.force, out.taxels) for i in range(2)]
     with pytest.raises(DiagnosisError, match="press more slowly"):
         diagnose(recordings[:1], recordings[1:])
+
+
+@pytest.mark.parametrize(("tail", "told"), [("normal", True), ("t", False)])
+def test_few_far_spikes_stand_out_of_noise_whose_tail_is_seen_to_be_short(tail, told):
+    """One a session at twenty widths: more than a tail as steep as that of normal noise leaves there, no more than one that is heavy."""
+
+    def change(y, rng):
+        y = y + 0.02 * (rng.standard_normal(y.shape) if tail == "normal" else rng.standard_t(3, y.shape))
+        y[0, rng.integers(500, 3500)] += rng.choice([-1, 1]) * 1.0
+        return y
+
+    found = [s for s in inspect([session(i, change) for i in range(3)]).symptoms if s.cause == "outliers"]
+    assert [s.channels for s in found] == [("taxel_0",)] * told

@@ -5,9 +5,9 @@ simulation then runs ahead of it, its depth being smoothed. A frozen run misses 
 """
 
 import numpy as np
-from scipy.stats import binom
+from scipy.stats import poisson
 
-from skin_ident.criticism.telemetry.excursions import excursions, fill_clusters, held
+from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
 from skin_ident.stretches import runs
@@ -67,17 +67,21 @@ def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray
 
 
 def _to_one_reading(far: list[np.ndarray], y: list[np.ndarray], limit: float, step: float) -> list[np.ndarray]:
-    """Those of the excursions that end at one and the same reading, as where a line drops out. Of what goes beyond `limit` in a tail as
-    heavy as noise may have, to either side, a share of at most `HEAVIEST` / (2 limit) lies within a newton, so that few of many meet at one
-    step of a converter by chance."""
-    ends = np.concatenate([b[runs(f)[0]] for b, f in zip(y, far, strict=True)])
+    """Those of the excursions that end at one and the same reading, as where a line drops out. Of what goes beyond `limit` L in a tail as
+    heavy as noise may have, to either side, the density at a distance d is at most n / (2 L) (L / d)^(n + 1) per newton, n = `HEAVIEST`, so
+    that few of many meet in one step of a converter by chance."""
+    begin = [runs(f)[0] for f in far]
+    ends, origins = (np.concatenate([b[np.maximum(a - k, 0)] for b, a in zip(y, begin, strict=True)]) for k in (0, 1))
     if ends.size < DROPPED:
         return [np.zeros_like(f) for f in far]
     readings, counts = np.unique(np.round(ends / max(step, 1e-12)), return_counts=True)
-    by_chance = ends.size * binom.sf(counts.max() - 1, ends.size, min(1.0, 0.5 * HEAVIEST * step / limit))
+    one = readings[np.argmax(counts)] * step
+    away = np.abs(one - origins)
+    able = away >= OWN * limit  # the others jump further than that
+    at_one = 0.5 * HEAVIEST * step / limit * (limit / np.maximum(away[able], limit)) ** (HEAVIEST + 1.0)
+    by_chance = ends.size * poisson.sf(counts.max() - 1, np.sum(np.minimum(at_one, 1.0)))
     if counts.max() < DROPPED or by_chance > CHANCE:
         return [np.zeros_like(f) for f in far]
-    one = readings[np.argmax(counts)] * step
     return [f & (np.abs(b - one) <= 0.5 * step) for b, f in zip(y, far, strict=True)]
 
 
