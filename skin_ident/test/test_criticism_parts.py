@@ -11,6 +11,7 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import unknowns, values, with_values
 from skin_ident.criticism.gates.gate import by_block
+from skin_ident.criticism.noise.estimate import noise_model
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.ranking import signed_pursuit
 from skin_ident.criticism.sessions.band import Band
@@ -158,3 +159,25 @@ def test_a_jump_where_skin_is_met_again_is_left_out_with_its_last_sample():
     jumps = impacts(session.motion, SILICONE.dispersion)
     rises = np.diff(response.force) > 0.3 * response.force.max()
     assert rises.sum() > 20 and jumps[1:][rises].mean() > 0.9
+
+
+def test_noise_is_not_learnt_from_samples_of_which_nothing_was_asked():
+    """Directions that go astray where no sample is believed, as between touches, leave the noise what it is."""
+    rng, n = np.random.default_rng(5), 3000
+    e = lfilter([1.0], [1.0, -0.5], rng.standard_normal((2, n)), axis=1)
+    weight = np.ones((2, n))
+    for at in range(200, n, 300):
+        weight[:, at : at + 30] = 0.0
+    session = prepare(recording(SILICONE))
+    session = replace(session, measured=e, weight=weight, t=np.arange(n) * 0.04, channels=("force", "taxel_0"))
+    wild = np.zeros((40, 2, n))
+    for k, row in enumerate(wild):  # nothing to speak of where it is believed, and very much in the eight samples behind a gap
+        row[k % 2] = 0.2 * rng.standard_normal(n)
+        for at in range(200, n, 300):
+            row[:, at : at + 38] = 50.0
+    e += 3.0 * wild[:12].sum(axis=0) * (weight > 0.0) * (np.abs(wild[:12].sum(axis=0)) < 40.0)
+    halves = [slice(0, n // 2), slice(n // 2, n)]
+    sessions = [replace(session, measured=e[:, h], weight=weight[:, h], t=session.t[h]) for h in halves]
+    found = noise_model([e[:, h] for h in halves], [np.zeros((0, 2, n // 2))] * 2, [wild[..., h] for h in halves], sessions)
+    assert np.allclose(found.filters[:, 1], -0.5, atol=0.1)
+    assert np.allclose(np.diag(found.root), 1.0, rtol=0.05)

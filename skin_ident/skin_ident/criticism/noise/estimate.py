@@ -4,7 +4,15 @@ Whitening with the residual of a poor model would count the model's own error as
 as if the noise were white would reject the truth half of the time. So the residual is first reduced by the directions that explain most
 of it, chosen one after the other (orthogonal matching pursuit), whatever their cause, and the noise is fitted to the rest. The first pass
 takes the noise as white: colour fitted to the residual itself would contain the very effect that is looked for, and an offset or a slow
-drift would drown in it. The second pass chooses again under the colour that the first has left.
+drift would drown in it. Every other pass chooses again under the colour that the one before has left.
+
+The first passes take noise that wanders for something that is explained, the last ones what is explained for noise that wanders. Of all of
+them that one is taken which describes the record in the fewest words (J. Rissanen, Automatica 14 (1978) 465-471):
+
+    n sum_c log r_c + k / 2 (log(n C) + 2 log M)
+
+with the standard deviations r_c of the C innovations, n samples of each, and k directions chosen out of M. A lone session that no model
+fits well is described shortest by colour alone, under which nothing is found: there the second pass is taken, and held-out data decide.
 """
 
 import numpy as np
@@ -13,22 +21,45 @@ from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, 
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
-PASSES = 2
+PASSES = 4
+SECOND = 1
+AS_FEW = 12.0  # words by which passes do not differ: then the first of them, which explains more
 
 
 def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
     """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
     every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
-    noise = white(residuals)
+    own, offered = len(tangents[0]), len(bank[0])
+    noise, found = white(residuals), []
     for _ in range(PASSES):
-        noise = fit_whitener(less(residuals, every, len(tangents[0]), noise, sessions), [s.weight for s in sessions])
-    return noise
+        z = _richest(residuals, every, own, noise, sessions)
+        asked = [s.weight * noise.believed(s.weight) for s in sessions]  # what is left of the others may be anything
+        noise = fit_whitener(_less(residuals, every, z), asked)
+        found.append((_words(noise, asked, np.count_nonzero(z[own:]), offered), noise))
+    if len(sessions) == 1:
+        return found[SECOND][1]
+    fewest = min(words for words, _ in found)
+    return next(noise for words, noise in found if words < fewest + AS_FEW)
+
+
+def _words(noise: Whitener, asked: list[np.ndarray], chosen: int, offered: int) -> float:
+    """How long it takes to say what is left in this noise, and which directions were taken out."""
+    n = sum(np.count_nonzero(w.min(axis=0)) for w in asked)
+    scale = np.diag(noise.root)
+    return float(n * np.sum(np.log(scale)) + 0.5 * chosen * (np.log(max(n * scale.size, 2)) + 2.0 * np.log(max(offered, 1))))
 
 
 def less(residuals: list[np.ndarray], every: list[np.ndarray], forced: int, noise: Whitener, sessions: list[Session]) -> list[np.ndarray]:
     """Residuals (C, n) of each session less what the first `forced` rows of `every` (M, C, n), and the best of the others, explain of the
     samples believed."""
-    z = pursue(stack(every, sessions, noise), stack(residuals, sessions, noise), forced + RICHEST, forced=forced)
+    return _less(residuals, every, _richest(residuals, every, forced, noise, sessions))
+
+
+def _richest(residuals: list[np.ndarray], every: list[np.ndarray], forced: int, noise: Whitener, sessions: list[Session]) -> np.ndarray:
+    return pursue(stack(every, sessions, noise), stack(residuals, sessions, noise), forced + RICHEST, forced=forced)
+
+
+def _less(residuals: list[np.ndarray], every: list[np.ndarray], z: np.ndarray) -> list[np.ndarray]:
     return [e - np.tensordot(z, a, 1) for e, a in zip(residuals, every, strict=True)]
 
 

@@ -48,7 +48,7 @@ class Whitener:
         come back as zeros."""
         if not e.size:
             return e
-        to_unit, mix, believed = (a.astype(e.dtype) for a in (self.to_unit, self.mix, self._believed(weight)))
+        to_unit, mix, believed = (a.astype(e.dtype) for a in (self.to_unit, self.mix, self.believed(weight)))
         if not self.filters[:, 1:].any():  # white: one product does it all
             return np.matmul(to_unit @ mix, e) * believed
         mixed = np.matmul(mix, e)
@@ -65,12 +65,13 @@ class Whitener:
     def turned(self, w: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """The adjoint of `apply` on (C, n): sum of apply(e) * w = sum of e * turned(w)."""
         good = (weight.min(axis=0) > 0.0)[::-1]
-        back = (self.to_unit.T @ w * self._believed(weight))[:, ::-1]
+        back = (self.to_unit.T @ w * self.believed(weight))[:, ::-1]
         quick = np.array([lfilter(taps, [1.0], row) for taps, row in zip(self.filters, back, strict=True)])
         slow = np.array([lfilter(*_averages(c), row) for c, row in zip(self.slow, back, strict=True)]) * good
         return self.mix.T @ (quick - slow)[:, ::-1]
 
-    def _believed(self, weight: np.ndarray) -> np.ndarray:
+    def believed(self, weight: np.ndarray) -> np.ndarray:
+        """Mask (n,) of the samples that `apply` does not leave out."""
         order = self.filters.shape[1] - 1
         believed = lfilter(np.ones(order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
         believed[:order] = False

@@ -14,7 +14,6 @@ from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
-from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.together import lasts
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ def _exchanged(search: "Search", finding: Named) -> bool:
         known = {(n.cause, n.where) for n in ahead.named}
         again = replace(finding, alternatives=tuple(a for a in other.alternatives if a.key not in known))
         search.named = [again if n is finding else n for n in search.named]
-    if other.cause == finding.cause or reach(other.explained) < explained:
+    if other.cause == finding.cause or other.explained <= explained:
         return False
     search.named, search.present, search.noise, search.bends = ahead.named, ahead.present, ahead.noise, ahead.bends
     search.befores.pop(key, None)

@@ -10,7 +10,6 @@ from skin_ident.criticism.courses.carriers import SLOPE
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
-from skin_ident.criticism.gates.gate import MATERIAL
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
+SEARCHED = 1.5  # times what makes a cause worth naming, which one must explain whose moments are searched for
 FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted
 WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
 PLAIN = 0.5  # if it leaves more than this of the error
@@ -37,13 +37,14 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     run = runs[0]
     search.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
     after, score = refitted(search, run)
-    gain = course_gain(run.course, search.present.model, after.model, search.train, search.held, search.noise)
+    noise = noise_of(after.model, added(search.train, run.values))  # that of the search holds the course as well
+    gain = course_gain(run.course, search.present.model, after.model, search.train, search.held, noise)
     score = max(run.score, score)
     near = reach(_alike_in_all(run, trials, score))
     rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > near and t.key[0] != run.course.cause)
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
-    told = score > MATERIAL * after.count or not searched
+    told = score > SEARCHED * search.least(after.count) or not searched
     stood = stands(run, gain, search.present.model, search.train) and search.resolved(gain, run.course.cause, after.model)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood):
@@ -66,7 +67,7 @@ def take_alone(search: "Search") -> bool:
     had = {r.course for r in search.runs}
     runs = plainest_first(beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step))
     run = next((r for r in runs if r.course not in had), None)
-    if run is None or run.score < MATERIAL * sum(np.count_nonzero(s.weight) for s in search.held):
+    if run is None or run.score < search.least(sum(np.count_nonzero(s.weight) for s in search.held)):
         return False
     gain = course_gain(run.course, search.present.model, search.present.model, search.train, search.held, search.noise)
     much = gain.after < ALONE * gain.before and gain.squares > FORM * search.fallen(gain.channel)
