@@ -12,6 +12,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.own_shares import beside_shares
 from skin_ident.criticism.baseline.residual import at_place, placed, rows
+from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
@@ -50,7 +51,14 @@ def directions(session: Session) -> tuple[Direction, ...]:
 
 
 def places_of(cls: type[Effect], session: Session) -> Iterator[str]:
-    """Every place at which an effect could show in the channels of a session, as findings call it."""
+    """Every place at which an effect could show in the channels of a session, as findings call it; a ceiling at which the record itself
+    has shown a channel to stand is not looked for once more."""
+    for word in _places(cls, session):
+        if cls.cause != "saturation" or not session.clipped & set(own_channels(word, session.channels)):
+            yield word
+
+
+def _places(cls: type[Effect], session: Session) -> Iterator[str]:
     for word in cls.places:
         if _unseen(cls.places[word], session):
             continue

@@ -18,7 +18,7 @@ from skin_models.effects.interference import Interference
 from skin_models.effects.noise import Noise
 from skin_models.effects.outliers import Outliers
 from skin_models.effects.quantization import SensorQuantization
-from skin_models.effects.saturation import Saturation
+from skin_models.effects.saturation import LeakySaturation, Saturation
 from skin_models.model import Model
 from skin_models.parameter import clipped
 
@@ -64,7 +64,7 @@ def _noise(s: Symptom, v: dict[str, float]) -> Effect:
 
 _MAKERS = {
     "adhesion": lambda s, v: _made(Adhesion, s.where, **v),
-    "saturation": lambda s, v: _made(Saturation, s.where, level=v["level"]),
+    "saturation": lambda s, v: _made(LeakySaturation if "lost" in v else Saturation, s.where, **v),
     "quantization": lambda s, v: None if s.evidence.get("uneven") else _made(SensorQuantization, s.where, step_force=v["step"]),
     "interference": lambda s, v: _made(Interference, s.where, sine=v["amplitude"], frequency=v["frequency"]),
     "dead_taxel": _dead,

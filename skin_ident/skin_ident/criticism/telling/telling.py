@@ -41,12 +41,26 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):
         entry["hid_in"] = hid_in(named, c)
         entry["gain"] = gain_at_the_end(named, judged) or entry["gain"]
+    entries = _once_each(entries, len(symptoms))
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
     warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above), *_never_loaded(certain, left)]
     excluded = [_as_read(e, encoder_step, c.extended.model) for e in findings["excluded"]]
-    told = {"recordings": recordings, "noise_floor": floor, "gain_by_channel": bounds, "excluded": excluded, "warnings": warnings}
+    told = {"findings": entries, "recordings": recordings, "excluded": excluded, "warnings": warnings}
+    told |= {"noise_floor": floor, "gain_by_channel": bounds}
     return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
+
+
+def _once_each(entries: list[dict[str, Any]], symptoms: int) -> list[dict[str, Any]]:
+    """The entries, of which the first are `symptoms`, with those joined that name the same cause at the same place: what was seen in the
+    record, and the numbers with which the model has it."""
+    named = {(e["cause"], e["where"]): e for e in entries[symptoms:]}
+    joined, seen = [], set()
+    for e in entries[:symptoms]:
+        again = named.get((e["cause"], e["where"]))
+        seen.add((e["cause"], e["where"]))
+        joined.append(e if again is None else {**again, "evidence": {**e["evidence"], **again["evidence"]}})
+    return joined + [e for key, e in named.items() if key not in seen]
 
 
 def gain_at_the_end(named: Named, judged: Judged) -> dict[str, Any]:
