@@ -42,6 +42,22 @@ def test_silence_when_nothing_is_hidden(tmp_path, seed):
     assert found.names == [] and found.findings["verdict"] == "nothing_wrong", found.names
 
 
+SLOW_OR_COARSE = [
+    ("steps", 897884335, 2, 1.0),  # skin that is left behind presses on its taxels while it recovers
+    ("single_sine", 2053141653, 1, 5.0),  # steps of the encoder, passed slowly, under noise that wanders
+    ("single_sine", 1532488530, 2, 1.0),
+    ("pyramid", 1118048486, 3, 20.0),  # few depths, each off by its own rounding, come back in every session
+    ("holds_only", 1820992172, 1, 10.0),
+    ("multisine_only", 242645654, 1, 1.0),  # heavy tails
+]
+
+
+@pytest.mark.parametrize(("protocol", "seed", "taxels", "step"), SLOW_OR_COARSE)
+def test_silence_on_poor_protocols_too(tmp_path, protocol, seed, taxels, step):
+    found = seek(tmp_path, None, seed=seed, protocol=protocol, taxels=taxels, encoder_step_um=step)
+    assert found.names == [] and found.findings["verdict"] == "nothing_wrong", found.names
+
+
 def test_every_cause_is_found_excluded_or_untestable(tmp_path):
     findings = seek(tmp_path, None, seed=3).findings
     said = [e["cause"] for part in ("findings", "excluded", "untestable") for e in findings[part]]

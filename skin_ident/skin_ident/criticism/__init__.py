@@ -3,10 +3,11 @@
 The method, in the order in which `diagnose` runs it:
 
 1.  `telemetry` looks at each recording before any model (`record`): quantization, saturation, spikes, frozen samples, dead taxels, copied
-    data, and by a first fit at pieces that one channel alone knows of. `telemetry.odd_session` puts a session right that differs from all
-    others in whole (columns in another order, a unit, a sign).
+    data, and by a first fit at pieces that one channel alone knows of, and ceilings that quick touches alone reach.
+    `telemetry.odd_session` puts a session right that differs from all others in whole (columns in another order, a unit, a sign).
 2.  `sessions` puts measured and simulated channels through one and the same low-pass, at full rate, then thins them out. A depth in coarse
-    steps is drawn again first (`recordings.staircase`). Moments when the plunger may have left the skin are not compared.
+    steps is drawn again first (`recordings.staircase`), and the band ends where its steps would be more of the motion than the motion
+    (`sessions.cutoff`). Moments when the plunger may have left the skin are not compared.
 3.  `baseline` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error; damping is not below
     nothing. Sessions that press at different places have shares of their own for every taxel, fitted with whatever model stands beside
     them.
@@ -14,7 +15,8 @@ The method, in the order in which `diagnose` runs it:
     every channel is the direction in which that cause would bend the residual. With declared taxel positions `array` proposes what bends
     the spread over them.
 5.  `noise` is fitted (predicted from its last samples and from slower and slower averages, correlated between channels) to what the
-    richest set of directions leaves, beginning from white noise.
+    richest set of directions leaves, beginning from white noise, again and again in the colour that was left; the account that describes
+    the record in the fewest words is taken.
 6.  `search.ranking` projects the model's own parameters out and asks how much of the whitened residual each cause explains, within the
     signs that physics allows.
 7.  The best few are refitted jointly, nonlinearly, with as many instances as have a size of their own, and in the finer form of an effect

@@ -40,7 +40,7 @@ from skin_ident.criticism.telemetry.lines import remains
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
-from skin_ident.criticism.telemetry.quantization import find_buried, step_of
+from skin_ident.criticism.telemetry.quantization import depth_step, find_buried
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import Experiments, as_findings
 from skin_ident.criticism.telling.judging import judge
@@ -119,7 +119,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
         model, looked = twin.surrogate, looked.carrying(twin.beyond, twin.known)
         every[0] = every[0].warned(*twin.warnings) if twin.warnings else every[0]
     train, held = _split(looked.sessions, training)
-    step = _encoder_step(every)
+    step = depth_step(every)
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step)
     if c.train[0].free_mass:
         looked = looked.weighed()
@@ -164,7 +164,7 @@ def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model
         return _split(sessions, training)
 
     c = part.criticism
-    rest = rest_of(c, every, chosen, layout, split, _encoder_step(every), progress)
+    rest = rest_of(c, every, chosen, layout, split, depth_step(every), progress)
     seen = (*(symptom_of_all(s, chosen) for s in part.seen), *rest.symptoms)
     extended = model_of_all(c.extended.model, chosen, rest.shares, rest.effects, layout)
     progress("judging the ratios of all taxels")
@@ -185,12 +185,6 @@ def are_scans(recordings: list) -> bool:
     if scans and len(scans) < len(recordings):
         raise DiagnosisError(f"static scans and sessions in time are diagnosed apart: leave out {', '.join(scans[:3])}, or everything else")
     return bool(scans)
-
-
-def _encoder_step(recordings: list) -> float:
-    """Steps of the depth, m: as seen, or as declared where they are not seen."""
-    declared = 1e-6 * (recordings[0].declared.encoder_step_um or 0.0)
-    return max((step_of(r.depth) or declared for r in recordings if r.depth is not None), default=0.0)
 
 
 def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known: tuple[Symptom, ...]) -> list[Symptom]:

@@ -22,7 +22,9 @@ from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.search import Search
 from skin_ident.criticism.search.size import affordable
 from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.session import Session, longest, prepare, without_parting
+from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import found, seen
 from skin_ident.recordings.chosen import only_taxels
@@ -177,8 +179,9 @@ def criticism_of_all(
 ) -> Criticism:
     """The criticism with all taxels in its sessions and its model, as the analysis of the array asks for it."""
     own = {s.name: s.beyond for s in (*c.train, *c.held)}
-    slowest = max(r.dt for r in recordings)
-    sessions = [prepare(mended_depth(r, symptoms), bad_samples(r, symptoms), slowest) for r in recordings]
+    mended = [mended_depth(r, symptoms) for r in recordings]
+    common = common_to(mended, depth_step(mended))
+    sessions = [prepare(r, bad_samples(r, symptoms), common) for r in mended]
     train, held = (
         [replace(without_parting(s, model.dispersion), beyond=_spread_out(own.get(s.name), s, chosen)) for s in part]
         for part in split(sessions)

@@ -10,7 +10,9 @@ from skin_ident.criticism.baseline.fitting import fit, noise_of
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.search.weighing import weighed
+from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.session import Session, meeting, prepare
+from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.copied import copies_among, emptied, find_copies
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
@@ -20,7 +22,7 @@ from skin_ident.criticism.telemetry.more_than_applied import find_more_than_appl
 from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pile_up import find_saturation
-from skin_ident.criticism.telemetry.quantization import find_quantization
+from skin_ident.criticism.telemetry.quantization import depth_step, find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.stretches import runs
@@ -75,8 +77,8 @@ def inspect(recordings: list) -> Inspected:
     copies = copies_among(early, recordings[0])
     mended = [mended_depth(emptied(r, copies), early) for r in recordings]
     mended = _spread_again(mended, early)
-    slowest = max(r.dt for r in recordings)
-    sessions = [prepare(r, bad_samples(r, early), slowest) for r in mended]
+    common = common_to(mended, depth_step(mended))
+    sessions = [prepare(r, bad_samples(r, early), common) for r in mended]
     late = _in_residuals(mended, sessions, [s for s in early if s.cause == "data_error"])
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
@@ -86,11 +88,12 @@ def inspect(recordings: list) -> Inspected:
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
     mended = _spread_again(mended, symptoms)
     clipped = [s for s in symptoms if s.cause == "saturation"]
-    whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), slowest) for r in mended]
+    whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), common) for r in mended]
     stuck = _stuck(symptoms) | dict.fromkeys(copies, 0.0)
     if not clipped and not stuck:
         return Inspected(symptoms, whole, whole)
-    searched = [replace(prepare(r, bad_samples(r, symptoms), slowest), stuck=stuck) for r in mended]
+    hard = frozenset(c for s in clipped if "lost" not in s.parameters for c in s.channels)
+    searched = [replace(prepare(r, bad_samples(r, symptoms), common), stuck=stuck, clipped=hard) for r in mended]
     return Inspected(symptoms, searched, whole)
 
 
@@ -133,7 +136,9 @@ def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
     outliers = find_outliers(names, channels, rest, raw, jumps, n, dt)
-    clipped = find_saturation(names, channels, _beside(raw, recordings, outliers), predicted, n)
+    believed = _beside(raw, recordings, outliers)
+    clipped = find_saturation(names, channels, believed, predicted, n)
+    clipped += [s for s in find_ceilings(names, channels, believed, predicted, jumps, n) if s.channels not in {c.channels for c in clipped}]
     known = {("outliers", c) for s in outliers for c in s.channels} | {("saturation", c) for s in (*outliers, *clipped) for c in s.channels}
     pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in known]
     rest = _beside(rest, recordings, [*outliers, *pieces])

@@ -57,6 +57,12 @@ def stiffness(model: Model, channel: str) -> float:
     return skin.k1 + skin.k2 if channel == "force" else skin.k1 * model.shares[int(channel.rpartition("_")[2])]
 
 
+def damping(model: Model, channel: str) -> float:
+    """What the speed makes of a channel, N*s/m: b1 + b2 of the load cell, its share of b1 of a taxel."""
+    skin = model.dispersion
+    return skin.b1 + skin.b2 if channel == "force" else skin.b1 * model.shares[int(channel.rpartition("_")[2])]
+
+
 def rmse(residuals: list[np.ndarray], sessions: list[Session]) -> dict[str, float]:
     """Root mean squared error by channel over sessions, N; samples not believed are left out."""
     channels = sessions[0].channels

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Iterable
 
 import numpy as np
+from scipy.ndimage import median_filter
 
-from skin_ident.criticism.baseline.residual import residual, stiffness
+from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.sessions.session import Session
@@ -13,11 +14,13 @@ from skin_models.effect import Effect, Place
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
-OPEN = 0.5  # of the mean square that an encoder's steps leave open, which a gain must exceed
+PASSING = 0.5  # of what steps leave open at rest, which a fall where the stage moves must exceed: it comes from rest and goes to it
+OPEN = 2.0  # times the mean square that steps leave open on average: at few depths chance makes it so much
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
 TREMBLING = 1e-6  # m, of a good stage at rest
+EVEN_S = 0.5  # in which the speed is taken for even, beside what the beat makes of it
 MOVING = 2.0  # times the greatest speed of such a tremble
 OF_SPEED = ("rate_dependence", "mount_compliance")
 
@@ -41,7 +44,7 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
         still, moving = still + max(resting, passing), moving + passing
     if gain.squares > still:
         return True
-    return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train) > moving)
+    return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train) > max(moving, PASSING * still))
 
 
 def unread_depth(sessions: list[Session], encoder_step: float, part: Callable[[Session], np.ndarray] | None = None) -> float:
@@ -54,6 +57,27 @@ def unread_depth(sessions: list[Session], encoder_step: float, part: Callable[[S
 
     every = np.concatenate([squares(s) for s in sessions])
     return float(np.sqrt(every.mean())) if every.size else 0.0
+
+
+def unread_force(model: Model, channel: str, sessions: list[Session], encoder_step: float) -> float:
+    """What steps of the depth leave open of a channel, N rms: stiffness times what they leave of the depth, and damping times what they
+    leave of its speed."""
+    depth, speed = unread_depth(sessions, encoder_step), _beat(sessions, encoder_step)
+    return float(np.hypot(stiffness(model, channel) * depth, damping(model, channel) * speed))
+
+
+def _beat(sessions: list[Session], encoder_step: float) -> float:
+    """What steps q make of the speed in the common band, m/s rms, where the stage passes nearly a whole number of them a sample: rounding
+    is then no noise but a saw of |v / q - n / dt| Hz, of whose harmonics each adds 2 (f q)^2 to the squared speed."""
+    squares = [np.zeros(1)]
+    for s in sessions if encoder_step > 0.0 else ():
+        passed = median_filter(np.abs(_speed(s)), max(round(EVEN_S / (s.band.dt * s.band.every)), 1)) / encoder_step  # steps a second
+        whole = np.round(passed * s.motion.dt) / s.motion.dt
+        f = np.where(whole > 0.0, np.abs(passed - whole), np.inf)
+        f = np.where(f < s.band.edge, np.maximum(f, 1e-9), np.inf)
+        harmonics = np.floor(s.band.edge / f)
+        squares.append(2.0 * harmonics * (np.where(harmonics > 0.0, f, 0.0) * encoder_step) ** 2)
+    return float(np.sqrt(np.concatenate(squares).mean()))
 
 
 def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float, float]:
@@ -85,10 +109,11 @@ def _speed(s: Session) -> np.ndarray:
 
 
 def readable(effects: Iterable[Effect], encoder_step: float) -> bool:
-    """Whether lengths by which the tip is said to be off are such as the encoder could tell: half of its step, or more."""
+    """Whether lengths by which the tip is said to be off are such as the encoder could tell: more than a step of it, for at a few depths to
+    which the stage comes from both sides its rounding alone looks like as much."""
     off = [e for e in effects if e.place is Place.DEPTH]
     lengths = [abs(p.value) for e in off for p in parameters_of(e) if p.role == AMPLITUDE and p.unit == "m"]
-    return not lengths or max(lengths) > 0.5 * encoder_step
+    return not lengths or max(lengths) > encoder_step
 
 
 def converter_step(train: list[Session], channel: str) -> float:

@@ -195,7 +195,7 @@ class Search:
             alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
             alternatives += same_by_nature(trial, trials, {a.key for a in alternatives}, self.train)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
-            told = trial.score > MATERIAL * trial.fit.count and sized(trial)  # what it was fitted to must gain by it, too
+            told = trial.score > self.least(trial.fit.count) and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self.fallen(gain.channel)
             seen = readable(instances(trial.fit.model, *trial.key), self.encoder_step)
@@ -203,6 +203,11 @@ class Search:
             if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
                 return trial.fit, finding
         return None
+
+    def least(self, count: int) -> float:
+        """The likelihood gain below which a cause is not worth naming, where so many whitened samples count; slow causes gain as much of a
+        band that was narrowed, and its noise no less."""
+        return MATERIAL * count * self.train[0].band.narrowed
 
     def fallen(self, channel: str) -> float:
         """The largest fall of the mean square, N^2, by what has been named and is carried by a channel."""

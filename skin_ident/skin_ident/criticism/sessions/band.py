@@ -32,6 +32,11 @@ class Band:
         return min(self.cutoff, 0.2 / max(self.dt, self.slowest))
 
     @property
+    def narrowed(self) -> float:
+        """How many times more samples the band would keep, had not the motion been too slow for them (see `cutoff`)."""
+        return min(CUTOFF_HZ, 0.2 / max(self.dt, self.slowest)) / self.edge
+
+    @property
     def every(self) -> int:
         """Keep one filtered sample in so many: three times the cut-off is left as the rate, the same for all as nearly as their samples let
         it be."""

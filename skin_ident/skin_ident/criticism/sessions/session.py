@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from skin_ident.criticism.sessions.band import Band
+from skin_ident.criticism.sessions.cutoff import ALONE, Common
 from skin_ident.recordings.staircase import drawn_again
 from skin_models.dispersion import Dispersion
 from skin_models.operators.lagging import lagged
@@ -42,6 +43,7 @@ class Session:
     contact: np.ndarray | None = None  # (2,) m, where this one presses, in the taxels' frame
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
+    clipped: frozenset[str] = frozenset()  # channels that the record itself shows to stand at a ceiling
     free_mass: bool = False  # whether the model's mass is fitted, too (see `weighing`)
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
     reference: int | None = None  # the taxel whose share is so in any case
@@ -51,10 +53,10 @@ class Session:
         return sum(c.startswith("taxel") for c in self.channels)
 
 
-def prepare(recording, bad: np.ndarray | None = None, beside: float = 0.0) -> Session:
-    """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering); `beside` is the longest
-    sampling period, s, of the recordings that it is compared with."""
-    band = Band(recording.dt, slowest=beside)
+def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:
+    """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering); `common` is what it shares with
+    the recordings that it is compared with."""
+    band = Band(recording.dt, common.cutoff, common.slowest)
     drive = band.smooth(recording.force) if recording.depth is None else None
     moved = drawn_again(recording.depth) if drive is None else recording.force / NOMINAL
     s = motion(recording.t, band.smooth(moved), band.speed(moved))

@@ -111,3 +111,9 @@ def _declared(recording) -> dict[str, float | None]:
 
 def _rows(recordings: list, channel: str) -> list[np.ndarray]:
     return [row for r in recordings for name, row in [*r.channels.items(), ("depth", r.depth)] if name == channel and row is not None]
+
+
+def depth_step(recordings: list) -> float:
+    """Steps of the depth, m: as seen, or as declared where they are not seen; 0 without a depth."""
+    declared = 1e-6 * (recordings[0].declared.encoder_step_um or 0.0)
+    return max((step_of(r.depth) or declared for r in recordings if r.depth is not None), default=0.0)

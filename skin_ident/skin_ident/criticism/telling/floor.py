@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.baseline.residual import residual, simulated, stiffness
+from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.gates.gate import by_block
-from skin_ident.criticism.gates.resolution import unread_depth
+from skin_ident.criticism.gates.resolution import unread_force
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import less
 from skin_ident.criticism.noise.whitening import white
@@ -142,8 +142,8 @@ def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
 
 def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:
     """What steps of converter and encoder leave open in a channel, N."""
-    k = stiffness(c.extended.model, channel)
-    return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), k * unread_depth(list(c.held or c.train), encoder_step)))
+    unread = unread_force(c.extended.model, channel, list(c.held or c.train), encoder_step)
+    return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), unread))
 
 
 def _rms(e: np.ndarray) -> float:
