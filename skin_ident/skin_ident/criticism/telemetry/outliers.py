@@ -13,6 +13,7 @@ from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach,
 from skin_ident.stretches import runs
 
 LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for where there are none beyond it
+NEAREST = 0.35  # of it, below which excursions run into each other and are no measure of more
 FEWEST = 2  # frozen runs that make a finding by themselves
 DROPPED = 3  # excursions that must end at one reading
 FROZEN = 5  # samples at one value
@@ -57,7 +58,8 @@ def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray
     def beyond(level: float) -> int:
         return sum(runs(excursions(a, b, level))[0].size for a, b in zip(e, y, strict=True))
 
-    level = stands_apart(limit, beyond, step) or stands_apart(LOWEST * limit, beyond, step)
+    nearest = NEAREST * limit
+    level = stands_apart(limit, beyond, step, nearest) or stands_apart(LOWEST * limit, beyond, step, nearest)
     far = [excursions(a, b, level or limit) for a, b in zip(e, y, strict=True)]
     away = [fill_clusters(f) for f in far] if level else _to_one_reading(far, y, limit, step)
     values, counts = np.unique(np.concatenate(y), return_counts=True)

@@ -31,11 +31,11 @@ def reach(d: np.ndarray, smallest: float = 0.0) -> float:
     return LEAST * max(1.4826 * float(np.median(size)), float(np.percentile(size, 80.0)) / 1.2816, smallest, 1e-12)
 
 
-def stands_apart(start: float, count: Callable[[float], int], step: float = 0.0) -> float | None:
+def stands_apart(start: float, count: Callable[[float], int], step: float = 0.0, nearest: float = 0.0) -> float | None:
     """The least level, from `start` up, beyond which there are more than any tail of noise would leave; None where there is none.
 
-    `count(level)` says how many go beyond a level; lower levels are asked for comparison. In steps of a converter what goes beyond a level
-    was rounded up to the next whole `step`, from half a step below it.
+    `count(level)` says how many go beyond a level; lower levels, from `nearest` up, are asked for comparison. In steps of a converter what
+    goes beyond a level was rounded up to the next whole `step`, from half a step below it.
     """
     levels = start / BELOW * LEVELS
     real = np.maximum(levels, (np.ceil(levels / step) - 0.5) * step) if step > 0.0 else levels
@@ -43,7 +43,8 @@ def stands_apart(start: float, count: Callable[[float], int], step: float = 0.0)
     steepness = _steepness(real, beyond)
     for i in np.flatnonzero((levels >= 0.999 * start) & (beyond > 0)):
         share = (real[:i] / levels[i]) ** steepness[:i]
-        if np.any(binom.sf(beyond[i] - 1, beyond[:i], np.minimum(share, 1.0)) < CHANCE):
+        by_chance = binom.sf(beyond[i] - 1, beyond[:i], np.minimum(share, 1.0))
+        if np.any(by_chance[levels[:i] >= 0.999 * nearest] < CHANCE):
             return float(levels[i])
     return None
 
