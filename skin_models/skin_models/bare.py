@@ -22,7 +22,7 @@ class BareSkin:
         self._m, self._b1, self._k1, self._b2, self._k2 = d.m, d.b1, d.k1, d.b2, d.k2
         self._recovery = d.recovery
         self._fade = math.exp(-period / d.recovery) if d.recovery else 0.0
-        self._free = d.k1 - d.b1 / d.recovery if d.recovery else 0.0  # N/m, what a taxel feels of skin that recovers by itself
+        self._free = d.free_stiffness
         self._surface: float | None = None  # m, where the skin's surface is under the plunger
         self._touched = True
 

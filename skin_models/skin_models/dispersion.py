@@ -67,6 +67,11 @@ class Dispersion:
         b, k = self.b1 + self.b2, self.k1 + self.k2
         return b / k if b > 0.0 and k > 0.0 else 0.0
 
+    @property
+    def free_stiffness(self) -> float:
+        """k1 - b1 / tau, N/m: what a taxel feels of the depth of skin that recovers by itself; 0 for skin that is back at once."""
+        return self.k1 - self.b1 / self.recovery if self.recovery else 0.0
+
     def meet(self, surface: Surface | None, s: Sample, dt: float) -> Surface:
         """The surface one sample later. None: at rest at this first sample."""
         before = surface or Surface(np.maximum(s.x, 0.0), True)
@@ -76,7 +81,7 @@ class Dispersion:
 
     def free(self, surface: Surface) -> float | np.ndarray:
         """Sensed force of skin that recovers while nothing touches it, (k1 - b1 / tau) u, N; the dispersed force is its opposite."""
-        return (self.k1 - self.b1 / self.recovery) * surface.depth * (1 - surface.touched) if self.recovery else 0.0 * surface.depth
+        return self.free_stiffness * surface.depth * (1 - surface.touched)
 
     def contact(self, s: Motion) -> np.ndarray:
         """Whether the plunger touches the skin, (N,) of bool."""

@@ -53,14 +53,16 @@ def residual(model: Model, session: Session) -> np.ndarray:
 
 def stiffness(model: Model, channel: str) -> float:
     """What a quick step of depth makes of a channel, N/m: k1 + k2 of the load cell, its share of k1 of a taxel."""
-    skin = model.dispersion
-    return skin.k1 + skin.k2 if channel == "force" else skin.k1 * model.shares[int(channel.rpartition("_")[2])]
+    return _of_channel(model, channel, model.dispersion.k1, model.dispersion.k2)
 
 
 def damping(model: Model, channel: str) -> float:
     """What the speed makes of a channel, N*s/m: b1 + b2 of the load cell, its share of b1 of a taxel."""
-    skin = model.dispersion
-    return skin.b1 + skin.b2 if channel == "force" else skin.b1 * model.shares[int(channel.rpartition("_")[2])]
+    return _of_channel(model, channel, model.dispersion.b1, model.dispersion.b2)
+
+
+def _of_channel(model: Model, channel: str, sensed: float, dispersed: float) -> float:
+    return sensed + dispersed if channel == "force" else sensed * model.shares[int(channel.rpartition("_")[2])]
 
 
 def rmse(residuals: list[np.ndarray], sessions: list[Session]) -> dict[str, float]:

@@ -36,11 +36,11 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     carry the readings across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed
     that, too, unless the likelihood gains much by it. A stage that trembles at rest does so no more while it moves: a fall there may be
     smaller."""
-    k, damping = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
+    k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, _moves))
     if cause in OF_SPEED and gain.relative < MUCH:
-        resting, passing = ((damping * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
+        resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
         still, moving = still + max(resting, passing), moving + passing
     if gain.squares > still:
         return True

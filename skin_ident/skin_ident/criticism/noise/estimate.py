@@ -21,8 +21,7 @@ from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, 
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
-PASSES = 4
-SECOND = 1
+PASSES, PASSES_ALONE = 4, 2  # of several sessions, and of one
 AS_FEW = 12.0  # words by which passes do not differ: then the first of them, which explains more
 
 
@@ -31,13 +30,13 @@ def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: l
     every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
     own, offered = len(tangents[0]), len(bank[0])
     noise, found = white(residuals), []
-    for _ in range(PASSES):
+    for _ in range(PASSES if len(sessions) > 1 else PASSES_ALONE):
         z = _richest(residuals, every, own, noise, sessions)
         asked = [s.weight * noise.believed(s.weight) for s in sessions]  # what is left of the others may be anything
         noise = fit_whitener(_less(residuals, every, z), asked)
         found.append((_words(noise, asked, np.count_nonzero(z[own:]), offered), noise))
     if len(sessions) == 1:
-        return found[SECOND][1]
+        return noise
     fewest = min(words for words, _ in found)
     return next(noise for words, noise in found if words < fewest + AS_FEW)
 
