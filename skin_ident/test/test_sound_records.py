@@ -1,6 +1,8 @@
 """Records in which nothing is wrong but that something is not known: a mass, a taxel's share, slow noise of short sessions. Written out as
 forces here, not simulated by the model that is fitted."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -105,4 +107,19 @@ def test_a_taxel_that_only_the_held_out_session_loads_has_no_error(seed):
 @pytest.mark.parametrize("seed", [30, 40, 50, 60])
 def test_noise_that_wanders_through_half_a_minute_has_no_name(seed):
     outcome = diagnose([in_a_row(seed, 7.0, 35.0, 0.07, 0.97), in_a_row(seed + 1, 7.0, 35.0, 0.07, 0.97)])
+    assert outcome.findings["findings"] == []
+
+
+@pytest.mark.parametrize("seed", [70, 80, 90])
+def test_wandering_noise_that_once_jumps_for_good_is_no_step_of_a_sensor(seed):
+    """Noise of long memory with heavy tails: one of its innovations is fifty of the others, and what follows forgets it slowly."""
+
+    def jumping(seed: int, jump: float) -> Recording:
+        sound = in_a_row(seed, 7.0, 30.0, 0.1, 0.995)
+        t, taxels = sound.t, sound.taxels.copy()
+        at = int(np.argmax(taxels[1] > 0.5 * taxels[1].max()) + 0.7 * RATE)
+        taxels[1, at:] += jump * 0.995 ** np.arange(t.size - at)
+        return replace(sound, taxels=taxels)
+
+    outcome = diagnose([jumping(seed, 0.0), jumping(seed + 1, 0.5)], [jumping(seed + 2, 0.0)])
     assert outcome.findings["findings"] == []

@@ -8,6 +8,7 @@ from skin_ident.criticism.array.gains import Gains, gains
 from skin_ident.criticism.array.gate import held_out_gain
 from skin_ident.criticism.array.judgement import Judgement, judge, unlike
 from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.array.scatter import with_scatter
 from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
@@ -58,7 +59,7 @@ def analyse(
     """
     if any(e.cause == "spread_depth" for e in model.effects):  # where it begins and how it grows stand for each other
         layout = replace(layout, width_declared=False)
-    measured = _granted(gains(model, sessions, noise), doubted)
+    measured = with_scatter(_granted(gains(model, sessions, noise), doubted), layout)
     train = [i for i in range(len(sessions)) if i not in held]
     judgement = judge(layout.of(train), measured.of(train), thickness_mm)
     best = judgement.named

@@ -15,11 +15,13 @@ from skin_ident.criticism.baseline.unknowns import unknowns
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.quantization import step_of
 from skin_models.model import Model
 
 PROBE = 0.01  # of the largest share, for the differences
 STEPS = 3  # to where taxels are that read nothing of small forces; where all are linear the first gets there
-MODEL = 3e-4  # of the largest share: what converter steps and the model's own form leave in a static share
+MODEL = 3e-4  # of the largest share: what the model's own form leaves in a static share
+RESOLVED = 0.3  # of a converter's step, by which its levels may be off: a taxel that feels few steps tells its share no better
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,7 @@ def _of(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.ndarr
     value = np.array(placed(model, s).shares)
     for _ in range(STEPS):
         value, covariance = _step(*with_shares(model, s, value), noise)
-    return value, covariance + np.diag(_swallowed(model, s, value) ** 2)
+    return value, covariance + np.diag(_swallowed(model, s, value) ** 2 + _unread(model, s) ** 2)
 
 
 def _step(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.ndarray]:
@@ -85,6 +87,13 @@ def _swallowed(model: Model, s: Session, value: np.ndarray) -> np.ndarray:
     threshold = sum(e.threshold for e in model.effects if e.cause == "dead_zone" and e.where.startswith("taxel"))
     least = threshold / (model.dispersion.k1 * s.motion.x.max())
     return np.where(value < 2.0 * least, least, 0.0)
+
+
+def _unread(model: Model, s: Session) -> np.ndarray:
+    """What the shares (T,) may be wrong by for the steps of the taxels' converters, which are seen against the largest force there is."""
+    largest = np.abs(_by_share(model, s)).max(axis=(1, 2))
+    steps = np.array([step_of(row) or 0.0 for row in s.raw[-largest.size :]])
+    return RESOLVED * steps / np.maximum(largest, 1e-300)
 
 
 def _by_share(model: Model, s: Session) -> np.ndarray:

@@ -29,9 +29,12 @@ def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: l
     """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
     every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
     own, offered = len(tangents[0]), len(bank[0])
-    noise, found = white(residuals), []
+    noise, found, before = white(residuals), [], None
     for _ in range(PASSES if len(sessions) > 1 else PASSES_ALONE):
         z = _richest(residuals, every, own, noise, sessions)
+        if len(found) > 1 and np.array_equal(z != 0.0, before):  # the same again, and so would be all that follow
+            break
+        before = z != 0.0
         asked = [s.weight * noise.believed(s.weight) for s in sessions]  # what is left of the others may be anything
         noise = fit_whitener(_less(residuals, every, z), asked)
         found.append((_words(noise, asked, np.count_nonzero(z[own:]), offered), noise))

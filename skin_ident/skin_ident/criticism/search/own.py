@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, noise_of
+from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import SLOPE
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import course_gain, helps, stands
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
 SEARCHED = 1.5  # times what makes a cause worth naming, which one must explain whose moments are searched for
+AT_ONCE_S = 0.3  # within which no more may be explained than what is asked for
 FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted
 WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
 PLAIN = 0.5  # if it leaves more than this of the error
@@ -44,13 +46,26 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > near and t.key[0] != run.course.cause)
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
-    told = score > SEARCHED * search.least(after.count) or not searched
+    told = score - _at_once(run, search) > SEARCHED * search.least(after.count) or not searched
     stood = stands(run, gain, search.present.model, search.train) and search.resolved(gain, run.course.cause, after.model)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood):
         search.wandering = max(search.wandering, run.score)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
+
+
+def _at_once(run: Run, search: "Search") -> float:
+    """The most that a course explains within one short while, of the squared whitened error: noise that wanders and has heavy tails jumps
+    for good, now and then, and that is a step of nothing."""
+    most = 0.0
+    for s in search.train:
+        before = residual(search.present.model, s)
+        after = before - s.band.thin(run.values[s.name])
+        fall = sum(np.sum(sign * search.noise.apply(e, s.weight) ** 2, axis=0) for sign, e in ((1.0, before), (-1.0, after)))
+        width = max(round(AT_ONCE_S / (s.band.dt * s.band.every)), 1)
+        most = max(most, float(np.convolve(fall, np.ones(width)).max()))
+    return most
 
 
 def _alike_in_all(run: Run, trials: list[Trial], score: float) -> float:

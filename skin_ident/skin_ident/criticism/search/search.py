@@ -151,6 +151,8 @@ class Search:
     def survey(self) -> Survey:
         """Every cause ranked against the present model; that of last time where neither model nor sessions have changed since."""
         if self._surveyed is None or self._surveyed[0] is not self.present.model or self._surveyed[1] is not self.train:
+            if self._surveyed:
+                self._surveyed[2].kept.clear()
             self._surveyed = self.present.model, self.train, survey(self.present.model, self.train, self.which)
         return self._surveyed[2]
 

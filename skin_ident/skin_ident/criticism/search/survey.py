@@ -1,6 +1,6 @@
 """One look at everything the catalogue offers, on top of the present model."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,17 +18,26 @@ from skin_models.model import Model
 
 @dataclass(frozen=True)
 class Survey:
-    """Every cause ranked against the residual of `model`, under the noise model that the survey itself found."""
+    """Every cause ranked against the residual of `model`, under the noise model that the survey itself found.
+
+    `kept` are the directions of sessions by name, as long as this is the latest survey: they are large, and dear to compute.
+    """
 
     model: Model
     noise: Whitener
     projected: Projected
     ranked: tuple[Ranked, ...]
+    kept: dict[str, tuple[Session, np.ndarray]] = field(default_factory=dict, compare=False, repr=False)
 
     def directions_of(self, session: Session) -> tuple[np.ndarray, int]:
         """All that may change a session as simulated, (M, C, n): first the model's own unknowns, whose number is returned too."""
-        own = tangents(self.model, [session], unknowns(self.model, session))[0]
-        return np.concatenate([own, bank(self.model, self.projected.which, [session])[0]]), len(own)
+        mine = unknowns(self.model, session)
+        of, rows = self.kept.get(session.name, (None, np.zeros(0)))
+        if of is not session:
+            own = tangents(self.model, [session], mine)[0]
+            rows = np.concatenate([own, bank(self.model, self.projected.which, [session])[0]])
+            self.kept[session.name] = session, rows
+        return rows, len(mine)
 
     def left_by_everything(self, session: Session) -> np.ndarray:
         """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
@@ -46,7 +55,8 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     J, r = stack(own, sessions, noise), stack(residuals, sessions, noise)
     J = J[:, unpressed(values(model, mine), mine, J.T @ r)]  # a mass that cannot fall below nothing explains nothing
     projected = project(which, stack(bends, sessions, noise), J, r)
-    return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE))
+    kept = {s.name: (s, np.concatenate([o, b])) for s, o, b in zip(sessions, own, bends, strict=True)}
+    return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE), kept)
 
 
 def _richest(model: Model, bends: list[np.ndarray], which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:

@@ -37,6 +37,9 @@ SHADOW = 0.01  # of the mean square that the named causes explained: a remainder
 BLOCK_S = 4.0
 DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
 RESOLVED = 0.3  # of a converter's step: what is smaller is its own unevenness
+# Times the mean square that an encoder's steps leave on average: at a few depths each may be half a step off, which is three times, and the
+# model that was fitted to few others as far the other way.
+AT_FEW_DEPTHS = 6.0
 
 
 def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, Any]]:
@@ -141,9 +144,9 @@ def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
 
 
 def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:
-    """What steps of converter and encoder leave open in a channel, N."""
+    """What steps of converter and encoder may leave open in a channel, N."""
     unread = unread_force(c.extended.model, channel, list(c.held or c.train), encoder_step)
-    return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), unread))
+    return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), np.sqrt(AT_FEW_DEPTHS) * unread))
 
 
 def _rms(e: np.ndarray) -> float:

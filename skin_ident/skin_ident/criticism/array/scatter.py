@@ -1,0 +1,41 @@
+"""How much more the shares of sessions at one place differ than their standard errors let them.
+
+What is wrong with an array is the same in all sessions that press at one place. Where these differ beyond chance, noise has a longer memory
+than the sessions show, or something has changed between them: no ratio is known better than that. For each taxel the variance between
+sessions is added to that within them,
+
+    tau^2 = (Q - (S - 1)) / (sum w - sum w^2 / sum w),    Q = sum w (g - mean g)^2,    w = 1 / sigma^2.
+
+Source: R. DerSimonian, N. Laird, Controlled Clinical Trials 7 (1986) 177-188.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from skin_ident.criticism.array.gains import Gains
+from skin_ident.criticism.array.layout import APART, Layout
+
+CHANCE = 1e-4  # of sessions that differ so much by their standard errors alone
+
+
+def with_scatter(measured: Gains, layout: Layout) -> Gains:
+    """The same shares, with what those of sessions at one place scatter beyond their errors."""
+    covariance = measured.covariance.copy()
+    for place in np.unique(np.round(layout.contacts / APART), axis=0):
+        alike = np.flatnonzero(np.all(np.round(layout.contacts / APART) == place, axis=1))
+        if len(alike) > 1:
+            covariance[alike] += np.diag(_between(measured.value[alike], measured.covariance[alike]))
+    return replace(measured, covariance=covariance)
+
+
+def _between(g: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Variance (T,) of shares (S, T) between sessions, each of which has a scale of its own."""
+    mean = g.mean(axis=0)
+    scale = np.maximum(g @ mean / max(mean @ mean, 1e-300), 1e-3)[:, None]
+    w = scale**2 / np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 1e-300)
+    g = g / scale
+    excess = np.sum(w * (g - np.sum(w * g, axis=0) / np.sum(w, axis=0)) ** 2, axis=0)
+    more = np.maximum(excess - (len(g) - 1), 0.0) / (np.sum(w, axis=0) - np.sum(w**2, axis=0) / np.sum(w, axis=0))
+    return np.where(excess > chi2.isf(CHANCE, len(g) - 1), more, 0.0)
