@@ -58,12 +58,14 @@ def test_counts_are_lost_wherever_blocks_of_a_session_begin(tmp_path, moment):
         assert min(abs(float(at) - moment) for at in re.findall(r"at ([\d.]+) s", words)) < 0.2, words
 
 
-@pytest.mark.parametrize("seed", [51, 52])
-def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed):
-    made, _ = make_sessions(None, seed=seed, n_sessions=3, noise="white")
+@pytest.mark.parametrize(
+    ("seed", "protocol", "late_s"), [(51, "full", 0.0137), (52, "full", 0.0137), (1222616119, "single_rate_triangles", 0.08)]
+)
+def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed, protocol, late_s):
+    made, _ = make_sessions(None, seed=seed, n_sessions=3, noise="white", protocol=protocol)
 
     def slipped(s):
-        late = 0.0137 * (s.t > np.quantile(s.t, 0.6))
+        late = late_s * (s.t > np.quantile(s.t, 0.6))
         return replace(s, force=np.interp(s.t - late, s.t, s.force))
 
     write_case([slipped(s) for s in made], tmp_path)

@@ -112,3 +112,16 @@ def test_a_kick_of_noise_at_rest_is_no_loose_contact():
     for k in at:
         open_now[k : k + 60] = True
     assert contact_of([np.where(open_now, 0.0, reading)], [load], 0.01).level == pytest.approx(0.0, abs=0.05)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_one_that_dies_while_the_plunger_rests_is_dead_from_then_on(tmp_path, seed):
+    """Four holds, of which two or three are left when it dies: few pieces of a session in which the load moves."""
+    sessions, _ = make_sessions("dead_taxel", "taxel_0", "dies", seed=seed, n_sessions=3, protocol="holds_only", noise="white")
+    symptoms = named(tmp_path, sessions)
+    assert [(s.cause, s.where, s.evidence["kind"]) for s in symptoms] == [("dead_taxel", "taxel", "dies")]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_sound_ones_under_a_plunger_that_rests_are_alive(tmp_path, seed):
+    assert named(tmp_path, make_sessions("null", seed=seed, n_sessions=3, n_taxels=2, protocol="holds_only")[0]) == ()

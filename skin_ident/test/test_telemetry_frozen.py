@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
@@ -26,3 +27,34 @@ def test_a_plunger_with_play_freezes_nothing(taxels):
     raw = 0.07 * np.round((share * way[rests] + 0.01 * rng.standard_normal((taxels + 1, t.size))) / 0.07)
     channels = ("force", *(f"taxel_{i}" for i in range(taxels)))
     assert not find_outliers(["a"], channels, [raw - share * way], [raw], [np.zeros(t.size, bool)], taxels, 0.01)
+
+
+def _taken_for_outliers(noise: np.ndarray, wrong: np.ndarray, step: float) -> list[str]:
+    """The channels told, of a force that rises and falls under `noise` (N,) but stands still where it reads something `wrong`."""
+    load = 5.0 + 3.0 * np.sin(np.arange(noise.size) / 200.0)
+    raw = np.where(np.isnan(wrong), load + noise, wrong + np.roll(load, 1))
+    for i in np.flatnonzero(~np.isnan(wrong)):
+        if not np.isnan(wrong[i - 1]):
+            raw[i] = raw[i - 1]
+    raw = step * np.round(raw / step)
+    found = find_outliers(["a"], ("force",), [(raw - load)[None]], [raw[None]], [np.zeros(load.size, bool)], 0, 0.01)
+    return [c for s in found for c in s.channels]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_reading_that_stands_still_at_a_wrong_value_is_found_beside_noise_of_any_tail(seed):
+    rng = np.random.default_rng(seed)
+    wrong = np.full(2000, np.nan)
+    for at in rng.choice(np.arange(100, 1900, 40), 3, replace=False):
+        wrong[at : at + rng.integers(3, 7)] = rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 0.9)
+    assert _taken_for_outliers(0.05 * rng.standard_t(5, 2000), wrong, 0.06) == ["force"]
+
+
+@pytest.mark.parametrize(("freedom", "colour", "size", "step"), [(3.0, 0.99, 0.02, 0.05), (2.5, 0.995, 0.03, 0.2), (2.2, 0.9, 0.05, 0.3)])
+def test_noise_that_wanders_in_jumps_does_not_stand_still(freedom, colour, size, step):
+    """Innovations with heavy tails, and a converter coarser than what is between them: plateaus far from where the force was."""
+    told = 0
+    for seed in range(40):
+        innovations = np.random.default_rng(seed).standard_t(freedom, 4000)
+        told += bool(_taken_for_outliers(size * lfilter([1.0], [1.0, -colour], innovations), np.full(4000, np.nan), step))
+    assert told == 0

@@ -16,9 +16,11 @@ LOADED = 0.2  # of what the taxel under the plunger feels
 PROBE, PUSH = 1e-6, 1e-3  # m, N
 
 
-def carried(carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
+def carried(
+    carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain: np.ndarray, late: np.ndarray | float = 0.0
+) -> np.ndarray:
     """D in newtons for each unit of the carrier, where the session is simulated as `plain` (C, N); zero, slope (1) and delay (s) are those
-    of the channels `rows` alone."""
+    of the channels `rows` alone. What a delay changes is in proportion to small ones only: D is exact for `late` s, (N,)."""
     if carrier == DEPTH:
         return _deeper(model, s, plain)
     if carrier in (DRIVE, DRIVEN):
@@ -26,8 +28,15 @@ def carried(carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain
     own, out = plain[list(rows)], np.zeros_like(plain)
     if carrier == SLOPE and not _loads(s, rows[0]):
         return out
-    out[list(rows)] = 1.0 if carrier == ZERO else own if carrier == SLOPE else -np.gradient(own, s.motion.dt, axis=1)
+    out[list(rows)] = 1.0 if carrier == ZERO else own if carrier == SLOPE else _later(own, s.motion.t, late)
     return out
+
+
+def _later(rows: np.ndarray, t: np.ndarray, late: np.ndarray | float) -> np.ndarray:
+    """(y(t - d) - y(t)) / d of each row y, and its limit -dy/dt where d is less than a tenth of a sample."""
+    dt = t[1] - t[0]
+    secant = np.array([np.interp(t - late, t, y) - y for y in rows]) / np.where(late == 0.0, 1.0, late)
+    return np.where(np.abs(late) > 0.1 * dt, secant, -np.gradient(rows, dt, axis=1))
 
 
 def _loads(s: Session, row: int) -> bool:

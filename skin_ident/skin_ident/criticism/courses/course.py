@@ -37,6 +37,7 @@ MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
 SEEN = 0.01  # of what a step would change if it was there from the start on, the least that must be left to tell of it
+SECANTS = 2  # times that a delay is fitted once more, with what delays of that size change
 LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
 KNOT_S = 20.0
 START_S = 5.0  # s, within which a step is how the session began
@@ -54,7 +55,7 @@ Moments = dict[str, np.ndarray]  # s, by session
 @dataclass(frozen=True)
 class Run:
     """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
-    values (C, N) N and its words by session, the period of their samples, s, and by session the moments of its steps, s."""
+    values (C, N) N and its words by session, the period of their samples, s, and by session the moments of its steps, s, and amplitudes."""
 
     course: Course
     score: float
@@ -64,6 +65,7 @@ class Run:
     said: dict[str, str]
     period: float
     moments: Moments = field(default_factory=dict)
+    amplitudes: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def size(self) -> float:
@@ -131,7 +133,7 @@ def fitted(
 ) -> Run:
     """The course fitted to what `model` leaves, beside what is `free` to change of it. Steps are looked for, or are `at` given moments."""
     ground = _held_ground(model, sessions, noise, free) if free else _ground(model, sessions, noise)
-    return _linear_run(course, ground, at) if at else _run(course, ground)
+    return _run(course, ground, at)
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,7 @@ class _Ground:
     plain: dict[str, np.ndarray]
     left: np.ndarray
     alone: bool = False
+    late: dict[str, np.ndarray] = field(default_factory=dict)
 
     def of(self, session: Session) -> np.ndarray:
         """The part of `left` that belongs to one session, (C, n)."""
@@ -162,7 +165,7 @@ class _Ground:
         """D of the module's equation, (C, N), newtons for each unit of z; worked out once for all shapes."""
         key = course.carrier, course.rows, s.name
         if key not in self._carriers:
-            self._carriers[key] = carried(course.carrier, course.rows, self.model, s, self.plain[s.name])
+            self._carriers[key] = carried(course.carrier, course.rows, self.model, s, self.plain[s.name], self.late.get(s.name, 0.0))
         return self._carriers[key]
 
     def beside(self, rows: np.ndarray) -> np.ndarray:
@@ -199,13 +202,19 @@ def _basis(A: np.ndarray) -> np.ndarray:
     return np.linalg.qr(A[:, np.any(A != 0.0, axis=0)])[0]
 
 
-def _run(course: Course, g: _Ground) -> Run:
-    run = _linear_run(course, g)
+def _run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
+    run = _linear_run(course, g, at)
     if course.carrier != DELAY or run.score <= 0.0:
         return run
-    # y(t - d) - y(t) = -d y'(t - d / 2) to the second order: once more, with the slopes half way.
-    halfway = {name: plain + 0.5 * run.values[name] for name, plain in g.plain.items()}
-    return max(run, _linear_run(course, replace(g, plain=halfway)), key=lambda r: r.score)
+    for _ in range(SECANTS):
+        late = {s.name: _total(course, run, s) for s in g.sessions}
+        run = max(run, _linear_run(course, replace(g, late=late), at), key=lambda r: r.score)
+    return run
+
+
+def _total(course: Course, run: Run, s: Session) -> np.ndarray:
+    """The amplitudes of a run added up, (N,)."""
+    return run.amplitudes[s.name] @ _on(run.moments[s.name], course, s)
 
 
 def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
@@ -224,7 +233,7 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt, moments)
+    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt, moments, z)
 
 
 def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:

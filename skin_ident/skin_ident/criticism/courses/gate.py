@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
-from skin_ident.criticism.courses.carriers import DEPTH, ZERO
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH, ZERO
 from skin_ident.criticism.courses.course import Run, added, fitted
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, WAVE, Course
 from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain, gain_of_residuals
@@ -87,10 +87,11 @@ def helps(run: Run, before: Model, after: Model, train: list[Session], held: lis
 
 
 def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:
-    """Residual (C, n) with each block's course fitted to its neighbours. When the depth jumped may be seen in all blocks: jumping a little
-    too early or too late feigns a speed that was not there."""
+    """Residual (C, n) with each block's course fitted to its neighbours. When the depth jumped, or a buffer slipped, may be seen in all
+    blocks: jumping a little too early or too late feigns a speed that was not there, and of half a session more slips are told than of all
+    of it, each of which is far off in the blocks between."""
     e = residual(model, s)
-    known = fitted(course, model, [s], noise, free).moments if course.carrier == DEPTH else None
+    known = fitted(course, model, [s], noise, free).moments if course.carrier in (DEPTH, DELAY) else None
     at = known if known and known[s.name].size else None
     odd = ((s.t - s.t[0]) / BLOCK_S[course.shape]).astype(int) % 2
     out = e.copy()

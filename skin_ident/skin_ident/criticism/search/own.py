@@ -82,7 +82,8 @@ def take_alone(search: "Search") -> bool:
     had = {r.course for r in search.runs}
     runs = plainest_first(beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step))
     run = next((r for r in runs if r.course not in had), None)
-    if run is None or run.score < search.least(sum(np.count_nonzero(s.weight) for s in search.held)):
+    least = search.least(sum(np.count_nonzero(s.weight) for s in search.held))
+    if run is None or min(run.score, _in_their_noise(search, run)) < least:
         return False
     gain = course_gain(run.course, search.present.model, search.present.model, search.train, search.held, search.noise)
     much = gain.after < ALONE * gain.before and gain.squares > FORM * search.fallen(gain.channel)
@@ -98,6 +99,13 @@ def take_alone(search: "Search") -> bool:
     search.named.append(Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said))
     search.progress(f"named {run.course.cause} in the {run.course.where}, in what was held out alone")
     return True
+
+
+def _in_their_noise(search: "Search", run: Run) -> float:
+    """What a course of held-out sessions explains in the noise that is left there with it: theirs may wander further than the others'."""
+    model = search.present.model
+    noise = noise_of(model, added(search.held, run.values))
+    return fitted(run.course, model, search.held, noise, left_open(model, search.train, search.held, noise)).score
 
 
 def take_course(search: "Search", run: Run, finding: Named) -> None:

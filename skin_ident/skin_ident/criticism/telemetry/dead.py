@@ -16,7 +16,8 @@ PIECES = 24  # of a session
 ALIVE = 0.3  # of the usual slope in a piece
 GONE = 0.03
 SURE = 0.8  # correlation in a piece in which it surely lives
-FEWEST = 4  # dead pieces in a row, to the end of the session
+FEWEST = 4  # dead pieces in a row, to the end of the session, in which the load moved; or an eighth of a session that says as much
+MUCH = 0.5  # of the load's standard deviation
 
 
 def find_dead_taxels(recordings: list) -> list[Symptom]:
@@ -91,9 +92,16 @@ def _death(recording, row: np.ndarray) -> int | None:
     alive = [k for k in tested if slopes[k] > ALIVE * usual]
     last = alive[-1] if alive else -1
     dead = tested[tested > last]
-    if last < 0 or usual <= 0.0 or dead.size < FEWEST or np.any(np.abs(slopes[dead[1:]]) > GONE * usual):
+    if last < 0 or usual <= 0.0 or not dead.size or np.any(np.abs(slopes[dead[1:]]) > GONE * usual):
         return None
-    return _last_sign_of_life(row, load, pieces, last, int(dead[1]))
+    start = _last_sign_of_life(row, load, pieces, last, int(dead[min(1, dead.size - 1)]))
+    return start if dead.size >= FEWEST or _silent_under_load(load, row, np.arange(start, row.size), GONE * usual) else None
+
+
+def _silent_under_load(load: np.ndarray, row: np.ndarray, span: np.ndarray, slope: float) -> bool:
+    """Whether a load that changes much, if at few moments, over a long span of samples says nothing to the taxel."""
+    long = span.size >= (FEWEST - 1) * row.size / PIECES
+    return bool(long and np.std(load[span]) > MUCH * np.std(load) and abs(_slope(load[span], row[span])) <= slope)
 
 
 def _last_sign_of_life(row: np.ndarray, load: np.ndarray, pieces: list, last: int, dead: int) -> int:
@@ -102,7 +110,8 @@ def _last_sign_of_life(row: np.ndarray, load: np.ndarray, pieces: list, last: in
     slope = _slope(load[pieces[last][0] - pieces[last].size : b], row[pieces[last][0] - pieces[last].size : b]) if last else 1.0
     slope = max(slope, _slope(load[:a], row[:a]) if a > 10 else slope)
     silent = float(np.median(row[b:]))
-    offset = float(np.median(row[:b] - slope * load[:b]))
+    lived = slice(0, pieces[last][-1] + 1)
+    offset = float(np.median(row[lived] - slope * load[lived]))
     live = (row[a:b] - slope * load[a:b] - offset) ** 2
     still = (row[a:b] - silent) ** 2
     return a + int(np.argmin(np.concatenate([[0.0], np.cumsum(live - still)])))

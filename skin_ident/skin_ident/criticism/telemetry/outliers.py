@@ -16,6 +16,7 @@ LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for w
 NEAREST = 0.35  # of it, below which excursions run into each other and are no measure of more
 FEWEST = 2  # frozen runs that make a finding by themselves
 DROPPED = 3  # excursions that must end at one reading
+STANDS = 3  # samples at one value, far off: noise of single samples does not do that
 FROZEN = 5  # samples at one value
 MISSED = 10.0  # noise widths of change that a frozen run must have missed
 SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
@@ -61,11 +62,22 @@ def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray
     nearest = NEAREST * limit
     level = stands_apart(limit, beyond, step, nearest) or stands_apart(LOWEST * limit, beyond, step, nearest)
     far = [excursions(a, b, level or limit) for a, b in zip(e, y, strict=True)]
-    away = [fill_clusters(f) for f in far] if level else _to_one_reading(far, y, limit, step)
+    away = [fill_clusters(f) for f in far] if level else _standing(e, y, LOWEST * limit) or _to_one_reading(far, y, limit, step)
     values, counts = np.unique(np.concatenate(y), return_counts=True)
     idle = float(values[np.argmax(counts)])
     still = [_frozen(b, a, limit, step, j | (np.abs(b - idle) < limit)) for a, b, j in zip(e, y, jumps, strict=True)]
     return away, still
+
+
+def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np.ndarray] | None:
+    """The excursions beyond a limit in which the reading stands still, or None where these are too few and too short: noise of whatever
+    tail is somewhere else at the next sample, and where it wanders in jumps, it does not come back by one soon after."""
+    out, lengths = [], []
+    for rest, row in zip(e, y, strict=True):
+        stands = [(a, b) for a, b in zip(*runs(excursions(rest, row, limit)), strict=True) if b - a >= STANDS and np.ptp(row[a:b]) == 0.0]
+        lengths += [b - a for a, b in stands]
+        out.append(np.isin(np.arange(row.size), [i for a, b in stands for i in range(a, b)]))
+    return out if len(lengths) >= FEWEST or max(lengths, default=0) > STANDS else None
 
 
 def _to_one_reading(far: list[np.ndarray], y: list[np.ndarray], limit: float, step: float) -> list[np.ndarray]:

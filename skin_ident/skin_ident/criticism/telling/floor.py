@@ -6,7 +6,11 @@ sessions, for an encoder's steps or a noise that grows with load make one sessio
 
 Noise as large as the wrong itself would be taken for the floor where the search took it for noise. So the same directions, and delayed
 copies of what is simulated, are also fitted to every other few seconds of the session and predict what is between, which no noise lets
-them do; the floor is the lower of the two.
+them do; the floor is the lower of the two. And while the plunger is in the air there is nothing but noise: that of a channel under load may
+be some times as large, but not many times.
+
+How large noise is, a record shows the worse the longer the memory of that is: of the RMS of n samples that are correlated by r from one to
+the next the relative standard error is sqrt((1 + r^2) / (1 - r^2) / 2 n) (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27-41).
 """
 
 from collections.abc import Iterable
@@ -23,7 +27,7 @@ from skin_ident.criticism.noise.estimate import less
 from skin_ident.criticism.noise.whitening import white
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.survey import Survey
-from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.faults import PREDICTS
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
@@ -32,6 +36,9 @@ from skin_models.model import Model
 ROUNDING = 1e-9  # N
 DOUBTED = 1.25  # times the floor of the session that tells most, from which the floor of every session is looked at
 WELL_ABOVE = 1.4  # times the floor of the very sessions: more than noise. Of 25 sound sets the most had 1.2, of what was fitted 1.1
+UNSURE = 2.0  # standard errors of the floor, by which it may be wrong
+LOUDER = 6.0  # times the noise of the air: so much does no load make of it
+AIR_S = 3.0  # of the air, that tell its noise
 TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
 SHADOW = 0.01  # of the mean square that the named causes explained: a remainder below is their own imperfect form
 BLOCK_S = 4.0
@@ -116,13 +123,35 @@ def beyond_noise(
     lasting = {part: _but_for_the_worst(c, sessions) for part, sessions in (("held", list(c.held or c.train)), ("train", list(c.train)))}
     above = {}
     for i, (channel, rms) in enumerate(left.items()):
+        limit = WELL_ABOVE * (1.0 + UNSURE * _doubt_of(floor[channel]["lag_one"], list(c.held or c.train), i))
         low = min(floor[channel]["rms"], float(fitted[i]) * TWICE / WELL_ABOVE)
-        pairs = ((rms * lasting["held"][i], low), (float(fitted[i]) * lasting["train"][i], least_fitted[i]))
+        ends = (("held", rms, low), ("train", float(fitted[i]), least_fitted[i]))
+        loudest = _loudest(c, i)
+        pairs = [(more * lasting[part][i], min(few, loudest / limit)) for part, more, few in ends]
         least = max(shadow, _resolution(c, i, channel, encoder_step) ** 2)
-        times = [more / max(few, ROUNDING) for more, few in pairs if more > WELL_ABOVE * max(few, ROUNDING) and more**2 - few**2 > least]
+        times = [more / max(few, ROUNDING) for more, few in pairs if more > limit * max(few, ROUNDING) and more**2 - few**2 > least]
         if times and channel not in random:
             above[channel] = max(times)
     return above
+
+
+def _doubt_of(lag_one: float, sessions: list[Session], i: int) -> float:
+    """Relative standard error of the RMS of a channel's noise in sessions, of that correlation from sample to sample."""
+    n, r = sum(np.count_nonzero(s.weight[i]) for s in sessions), min(abs(lag_one), 0.999)
+    return float(np.sqrt((1.0 + r**2) / (1.0 - r**2) / (2.0 * max(n, 1))))
+
+
+def _loudest(c: Criticism, i: int) -> float:
+    """The most that noise may leave of channel `i`, N, by what is left of it in the air; anything where there is too little of that. A
+    converter coarser than the noise shows none of it there."""
+    rests, seconds = [], 0.0
+    for s in (*c.train, *c.held):
+        moved = motion_under(s, c.extended.model.dispersion)
+        air = (np.interp(s.t, moved.t, c.extended.model.dispersion.contact(moved)) == 0.0) & (s.weight[i] > 0.0)
+        rests.append(residual(c.extended.model, s)[i, air])
+        seconds += np.count_nonzero(air) * s.band.dt * s.band.every
+    step = max(step_of(s.raw[i]) or 0.0 for s in (*c.train, *c.held))
+    return LOUDER * float(np.hypot(_rms(np.concatenate(rests)), step)) if seconds > AIR_S else np.inf
 
 
 def _fitted(c: Criticism, floor: dict[str, dict[str, Any]]) -> tuple[np.ndarray, np.ndarray]:

@@ -21,6 +21,7 @@ from skin_ident.criticism.telemetry.quantization import step_of
 
 SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
 SYSTEMATIC_RMSE = 0.05  # and of the plain error, in the channel that gains most
+ENOUGH_S = 40.0  # of held-out data; of less, as many times more must fall: a dozen seconds of noise look like anything
 RESOLVED = 0.2  # of a converter's step: what is smaller than that on average may be the converter's own unevenness
 SHADOW = 0.01  # of what the named causes explained: a remainder below is their own imperfect form
 
@@ -28,17 +29,19 @@ SHADOW = 0.01  # of what the named causes explained: a remainder below is their 
 @dataclass(frozen=True)
 class Rest:
     """What a general predictor gains on held-out data: fall of the whitened mean square, its lower 99 % bound, and plain RMSE (N) in the
-    channel that gains most; `resolution` (N) is what the steps of converter and encoder leave open there."""
+    channel that gains most; `resolution` (N) is what the steps of converter and encoder leave open; `seconds` were held out."""
 
     fall: float
     lower: float
     before: float
     after: float
     resolution: float
+    seconds: float
 
     def is_systematic(self, explained: float) -> bool:
         """Whether the rest deserves the word `unexplained`, next to causes that made a mean square fall by `explained` (N^2)."""
-        sure = self.lower > 0.0 and self.fall > SYSTEMATIC and self.after < (1.0 - SYSTEMATIC_RMSE) * self.before
+        least = max(1.0, ENOUGH_S / self.seconds) * SYSTEMATIC_RMSE
+        sure = self.lower > 0.0 and self.fall > SYSTEMATIC and self.after < (1.0 - least) * self.before
         return sure and self.before**2 - self.after**2 > max(SHADOW * explained, self.resolution**2)
 
 
@@ -62,4 +65,4 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
     unread = unread_force(last.model, held[0].channels[c], held, encoder_step)
     open_to = np.hypot(RESOLVED * max(step_of(s.raw[c]) or 0.0 for s in held), unread)
-    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to))
+    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to), sum(float(np.ptp(s.t)) for s in held))
