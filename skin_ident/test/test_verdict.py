@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 from test_faults import session
+from world import make_sessions, write_case
 
 from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.estimators.fit import fit_recordings
 from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.load import load
 from skin_ident.report.gains import better
 from skin_ident.report.markdown import markdown
 from skin_ident.report.reading import view
@@ -84,3 +86,17 @@ def test_the_gain_of_the_only_cause_is_one_number_in_terminal_findings_and_repor
     assert error.pair == pytest.approx((gain["held_out_rmse_before"], gain["held_out_rmse_after"]), rel=1e-9)
     printed = [f"{1e3 * x:.3g}\u00a0mN" for x in error.pair]
     assert f"-> {error.pair[1]:.3g} N" in summary(findings) and all(x in better(view(findings)).sentences[0] for x in printed)
+
+
+def test_what_is_many_times_louder_than_the_air_is_not_nothing(tmp_path):
+    """A load cell that is late by 80 ms from some moment on, on triangles: by far more than any delay that is like its first order."""
+    made, _ = make_sessions(None, seed=55, n_sessions=3, noise="white", protocol="single_rate_triangles")
+
+    def slipped(s):
+        return replace(s, force=np.interp(s.t - 0.08 * (s.t > np.quantile(s.t, 0.6)), s.t, s.force))
+
+    write_case([slipped(s) for s in made], tmp_path)
+    recordings = load(tmp_path)
+    findings = diagnose(recordings[:2], recordings[2:]).findings
+    assert findings["verdict"] != "nothing_wrong"
+    assert {f["cause"] for f in findings["findings"]} <= {"time_shift"}

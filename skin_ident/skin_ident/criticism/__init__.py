@@ -30,8 +30,8 @@ The method, in the order in which `diagnose` runs it:
     what is wrong in held-out sessions alone.
 10. `search.criticise` repeats this; each cause is then asked for again beside the others (`search.exchange`), and what nothing needs is
     eliminated. `telling` asks whether a general model still predicts something of the residual on held-out data, and whether more is left
-    than where every cause may bend every session by itself; it measures every gain beside what noise alone leaves, and writes
-    findings.json. `telemetry.pull` looks at the moments that were left out.
+    than where every cause may bend every session by itself, or many times more than in the air; it measures every gain beside what noise
+    alone leaves, and writes findings.json. `telemetry.pull` looks at the moments that were left out.
 
 `many` divides the search where taxels are many; `scan` is the same idea for static spread scans.
 

@@ -85,8 +85,8 @@ def _more_than_applied(c: Criticism) -> list[str]:
 
 def _more_than_noise(above: dict[str, float]) -> list[str]:
     return [
-        f"{channel}: what is left is {times:.2g} times what is left where every cause may bend every session by itself: more "
-        "than noise, and no cause that could be named accounts for it"
+        f"{channel}: what is left is {times:.2g} times the noise, as the air tells it, or what is left where every cause may bend every "
+        "session by itself; no cause that could be named accounts for it"
         for channel, times in above.items()
     ]
 
