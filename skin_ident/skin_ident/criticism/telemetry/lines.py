@@ -18,6 +18,8 @@ from skin_ident.criticism.telemetry.motion_lines import LONE, carried, goes_on_a
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 CHANCE = 1e-4  # of one false line per channel
+SEEN = 5.0  # times its background, as tall as a line is in more than this part of the sessions: a few motions may be of one speed
+MOST_SESSIONS = 2 / 3
 DRIFT = 5  # bins by which a line may differ from session to session
 BESIDE = 2, 12  # bins: what a line is compared with to tell it from a hump
 HUMP = 1e-5  # chance that a hump looks like one: it is its highest bin that is looked at
@@ -76,7 +78,9 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
     frequency = np.fft.rfftfreq(n, dt)
     each = [over_background(e[:n]) for e in rows]
     width = np.mean(each, axis=0)
-    ratio = np.median([maximum_filter1d(row, DRIFT) for row in each], axis=0) if len(rows) > 2 else np.min(each, axis=0)
+    near = [maximum_filter1d(row, DRIFT) for row in each]
+    ratio = np.median(near, axis=0) if len(rows) > 2 else np.min(each, axis=0)
+    ratio[np.mean(np.array(near) > SEEN, axis=0) <= MOST_SESSIONS] = 0.0
     ratio[(frequency < max(LOWEST_HZ, FEWEST_CYCLES / (n * dt))) | (frequency > frequency[-1] - 2.0 / (n * dt))] = 0.0
     limit = 1.0 - np.log(CHANCE / n) / len(rows) if len(rows) > 1 else -np.log(CHANCE / n)
     lines, doubtful = [], False
