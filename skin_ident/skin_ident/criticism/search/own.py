@@ -7,7 +7,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, noise_of
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.courses.carriers import SLOPE
+from skin_ident.criticism.courses.carriers import SLOPE, ZERO
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
@@ -56,9 +56,11 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
 
 
 def _at_once(run: Run, search: "Search") -> float:
-    """The most that a course explains within one short while, of the squared whitened error: noise that wanders and has heavy tails jumps
-    for good, now and then, and that is a step of nothing."""
+    """The most that a course of one channel explains within one short while, of the squared whitened error: noise that wanders and has
+    heavy tails jumps for good, now and then, and that is a step of nothing. What jumps in all channels at once is no noise of theirs."""
     most = 0.0
+    if run.course.carrier not in (SLOPE, ZERO):
+        return most
     for s in search.train:
         before = residual(search.present.model, s)
         after = before - s.band.thin(run.values[s.name])
