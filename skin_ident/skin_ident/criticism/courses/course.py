@@ -37,7 +37,8 @@ MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
 SEEN = 0.01  # of what a step would change if it was there from the start on, the least that must be left to tell of it
-SECANTS = 2  # times that a delay is fitted once more, with what delays of that size change
+SECANTS = 2  # times that a delay is fitted once more, with what delays of that size change;
+SHORT = 0.1  # of a period of the band's edge: once is enough for less
 LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
 KNOT_S = 20.0
 START_S = 5.0  # s, within which a step is how the session began
@@ -209,6 +210,8 @@ def _run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     for _ in range(SECANTS):
         late = {s.name: _total(course, run, s) for s in g.sessions}
         run = max(run, _linear_run(course, replace(g, late=late), at), key=lambda r: r.score)
+        if run.largest < SHORT / g.sessions[0].band.edge:
+            break
     return run
 
 
