@@ -23,8 +23,9 @@ CHANCE = 1e-4  # of sessions that differ so much by their standard errors alone
 def with_scatter(measured: Gains, layout: Layout) -> Gains:
     """The same shares, with what those of sessions at one place scatter beyond their errors."""
     covariance = measured.covariance.copy()
-    for place in np.unique(np.round(layout.contacts / APART), axis=0):
-        alike = np.flatnonzero(np.all(np.round(layout.contacts / APART) == place, axis=1))
+    places = np.round(layout.contacts / APART)
+    for place in np.unique(places, axis=0):
+        alike = np.flatnonzero(np.all(places == place, axis=1))
         if len(alike) > 1:
             covariance[alike] += np.diag(_between(measured.value[alike], measured.covariance[alike]))
     return replace(measured, covariance=covariance)

@@ -28,15 +28,17 @@ def carried(
     own, out = plain[list(rows)], np.zeros_like(plain)
     if carrier == SLOPE and not _loads(s, rows[0]):
         return out
-    out[list(rows)] = 1.0 if carrier == ZERO else own if carrier == SLOPE else _later(own, s.motion.t, late)
+    out[list(rows)] = 1.0 if carrier == ZERO else own if carrier == SLOPE else _later(own, s.motion, late)
     return out
 
 
-def _later(rows: np.ndarray, t: np.ndarray, late: np.ndarray | float) -> np.ndarray:
+def _later(rows: np.ndarray, m: Motion, late: np.ndarray | float) -> np.ndarray:
     """(y(t - d) - y(t)) / d of each row y, and its limit -dy/dt where d is less than a tenth of a sample."""
-    dt = t[1] - t[0]
-    secant = np.array([np.interp(t - late, t, y) - y for y in rows]) / np.where(late == 0.0, 1.0, late)
-    return np.where(np.abs(late) > 0.1 * dt, secant, -np.gradient(rows, dt, axis=1))
+    slope = -np.gradient(rows, m.dt, axis=1)
+    if not np.any(late):
+        return slope
+    secant = np.array([np.interp(m.t - late, m.t, y) - y for y in rows]) / np.where(late == 0.0, 1.0, late)
+    return np.where(np.abs(late) > 0.1 * m.dt, secant, slope)
 
 
 def _loads(s: Session, row: int) -> bool:

@@ -141,7 +141,8 @@ def fitted(
 class _Ground:
     """What every course begins from: the sessions as simulated, (C, N) by name, and the whitened residual (R,) less what `Q` (R, U) spans,
     which the model may change by itself (None: nothing). Rows of `Q` beyond those of the sessions are what others know of the model. Where
-    courses of these sessions are looked for `alone`, others say what the slopes are."""
+    courses of these sessions are looked for `alone`, others say what the slopes are. Delays are exact where they are about `late`, (N,) s
+    by name."""
 
     model: Model
     sessions: list[Session]

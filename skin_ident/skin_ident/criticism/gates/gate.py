@@ -171,6 +171,6 @@ def _draws(blocks: int) -> np.ndarray:
 
 def by_block(rows: np.ndarray, s: Session) -> np.ndarray:
     """Sums over consecutive blocks of a session along the last axis; a short last block is left out."""
-    size = max(min(int(BLOCK_S / (s.band.dt * s.band.every)), rows.shape[-1] // FEWEST_BLOCKS), 1)
+    size = max(min(int(BLOCK_S / s.band.spacing), rows.shape[-1] // FEWEST_BLOCKS), 1)
     whole = rows.shape[-1] // size * size
     return rows[..., :whole].reshape(*rows.shape[:-1], -1, size).sum(axis=-1)

@@ -71,7 +71,7 @@ def _beat(sessions: list[Session], encoder_step: float) -> float:
     is then no noise but a saw of |v / q - n / dt| Hz, of whose harmonics each adds 2 (f q)^2 to the squared speed."""
     squares = [np.zeros(1)]
     for s in sessions if encoder_step > 0.0 else ():
-        passed = median_filter(np.abs(_speed(s)), max(round(EVEN_S / (s.band.dt * s.band.every)), 1)) / encoder_step  # steps a second
+        passed = median_filter(np.abs(_speed(s)), max(round(EVEN_S / s.band.spacing), 1)) / encoder_step  # steps a second
         whole = np.round(passed * s.motion.dt) / s.motion.dt
         f = np.where(whole > 0.0, np.abs(passed - whole), np.inf)
         f = np.where(f < s.band.edge, np.maximum(f, 1e-9), np.inf)

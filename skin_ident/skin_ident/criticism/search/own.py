@@ -65,7 +65,7 @@ def _at_once(run: Run, search: "Search") -> float:
         before = residual(search.present.model, s)
         after = before - s.band.thin(run.values[s.name])
         fall = sum(np.sum(sign * search.noise.apply(e, s.weight) ** 2, axis=0) for sign, e in ((1.0, before), (-1.0, after)))
-        width = max(round(AT_ONCE_S / (s.band.dt * s.band.every)), 1)
+        width = max(round(AT_ONCE_S / s.band.spacing), 1)
         most = max(most, float(np.convolve(fall, np.ones(width)).max()))
     return most
 

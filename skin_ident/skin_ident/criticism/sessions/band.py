@@ -44,6 +44,11 @@ class Band:
         kept = slowest * max(1, int(1.0 / (slowest * 3.0 * self.edge)))
         return max(1, round(kept / self.dt))
 
+    @property
+    def spacing(self) -> float:
+        """From one sample that is kept to the next, s."""
+        return self.dt * self.every
+
     @cached_property
     def kernel(self) -> np.ndarray:
         """Taps of the low-pass; their number less one is a multiple of `every`, so that decimation starts on a whole window."""

@@ -120,14 +120,14 @@ def beyond_noise(
     random = {channel for s in symptoms if s.cause not in PREDICTS for channel in s.channels}
     shadow = SHADOW * max((n.gain.squares for n in c.named), default=0.0)
     fitted, least_fitted = _fitted(c, floor)
+    loudest = _loudest(c)
     lasting = {part: _but_for_the_worst(c, sessions) for part, sessions in (("held", list(c.held or c.train)), ("train", list(c.train)))}
     above = {}
     for i, (channel, rms) in enumerate(left.items()):
         limit = WELL_ABOVE * (1.0 + UNSURE * _doubt_of(floor[channel]["lag_one"], list(c.held or c.train), i))
         low = min(floor[channel]["rms"], float(fitted[i]) * TWICE / WELL_ABOVE)
         ends = (("held", rms, low), ("train", float(fitted[i]), least_fitted[i]))
-        loudest = _loudest(c, i)
-        pairs = [(more * lasting[part][i], min(few, loudest / limit)) for part, more, few in ends]
+        pairs = [(more * lasting[part][i], min(few, loudest[i] / limit)) for part, more, few in ends]
         least = max(shadow, _resolution(c, i, channel, encoder_step) ** 2)
         times = [more / max(few, ROUNDING) for more, few in pairs if more > limit * max(few, ROUNDING) and more**2 - few**2 > least]
         if times and channel not in random:
@@ -141,17 +141,21 @@ def _doubt_of(lag_one: float, sessions: list[Session], i: int) -> float:
     return float(np.sqrt((1.0 + r**2) / (1.0 - r**2) / (2.0 * max(n, 1))))
 
 
-def _loudest(c: Criticism, i: int) -> float:
-    """The most that noise may leave of channel `i`, N, by what is left of it in the air; anything where there is too little of that. A
+def _loudest(c: Criticism) -> np.ndarray:
+    """The most that noise may leave of each channel (C,) N, by what is left of it in the air; anything where there is too little of that. A
     converter coarser than the noise shows none of it there."""
-    rests, seconds = [], 0.0
-    for s in (*c.train, *c.held):
-        moved = motion_under(s, c.extended.model.dispersion)
-        air = (np.interp(s.t, moved.t, c.extended.model.dispersion.contact(moved)) == 0.0) & (s.weight[i] > 0.0)
-        rests.append(residual(c.extended.model, s)[i, air])
-        seconds += np.count_nonzero(air) * s.band.dt * s.band.every
-    step = max(step_of(s.raw[i]) or 0.0 for s in (*c.train, *c.held))
-    return LOUDER * float(np.hypot(_rms(np.concatenate(rests)), step)) if seconds > AIR_S else np.inf
+    model, sessions = c.extended.model, [*c.train, *c.held]
+    in_air = [replace(s, weight=s.weight * _in_the_air(model, s)) for s in sessions]
+    seconds = sum(np.count_nonzero(s.weight, axis=1) * s.band.spacing for s in in_air)
+    steps = [max(step_of(s.raw[i]) or 0.0 for s in sessions) for i in range(len(sessions[0].channels))]
+    rms = _pooled([residual(model, s) for s in sessions], in_air)
+    return np.where(seconds > AIR_S, LOUDER * np.hypot(rms, steps), np.inf)
+
+
+def _in_the_air(model: Model, s: Session) -> np.ndarray:
+    """Mask (n,) of the samples in which the plunger does not touch the skin."""
+    moved = motion_under(s, model.dispersion)
+    return np.interp(s.t, moved.t, model.dispersion.contact(moved)) == 0.0
 
 
 def _fitted(c: Criticism, floor: dict[str, dict[str, Any]]) -> tuple[np.ndarray, np.ndarray]:
