@@ -25,6 +25,7 @@ AT_ONCE_S = 0.3  # within which no more may be explained than what is asked for
 FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted
 WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
 PLAIN = 0.5  # if it leaves more than this of the error
+CERTAIN = 30.0  # likelihood gain, in the noise that is left there, of what is wrong in them alone: where much else is left, too
 EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
 
 
@@ -85,7 +86,7 @@ def take_alone(search: "Search") -> bool:
     runs = plainest_first(beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step))
     run = next((r for r in runs if r.course not in had), None)
     least = search.least(sum(np.count_nonzero(s.weight) for s in search.held))
-    if run is None or min(run.score, _in_their_noise(search, run)) < least:
+    if run is None or run.score < least or _in_their_noise(search, run) < min(least, CERTAIN):
         return False
     gain = course_gain(run.course, search.present.model, search.present.model, search.train, search.held, search.noise)
     much = gain.after < ALONE * gain.before and gain.squares > FORM * search.fallen(gain.channel)
