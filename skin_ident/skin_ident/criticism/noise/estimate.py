@@ -4,15 +4,15 @@ Whitening with the residual of a poor model would count the model's own error as
 as if the noise were white would reject the truth half of the time. So the residual is first reduced by the directions that explain most
 of it, chosen one after the other (orthogonal matching pursuit), whatever their cause, and the noise is fitted to the rest. The first pass
 takes the noise as white: colour fitted to the residual itself would contain the very effect that is looked for, and an offset or a slow
-drift would drown in it. Every other pass chooses again under the colour that the one before has left.
+drift would drown in it. The second pass chooses again under the colour that the first has left.
 
-The first passes take noise that wanders for something that is explained, the last ones what is explained for noise that wanders. Of all of
-them that one is taken which describes the record in the fewest words (J. Rissanen, Automatica 14 (1978) 465-471):
+The first pass may take noise that wanders for something that is explained, the second what is explained for noise that wanders. Of the two
+that one is taken which describes the record in fewer words (J. Rissanen, Automatica 14 (1978) 465-471):
 
     n sum_c log r_c + k / 2 (log(n C) + 2 log M)
 
 with the standard deviations r_c of the C innovations, n samples of each, and k directions chosen out of M. A lone session that no model
-fits well is described shortest by colour alone, under which nothing is found: there the second pass is taken, and held-out data decide.
+fits well is always looked at twice: held-out data decide there.
 """
 
 import numpy as np
@@ -21,27 +21,37 @@ from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, 
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
-PASSES, PASSES_ALONE = 4, 2  # of several sessions, and of one
 AS_FEW = 12.0  # words by which passes do not differ: then the first of them, which explains more
 
 
 def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
     """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
     every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
-    own, offered = len(tangents[0]), len(bank[0])
-    noise, found, before = white(residuals), [], None
-    for _ in range(PASSES if len(sessions) > 1 else PASSES_ALONE):
-        z = _richest(residuals, every, own, noise, sessions)
-        if len(found) > 1 and np.array_equal(z != 0.0, before):  # the same again, and so would be all that follow
-            break
-        before = z != 0.0
-        asked = [s.weight * noise.believed(s.weight) for s in sessions]  # what is left of the others may be anything
-        noise = fit_whitener(_less(residuals, every, z), asked)
-        found.append((_words(noise, asked, np.count_nonzero(z[own:]), offered), noise))
-    if len(sessions) == 1:
-        return noise
-    fewest = min(words for words, _ in found)
-    return next(noise for words, noise in found if words < fewest + AS_FEW)
+    own = len(tangents[0])
+    first, words = _pass(residuals, every, own, white(residuals), sessions)
+    again, fewer = _pass(residuals, every, own, first, sessions)
+    return first if len(sessions) > 1 and words < fewer + AS_FEW else again
+
+
+def _pass(
+    residuals: list[np.ndarray], every: list[np.ndarray], own: int, noise: Whitener, sessions: list[Session]
+) -> tuple[Whitener, float]:
+    """The noise that is left beside the directions that explain most under `noise`, and the words that it takes to say both."""
+    z = _richest(residuals, every, own, noise, sessions)
+    asked = [s.weight * noise.believed(s.weight) for s in sessions]  # what is left of the others may be anything
+    left = _less(residuals, every, z)
+    fitted = fit_whitener(left, asked, _taken(left, [a[z != 0.0] for a in every], asked))
+    return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), len(z) - own)
+
+
+def _taken(left: list[np.ndarray], chosen: list[np.ndarray], weights: list[np.ndarray]) -> np.ndarray:
+    """How many degrees of freedom directions (k, C, n) have taken from each channel, (C,): their leverage, summed over its samples."""
+    size = np.sqrt(sum(np.sum((w * e) ** 2, axis=1) for e, w in zip(left, weights, strict=True)))
+    rows = np.concatenate([a * w for a, w in zip(chosen, weights, strict=True)], axis=-1) / np.maximum(size, 1e-12)[:, None]
+    grams = np.einsum("icn,jcn->cij", rows, rows, optimize=True).astype(float)
+    scale = np.sqrt(np.maximum(np.einsum("cii->i", grams), 1e-30))
+    grams /= np.outer(scale, scale)
+    return np.einsum("ij,cji->c", np.linalg.pinv(grams.sum(axis=0), rcond=1e-8, hermitian=True), grams)
 
 
 def _words(noise: Whitener, asked: list[np.ndarray], chosen: int, offered: int) -> float:
