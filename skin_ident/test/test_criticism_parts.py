@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
-from scipy.signal import lfilter, lsim
+from scipy.signal import lsim
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import unknowns, values, with_values
 from skin_ident.criticism.gates.gate import by_block
-from skin_ident.criticism.noise.estimate import noise_model
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.ranking import signed_pursuit
 from skin_ident.criticism.sessions.band import Band
@@ -50,16 +49,6 @@ def test_the_band_keeps_what_is_slow_and_where_it_is(rate):
         assert np.allclose(band.smooth(wave)[inner], wave[inner], atol=0.01)
         assert np.allclose(band.speed(wave)[inner], slope[inner], atol=0.01 * np.abs(slope).max())
         assert np.allclose(band.thin(wave), np.interp(band.times(t), t, wave), atol=0.01)
-
-
-def test_whitening_makes_coloured_and_common_noise_white_and_independent():
-    rng = np.random.default_rng(1)
-    common = lfilter([1.0], [1.0, -0.95], rng.standard_normal(20_000))
-    e = np.array([common + 0.5 * rng.standard_normal(20_000), 0.7 * common + 0.2 * rng.standard_normal(20_000)])
-    noise = fit_whitener([e], [np.ones_like(e)])
-    w = noise.apply(e, np.ones_like(e))[:, 50:]
-    assert np.allclose(np.cov(w), np.eye(2), atol=0.05)
-    assert np.all(np.abs([np.corrcoef(row[1:], row[:-1])[0, 1] for row in w]) < 0.05)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -159,25 +148,3 @@ def test_a_jump_where_skin_is_met_again_is_left_out_with_its_last_sample():
     jumps = impacts(session.motion, SILICONE.dispersion)
     rises = np.diff(response.force) > 0.3 * response.force.max()
     assert rises.sum() > 20 and jumps[1:][rises].mean() > 0.9
-
-
-def test_noise_is_not_learnt_from_samples_of_which_nothing_was_asked():
-    """Directions that go astray where no sample is believed, as between touches, leave the noise what it is."""
-    rng, n = np.random.default_rng(5), 3000
-    e = lfilter([1.0], [1.0, -0.5], rng.standard_normal((2, n)), axis=1)
-    weight = np.ones((2, n))
-    for at in range(200, n, 300):
-        weight[:, at : at + 30] = 0.0
-    session = prepare(recording(SILICONE))
-    session = replace(session, measured=e, weight=weight, t=np.arange(n) * 0.04, channels=("force", "taxel_0"))
-    wild = np.zeros((40, 2, n))
-    for k, row in enumerate(wild):  # nothing to speak of where it is believed, and very much in the eight samples behind a gap
-        row[k % 2] = 0.2 * rng.standard_normal(n)
-        for at in range(200, n, 300):
-            row[:, at : at + 38] = 50.0
-    e += 3.0 * wild[:12].sum(axis=0) * (weight > 0.0) * (np.abs(wild[:12].sum(axis=0)) < 40.0)
-    halves = [slice(0, n // 2), slice(n // 2, n)]
-    sessions = [replace(session, measured=e[:, h], weight=weight[:, h], t=session.t[h]) for h in halves]
-    found = noise_model([e[:, h] for h in halves], [np.zeros((0, 2, n // 2))] * 2, [wild[..., h] for h in halves], sessions)
-    assert np.allclose(found.filters[:, 1], -0.5, atol=0.1)
-    assert np.allclose(np.diag(found.root), 1.0, rtol=0.05)

@@ -17,6 +17,7 @@ fits well is always looked at twice: held-out data decide there.
 
 import numpy as np
 
+from skin_ident.criticism.noise.taken import taken
 from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, white
 from skin_ident.criticism.sessions.session import Session
 
@@ -40,18 +41,8 @@ def _pass(
     z = _richest(residuals, every, own, noise, sessions)
     asked = [s.weight * noise.believed(s.weight) for s in sessions]  # what is left of the others may be anything
     left = _less(residuals, every, z)
-    fitted = fit_whitener(left, asked, _taken(left, [a[z != 0.0] for a in every], asked))
+    fitted = fit_whitener(left, asked, taken([a[z != 0.0] for a in every], left, asked))
     return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), len(z) - own)
-
-
-def _taken(left: list[np.ndarray], chosen: list[np.ndarray], weights: list[np.ndarray]) -> np.ndarray:
-    """How many degrees of freedom directions (k, C, n) have taken from each channel, (C,): their leverage, summed over its samples."""
-    size = np.sqrt(sum(np.sum((w * e) ** 2, axis=1) for e, w in zip(left, weights, strict=True)))
-    rows = np.concatenate([a * w for a, w in zip(chosen, weights, strict=True)], axis=-1) / np.maximum(size, 1e-12)[:, None]
-    grams = np.einsum("icn,jcn->cij", rows, rows, optimize=True).astype(float)
-    scale = np.sqrt(np.maximum(np.einsum("cii->i", grams), 1e-30))
-    grams /= np.outer(scale, scale)
-    return np.einsum("ij,cji->c", np.linalg.pinv(grams.sum(axis=0), rcond=1e-8, hermitian=True), grams)
 
 
 def _words(noise: Whitener, asked: list[np.ndarray], chosen: int, offered: int) -> float:

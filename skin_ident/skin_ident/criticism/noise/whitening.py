@@ -10,10 +10,9 @@ fitted by least squares over all sessions: without the averages, noise that wand
 frequencies, and slow causes would be named for it. What correlation is left between the innovations w goes by one covariance matrix.
 `Whitener.apply` turns residuals and directions alike into samples of unit variance.
 
-What was fitted to a residual and subtracted has taken noise with it, most of all where there is little of it to be seen: k directions may
-leave nothing of the frequencies below w_k = pi k / n radians a sample, and a fit to what is left would think the noise silent there, so
-that every offset and drift would seem certain. The least squares are therefore completed by k `SLOW` oscillations below w_k, as loud as the
-noise is between w_k and 2 w_k (the geometric mean of its spectrum there).
+What was fitted to a residual and subtracted has taken noise with it, most of all at the lowest frequencies (see `taken`). A fit to what is
+left would think the noise silent there, and every offset and drift would seem certain. The least squares are therefore completed by as
+many oscillations as were taken below w_c, as loud as the noise is between w_c and 2 w_c (the geometric mean of its spectrum there).
 
 Sources: L. Ljung, System Identification, 1999, ch. 4 (prediction-error filters); F. Corsi, J. Financial Econometrics 7 (2009) 174-196 (long
 memory by averages over a few times); H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545-554 (what regression takes from the noise
@@ -31,7 +30,6 @@ MEMORIES = np.array([10.0, 30.0, 100.0, 300.0])  # T_m, samples
 POLES = 1.0 - 1.0 / MEMORIES
 AVERAGING = np.poly(POLES)  # the common denominator of all averages, and the numerator that each has over it
 EACH = np.array([np.poly(np.delete(POLES, m)) / memory for m, memory in enumerate(MEMORIES)])
-SLOW = 0.5  # of the degrees of freedom that directions take from noise, those at its lowest frequencies
 FINE = 32  # frequencies that stand for a band
 FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must not be blown up
 
@@ -87,15 +85,15 @@ class Whitener:
 
 
 def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], taken: np.ndarray | None = None, order: int = ORDER) -> Whitener:
-    """The noise model of residuals [(C, n), …], from each channel of which so many degrees of freedom (C,) were `taken` by what was fitted
-    and subtracted. Constant channels are given a tiny floor so that nothing divides by zero."""
+    """The noise model of residuals [(C, n), …], from each channel of which what was fitted and subtracted has `taken` so many degrees of
+    freedom (2, C), in all and at the lowest frequencies. Constant channels are given a tiny floor so that nothing divides by zero."""
     n_channels = residuals[0].shape[0]
     kept = np.concatenate([e[:, w.min(axis=0) > 0] for e, w in zip(residuals, weights, strict=True)], axis=1)
     _, vectors = np.linalg.eigh(np.atleast_2d(kept @ kept.T / max(kept.shape[1], 1)))
     mixed = [vectors.T @ e for e in residuals]
     together = [w.min(axis=0) for w in weights]
-    unseen = np.zeros(n_channels) if taken is None else taken @ vectors**2
-    filters, slow = zip(*(_predictor([m[c] for m in mixed], together, order, unseen[c]) for c in range(n_channels)), strict=True)
+    unseen = np.zeros((2, n_channels)) if taken is None else taken @ vectors**2
+    filters, slow = zip(*(_predictor([m[c] for m in mixed], together, order, unseen[:, c]) for c in range(n_channels)), strict=True)
     unit = Whitener(vectors.T, np.array(filters), np.array(slow), np.eye(n_channels))
     w = np.concatenate([unit.apply(e, q) for e, q in zip(residuals, weights, strict=True)], axis=1)
     used = np.any(w != 0.0, axis=0)
@@ -112,7 +110,7 @@ def white(residuals: list[np.ndarray]) -> Whitener:
     return Whitener(np.eye(n), np.eye(1, ORDER + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size))
 
 
-def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int, unseen: float) -> tuple[np.ndarray, np.ndarray]:
+def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int, unseen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The prediction-error filter (p+1,) and the coefficients of the averages (M,) for one mixture, from all sessions together."""
     past = [np.lib.stride_tricks.sliding_window_view(r, order + 1) for r in rows]
     good = [np.lib.stride_tricks.sliding_window_view(w, order + 1).all(axis=1) for w in weights]
@@ -126,12 +124,12 @@ def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int, un
     gram += np.diag(FLOOR * size * np.concatenate([np.ones(order), 1.0 / (2.0 * MEMORIES - 1.0)]) + 1e-30)  # as white noise would add
     product = X.T @ lags[:, order]
     a = np.linalg.solve(gram, product)
-    if unseen > 0.0:
-        edge = np.pi * unseen / len(X)
+    if unseen[1] > 0.0:
+        edge = np.pi * unseen[0] / len(X)
         below, above = (_past(edge * (span + np.arange(FINE) / FINE), order) for span in (0.5 / FINE, 1.0))
         innovation = np.mean((lags[:, order] - X @ a) ** 2)
         loud = innovation * np.exp(-2.0 * np.mean(np.log(np.abs(1.0 - a @ above))))
-        each = SLOW * unseen * loud / FINE
+        each = unseen[1] * loud / FINE
         a = np.linalg.solve(gram + each * (below @ below.conj().T).real, product + each * below.sum(axis=1).real)
     return np.concatenate([[1.0], -a[:order][::-1]]), a[order:]
 

@@ -19,7 +19,7 @@ from skin_ident.criticism.search.together import lasts
 if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
-PROMISING = 0.8  # of what a cause explains, from which another one may explain more once it is fitted
+PROMISING = 0.8  # of what a cause explains, or seems to at first glance, from which another one may explain more once it is fitted
 
 
 def exchange(search: "Search") -> bool:
@@ -35,7 +35,9 @@ def _exchanged(search: "Search", finding: Named) -> bool:
     last = ahead.look()
     explained = _explained(search.present, ahead)
     runs = ahead.own_courses()
-    if max([*(r.score for r in last.ranked if (r.cause, r.where) != key), *(r.score for r in runs)], default=0.0) < PROMISING * explained:
+    glance = {(r.cause, r.where): r.score for r in last.ranked}
+    itself = min(explained, glance.pop(key, explained))
+    if max([*glance.values(), *(r.score for r in runs)], default=0.0) < PROMISING * itself:
         return False
     trials = ahead.trials(last)
     explained = max([explained, *(t.score for t in trials if t.key == key)])
