@@ -1,0 +1,80 @@
+"""The noise model against noise whose spectrum is known."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from skin_ident.criticism.noise.estimate import noise_model
+from skin_ident.criticism.noise.taken import taken
+from skin_ident.criticism.noise.whitening import fit_whitener
+
+
+def weighed(weight: np.ndarray, parts: list[slice]) -> list:
+    """Sessions, of which a noise model looks at nothing but the weights."""
+    return [SimpleNamespace(weight=weight[:, part]) for part in parts]
+
+
+def test_whitening_makes_coloured_and_common_noise_white_and_independent():
+    rng = np.random.default_rng(1)
+    common = lfilter([1.0], [1.0, -0.95], rng.standard_normal(20_000))
+    e = np.array([common + 0.5 * rng.standard_normal(20_000), 0.7 * common + 0.2 * rng.standard_normal(20_000)])
+    noise = fit_whitener([e], [np.ones_like(e)])
+    w = noise.apply(e, np.ones_like(e))[:, 50:]
+    assert np.allclose(np.cov(w), np.eye(2), atol=0.05)
+    assert np.all(np.abs([np.corrcoef(row[1:], row[:-1])[0, 1] for row in w]) < 0.05)
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.9, 0.98])
+def test_noise_is_as_loud_at_its_slowest_as_it_was_before_directions_took_it(pole):
+    """A minute of wandering noise, from which all that is slow may be taken: what whitens offsets and drifts is right nevertheless."""
+    n, radians, ratios, bare = 1500, 0.005, [], []
+    slow = np.cos(np.pi * np.arange(10)[:, None] * np.linspace(0.0, 1.0, n // 2))[:, None]  # each session's own
+    halves = [slice(0, n // 2), slice(n // 2, n)]
+    bank = [np.concatenate([(i == j) * slow for j in range(2)]) for i in range(2)]
+    wave = np.exp(1j * radians * np.arange(6000))
+    true = abs(1.0 - pole * np.exp(-1j * radians)) / np.sqrt(1.0 - pole**2)
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        e = lfilter([np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal((1, n + 500)), axis=1)[:, 500:]
+        sessions, own = weighed(np.ones((1, n)), halves), [np.concatenate([b, np.zeros((0, 1, n // 2))]) for b in bank]
+        found = noise_model([e[:, h] for h in halves], own, [np.zeros((0, 1, n // 2))] * 2, sessions)
+        left = [e[:, h] - np.linalg.lstsq(slow[:, 0].T, e[0, h], rcond=None)[0] @ slow[:, 0] for h in halves]
+        naive = fit_whitener(left, [s.weight for s in sessions])
+        for noise, into in ((found, ratios), (naive, bare)):
+            told = [noise.apply(part[None], np.ones((1, wave.size)))[0, 3000:] for part in (wave.real, wave.imag)]
+            into.append(np.sqrt(np.mean(np.square(told)) * 2.0) / true)
+    assert 0.7 < np.median(ratios) < 4.0 and np.max(ratios) < 6.0  # where noise grows below what is seen of it, more than one
+    assert np.median(bare) > 40.0  # which would make every offset certain
+
+
+def test_what_directions_take_is_counted_by_channel_and_frequency():
+    n = 1000
+    t = np.linspace(0.0, 1.0, n)
+    offset, quick, shared = np.zeros((3, 2, n))
+    offset[0], quick[1], shared[:] = 1.0, np.sin(900.0 * t), np.cos(np.pi * t)
+    ones = np.ones((2, n))
+    freedom, slow = taken([np.array([offset, quick, shared, 2.0 * offset - shared])], [ones], [ones])
+    assert np.allclose(freedom, 1.5, atol=0.02)  # the last one is nothing new, and the third is in both
+    assert 1.0 < slow[0] < 1.5 and 0.2 < slow[1] < 0.5  # all but the quick one, and what spreads from their ends
+    assert not taken([np.zeros((0, 2, n))], [ones], [ones]).any()
+
+
+def test_noise_is_not_learnt_from_samples_of_which_nothing_was_asked():
+    """Directions that go astray where no sample is believed, as between touches, leave the noise what it is."""
+    rng, n = np.random.default_rng(5), 3000
+    e = lfilter([1.0], [1.0, -0.5], rng.standard_normal((2, n)), axis=1)
+    weight = np.ones((2, n))
+    for at in range(200, n, 300):
+        weight[:, at : at + 30] = 0.0
+    wild = np.zeros((40, 2, n))
+    for k, row in enumerate(wild):  # nothing to speak of where it is believed, and very much in the eight samples behind a gap
+        row[k % 2] = 0.2 * rng.standard_normal(n)
+        for at in range(200, n, 300):
+            row[:, at : at + 38] = 50.0
+    e += 3.0 * wild[:12].sum(axis=0) * (weight > 0.0) * (np.abs(wild[:12].sum(axis=0)) < 40.0)
+    halves = [slice(0, n // 2), slice(n // 2, n)]
+    found = noise_model([e[:, h] for h in halves], [np.zeros((0, 2, n // 2))] * 2, [wild[..., h] for h in halves], weighed(weight, halves))
+    assert np.allclose(found.filters[:, 1], -0.5, atol=0.1)
+    assert np.allclose(np.diag(found.root), 1.0, rtol=0.05)
