@@ -18,6 +18,7 @@ RECOVERED = 0.003  # of the greatest depth
 RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s
 SHALLOW = 0.1  # of the greatest depth
 FITTED, KEPT = " (two blocks in three)", " (every third block)"  # what the names of the two parts of a lone session end in
+NOTHING = 0.4  # of what recovering skin would press on its taxels
 PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
 
 
@@ -127,7 +128,7 @@ def _recovering(session: Session, skin: Dispersion, force: float, depth: float) 
 
 
 def _reads_nothing(session: Session) -> bool:
-    """Whether taxels under skin that nothing presses are far nearer to zero than to what recovering skin would press on them: a linear
+    """Whether taxels under skin that nothing presses read less than a share `NOTHING` of what recovering skin would press on them: a linear
     function of its depth and speed, of the recovery time that explains best what they read under load."""
     pressed = session.drive > JUMP * session.drive.max()
     fits = []
@@ -139,7 +140,7 @@ def _reads_nothing(session: Session) -> bool:
         fits.append((float(np.sum((session.raw - told)[:, pressed] ** 2)), told, skin))
     _, told, skin = min(fits, key=lambda fit: fit[0])
     free = _recovering(session, skin, 0.01, 0.02)
-    return bool(2.0 * np.sum(session.raw[:, free] ** 2) < np.sum((session.raw - told)[:, free] ** 2))
+    return bool(np.sum((session.raw * told)[:, free]) < NOTHING * np.sum(told[:, free] ** 2))
 
 
 def parted(s: Motion, skin: Dispersion) -> np.ndarray:
