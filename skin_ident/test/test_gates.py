@@ -82,6 +82,18 @@ def test_damping_shows_while_the_stage_moves_and_a_tremble_at_rest_does_not():
     assert not resolved(small, "rate_dependence", PLAIN, skin, still, 1e-6)
 
 
+def test_steps_that_beat_against_samples_are_no_damping():
+    """A stage that passes 1.04 steps a sample is read as one of 1 a sample that jumps four times a second: damping feels every jump."""
+    step = 20e-6
+    up = np.abs((T / 0.8 + 1.0) % 2.0 - 1.0) * 0.8 * 1.04 * step * RATE
+    read = step * np.round(up / step)
+    moving = [prepare(recorded(PLAIN, depth=read, noise=0.01))]
+    large = replace(QUICK, before=0.15, after=0.10, relative=0.5)
+    assert not resolved(large, "rate_dependence", PLAIN, PLAIN, moving, step)
+    assert resolved(large, "hysteresis", PLAIN, PLAIN, moving, step)
+    assert resolved(large, "rate_dependence", PLAIN, PLAIN, [prepare(recorded(PLAIN, noise=0.01))], step)
+
+
 def test_a_quick_effect_under_slow_noise_is_named(tmp_path):
     """Slow noise makes the plain error large, which then falls by little; the likelihood gains much."""
     assert seek(tmp_path, "backlash", where="rig", form="several", size=0.5, seed=1827596594, protocol="full").right

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from skin_ident.criticism.noise.estimate import noise_model
 from skin_ident.criticism.noise.taken import taken
-from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.noise.whitening import fit_whitener, order_for
 
 
 def weighed(weight: np.ndarray, parts: list[slice]) -> list:
@@ -78,3 +78,19 @@ def test_noise_is_not_learnt_from_samples_of_which_nothing_was_asked():
     found = noise_model([e[:, h] for h in halves], [np.zeros((0, 2, n // 2))] * 2, [wild[..., h] for h in halves], weighed(weight, halves))
     assert np.allclose(found.filters[:, 1], -0.5, atol=0.1)
     assert np.allclose(np.diag(found.root), 1.0, rtol=0.05)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_short_pieces_bear_filters_of_a_low_order(seed):
+    """Of pieces of a dozen samples a filter of order eight leaves a few, which it then explains all but entirely."""
+    rng = np.random.default_rng(seed)
+
+    def sessions() -> list[np.ndarray]:
+        return [lfilter([1.0], [1.0, -0.8], rng.standard_normal((2, 200)), axis=1) for _ in range(2)]
+
+    weights = [np.tile(np.arange(200) % 16 > 0, (2, 1)).astype(float)] * 2
+    noise = fit_whitener(sessions(), weights)
+    assert 0 < noise.order < 8
+    others = np.concatenate([noise.apply(e, w) for _ in range(20) for e, w in zip(sessions(), weights, strict=True)], axis=1)
+    assert np.all(np.std(others[:, others.any(axis=0)], axis=1) < 1.5)  # other noise of the same kind is as large as it was said to be
+    assert order_for([np.ones((2, 30))]) == 0

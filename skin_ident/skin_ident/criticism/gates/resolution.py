@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import uniform_filter1d
 
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
@@ -20,7 +20,7 @@ UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries 
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
 TREMBLING = 1e-6  # m, of a good stage at rest
-EVEN_S = 0.5  # in which the speed is taken for even, beside what the beat makes of it
+EVEN_S = 0.5  # over which the speed is averaged, for a beat makes spikes of it
 MOVING = 2.0  # times the greatest speed of such a tremble
 OF_SPEED = ("rate_dependence", "mount_compliance")
 
@@ -34,14 +34,17 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     """Whether the gain is more than what steps leave open, in all or where the stage moves. Those of the encoder leave a force, the same
     one wherever the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not
     carry the readings across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed
-    that, too, unless the likelihood gains much by it. A stage that trembles at rest does so no more while it moves: a fall there may be
-    smaller."""
+    what steps beat against samples in any session, and those speeds, too, unless the likelihood gains much by it. A stage that trembles at
+    rest does so no more while it moves: a fall there may be smaller."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, _moves))
-    if cause in OF_SPEED and gain.relative < MUCH:
-        resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
-        still, moving = still + max(resting, passing), moving + passing
+    if cause in OF_SPEED:
+        beats = OPEN * max((damping(before, gain.channel) * _beat([s], encoder_step)) ** 2 for s in train)
+        still, moving = still + beats, moving + beats
+        if gain.relative < MUCH:
+            resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
+            still, moving = still + max(resting, passing), moving + passing
     if gain.squares > still:
         return True
     return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train) > max(moving, PASSING * still))
@@ -71,7 +74,7 @@ def _beat(sessions: list[Session], encoder_step: float) -> float:
     is then no noise but a saw of |v / q - n / dt| Hz, of whose harmonics each adds 2 (f q)^2 to the squared speed."""
     squares = [np.zeros(1)]
     for s in sessions if encoder_step > 0.0 else ():
-        passed = median_filter(np.abs(_speed(s)), max(round(EVEN_S / s.band.spacing), 1)) / encoder_step  # steps a second
+        passed = uniform_filter1d(np.abs(_speed(s)), max(round(EVEN_S / s.band.spacing), 1)) / encoder_step  # steps a second
         whole = np.round(passed * s.motion.dt) / s.motion.dt
         f = np.where(whole > 0.0, np.abs(passed - whole), np.inf)
         f = np.where(f < s.band.edge, np.maximum(f, 1e-9), np.inf)

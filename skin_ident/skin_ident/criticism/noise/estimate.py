@@ -18,7 +18,7 @@ fits well is always looked at twice: held-out data decide there.
 import numpy as np
 
 from skin_ident.criticism.noise.taken import taken
-from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, white
+from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, order_for, stack, white
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
@@ -29,7 +29,7 @@ def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: l
     """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
     every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
     own = len(tangents[0])
-    first, words = _pass(residuals, every, own, white(residuals), sessions)
+    first, words = _pass(residuals, every, own, white(residuals, order_for([s.weight for s in sessions])), sessions)
     again, fewer = _pass(residuals, every, own, first, sessions)
     return first if len(sessions) > 1 and words < fewer + AS_FEW else again
 
@@ -41,7 +41,7 @@ def _pass(
     z = _richest(residuals, every, own, noise, sessions)
     asked = [s.weight * noise.believed(s.weight) for s in sessions]  # what is left of the others may be anything
     left = _less(residuals, every, z)
-    fitted = fit_whitener(left, asked, taken([a[z != 0.0] for a in every], left, asked))
+    fitted = fit_whitener(left, asked, taken([a[z != 0.0] for a in every], left, asked), noise.order)
     return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), len(z) - own)
 
 

@@ -29,7 +29,7 @@ def sharpest(carrier: np.ndarray, r: np.ndarray, weight: np.ndarray, t: np.ndarr
 
 
 def _energy(carrier: np.ndarray, weight: np.ndarray, noise: Whitener) -> np.ndarray:
-    order = noise.filters.shape[1] - 1
+    order = noise.order
     whole = _from_here_on(np.sum(noise.apply(carrier, weight) ** 2, axis=0))
     settled = np.append(whole[order:], np.zeros(order))
     alike = np.ones(order)

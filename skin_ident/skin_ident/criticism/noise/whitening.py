@@ -25,7 +25,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.signal import lfilter
 
-ORDER = 8
+ORDERS = (8, 4, 2)
+PER_COEFFICIENT = 10  # samples, the fewest that a coefficient is fitted to
 MEMORIES = np.array([10.0, 30.0, 100.0, 300.0])  # T_m, samples
 POLES = 1.0 - 1.0 / MEMORIES
 AVERAGING = np.poly(POLES)  # the common denominator of all averages, and the numerator that each has over it
@@ -43,6 +44,11 @@ class Whitener:
     filters: np.ndarray
     slow: np.ndarray
     root: np.ndarray
+
+    @property
+    def order(self) -> int:
+        """Of the filters of the last samples, p."""
+        return self.filters.shape[1] - 1
 
     @property
     def to_unit(self) -> np.ndarray:
@@ -78,16 +84,18 @@ class Whitener:
 
     def believed(self, weight: np.ndarray) -> np.ndarray:
         """Mask (n,) of the samples that `apply` does not leave out."""
-        order = self.filters.shape[1] - 1
-        believed = lfilter(np.ones(order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
-        believed[:order] = False
+        believed = lfilter(np.ones(self.order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
+        believed[: self.order] = False
         return believed
 
 
-def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], taken: np.ndarray | None = None, order: int = ORDER) -> Whitener:
+def fit_whitener(
+    residuals: list[np.ndarray], weights: list[np.ndarray], taken: np.ndarray | None = None, order: int | None = None
+) -> Whitener:
     """The noise model of residuals [(C, n), …], from each channel of which what was fitted and subtracted has `taken` so many degrees of
-    freedom (2, C), in all and at the lowest frequencies. Constant channels are given a tiny floor so that nothing divides by zero."""
-    n_channels = residuals[0].shape[0]
+    freedom (2, C), in all and at the lowest frequencies; of the highest `order` that they bear, unless it is given. Constant channels are
+    given a tiny floor so that nothing divides by zero."""
+    n_channels, order = residuals[0].shape[0], order_for(weights) if order is None else order
     kept = np.concatenate([e[:, w.min(axis=0) > 0] for e, w in zip(residuals, weights, strict=True)], axis=1)
     _, vectors = np.linalg.eigh(np.atleast_2d(kept @ kept.T / max(kept.shape[1], 1)))
     mixed = [vectors.T @ e for e in residuals]
@@ -102,16 +110,30 @@ def fit_whitener(residuals: list[np.ndarray], weights: list[np.ndarray], taken: 
     return replace(unit, root=np.linalg.cholesky(covariance + floor))
 
 
-def white(residuals: list[np.ndarray]) -> Whitener:
+def order_for(weights: list[np.ndarray]) -> int:
+    """The highest order of filters that has samples enough for each coefficient, away from gaps and from what filters spoil behind them; 0,
+    and noise is taken as white, where none has."""
+    together = [w.min(axis=0) > 0.0 for w in weights]
+
+    def enough(order: int) -> bool:
+        rows = sum(np.count_nonzero(np.convolve(w, np.ones(2 * order + 1), "valid") > 2.0 * order + 0.5) for w in together)
+        return rows >= PER_COEFFICIENT * (order + MEMORIES.size)
+
+    return next((order for order in ORDERS if enough(order)), 0)
+
+
+def white(residuals: list[np.ndarray], order: int = ORDERS[0]) -> Whitener:
     """White noise, independent in each channel, of the size that neighbouring samples of the residuals differ by."""
     steps = np.concatenate([np.diff(e, axis=1) for e in residuals], axis=1)
     size = np.maximum(np.sqrt(np.mean(steps**2, axis=1) / 2.0), 1e-12)
     n = size.size
-    return Whitener(np.eye(n), np.eye(1, ORDER + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size))
+    return Whitener(np.eye(n), np.eye(1, order + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size))
 
 
 def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int, unseen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The prediction-error filter (p+1,) and the coefficients of the averages (M,) for one mixture, from all sessions together."""
+    if not order:
+        return np.ones(1), np.zeros(MEMORIES.size)
     past = [np.lib.stride_tricks.sliding_window_view(r, order + 1) for r in rows]
     good = [np.lib.stride_tricks.sliding_window_view(w, order + 1).all(axis=1) for w in weights]
     slow = [
