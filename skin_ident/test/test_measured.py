@@ -49,8 +49,7 @@ def test_the_walk_of_the_press_is_a_gain_that_changes(tmp_path):
     changing = {w for c, w in said(findings) if c in ("gain_error", "drift")}
     assert {"taxel_0", "taxel_1"} <= changing or "taxel" in changing
     for worth in findings["gain_by_channel"].values():
-        assert worth["held_out_rmse_after"] < 0.6 * worth["held_out_rmse_before"] and worth["ci95"][0] > 0.0
-    assert findings["verdict"] == "partly_explained"  # nobody logged where the press was
+        assert worth["held_out_rmse_after"] < 0.4 * worth["held_out_rmse_before"] and worth["ci95"][0] > 0.0
 
 
 def test_no_fault_of_the_record_is_claimed_where_none_is_seen(tmp_path):
@@ -84,6 +83,12 @@ def test_what_the_pressure_of_the_second_insole_file_lacks_is_found(tmp_path):
     insole(tmp_path)
     files = ("experiment_Inf_15September_dynamic_1", "validation_dataset_3")
     first, second = (only_taxels(load(tmp_path / f"{name}.csv"), ["34", "74", "36"])[0] for name in files)
-    counts = [r.taxels[:, r.force > 3.0].mean(axis=1) / r.force[r.force > 3.0].mean() for r in (first, second)]
-    assert np.all(counts[1] > 1.05 * counts[0])  # for the same pressure
-    assert ("gain_error", "load_cell") in said(diagnose([first], [second]).findings)
+    at = np.arange(6.0, 17.0)
+    means = [np.array([r.taxels[:, np.abs(r.force - f) < 0.5].mean(axis=1) for f in at]) for r in (first, second)]
+    more = (means[1] - means[0]).mean(axis=1)
+    slope, middle = np.polyfit(at - at.mean(), more, 1)
+    assert middle > 1.0 and abs(slope) * np.ptp(at) < 0.5 * middle  # for the same pressure, and as much at any: it is no gain
+    findings = diagnose([first], [second]).findings
+    assert ("force_offset", "load_cell") in said(findings)
+    for worth in findings["gain_by_channel"].values():
+        assert worth["held_out_rmse_after"] < 0.4 * worth["held_out_rmse_before"]

@@ -36,6 +36,8 @@ SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and 
 WITHIN = 0.35  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
+FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
+SENSORS = ("taxel", "load_cell")
 SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
@@ -167,6 +169,7 @@ class Search:
             return (t for t in map(self._trial, causes) if plausible(t, self.train))
 
         trials = [*tried(shown), *islice(tried(able[:LONGEST]), SHORTLIST)]
+        trials += tried([r for r in able if (r.cause, r.where) in known - {t.key for t in trials}])
         enough = WITHIN * max((t.score for t in trials), default=0.0)
         trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
         again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
@@ -199,7 +202,7 @@ class Search:
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > self.least(trial.fit.count) and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
-            much = gain.squares > SHADOW * self.fallen(gain.channel)
+            much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self._form_of_others(*trial.key)
             seen = readable(instances(trial.fit.model, *trial.key), self.encoder_step)
             seen = seen and self.resolved(gain, trial.key[0], trial.fit.model)
             if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
@@ -210,6 +213,12 @@ class Search:
         """The likelihood gain below which a cause is not worth naming, where so many whitened samples count; slow causes gain as much of a
         band that was narrowed, and its noise no less."""
         return MATERIAL * count * self.train[0].band.narrowed
+
+    def _form_of_others(self, cause: str, where: str) -> float:
+        """The likelihood gain that imperfect forms of other causes, named in the same sensor, may leave to this one."""
+        if not where.startswith(SENSORS):  # skin and rig have many causes, each in its own right
+            return 0.0
+        return max((FORM * n.explained for n in self.named if n.where == where and n.cause != cause), default=0.0)
 
     def fallen(self, channel: str) -> float:
         """The largest fall of the mean square, N^2, by what has been named and is carried by a channel."""
