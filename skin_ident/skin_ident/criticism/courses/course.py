@@ -315,7 +315,7 @@ def _free(course: Course, g: _Ground, rows: list[list[np.ndarray]]) -> np.ndarra
     if not course.slopes or g.Q is None or g.alone:
         return one
     loaded = one[[bool(np.any(row)) for own in rows for row in own]]
-    return (loaded - loaded.mean(axis=0)).T
+    return (loaded - loaded.mean(axis=0)).T if len(loaded) else loaded.T
 
 
 def _least_squares(A: np.ndarray, r: np.ndarray, free: np.ndarray) -> np.ndarray:
