@@ -25,6 +25,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.signal import lfilter
 
+from skin_ident.stretches import runs
+
 ORDERS = (8, 4, 2)
 PER_COEFFICIENT = 10  # samples, the fewest that a coefficient is fitted to
 MEMORIES = np.array([10.0, 30.0, 100.0, 300.0])  # T_m, samples
@@ -113,11 +115,10 @@ def fit_whitener(
 def order_for(weights: list[np.ndarray]) -> int:
     """The highest order of filters that has samples enough for each coefficient, away from gaps and from what filters spoil behind them; 0,
     and noise is taken as white, where none has."""
-    together = [w.min(axis=0) > 0.0 for w in weights]
+    pieces = np.concatenate([np.subtract(*reversed(runs(w.min(axis=0) > 0.0))) for w in weights])
 
     def enough(order: int) -> bool:
-        rows = sum(np.count_nonzero(np.convolve(w, np.ones(2 * order + 1), "valid") > 2.0 * order + 0.5) for w in together)
-        return rows >= PER_COEFFICIENT * (order + MEMORIES.size)
+        return np.maximum(pieces - 2 * order, 0).sum() >= PER_COEFFICIENT * (order + MEMORIES.size)
 
     return next((order for order in ORDERS if enough(order)), 0)
 
@@ -147,13 +148,19 @@ def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int, un
     product = X.T @ lags[:, order]
     a = np.linalg.solve(gram, product)
     if unseen[1] > 0.0:
-        edge = np.pi * unseen[0] / len(X)
-        below, above = (_past(edge * (span + np.arange(FINE) / FINE), order) for span in (0.5 / FINE, 1.0))
-        innovation = np.mean((lags[:, order] - X @ a) ** 2)
-        loud = innovation * np.exp(-2.0 * np.mean(np.log(np.abs(1.0 - a @ above))))
-        each = unseen[1] * loud / FINE
-        a = np.linalg.solve(gram + each * (below @ below.conj().T).real, product + each * below.sum(axis=1).real)
+        more, told = _given_back(a, np.mean((lags[:, order] - X @ a) ** 2), unseen[1], np.pi * unseen[0] / len(X))
+        a = np.linalg.solve(gram + more, product + told)
     return np.concatenate([[1.0], -a[:order][::-1]]), a[order:]
+
+
+def _given_back(a: np.ndarray, innovation: float, taken: float, edge: float) -> tuple[np.ndarray, np.ndarray]:
+    """What `taken` oscillations below `edge`, as loud as noise of this predictor is between that and twice as much, add to the normal
+    equations: to their matrix (p+M, p+M) and to their right side (p+M,)."""
+    order = a.size - MEMORIES.size
+    below, above = (_past(edge * (span + np.arange(FINE) / FINE), order) for span in (0.5 / FINE, 1.0))
+    loud = innovation * np.exp(-2.0 * np.mean(np.log(np.abs(1.0 - a @ above))))
+    each = taken * loud / FINE
+    return each * (below @ below.conj().T).real, each * below.sum(axis=1).real
 
 
 def _past(w: np.ndarray, order: int) -> np.ndarray:

@@ -1,6 +1,6 @@
 """The state of a search for causes, and its loop: survey, try the best few, let held-out sessions decide, repeat."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -159,17 +159,19 @@ class Search:
         return self._surveyed[2]
 
     def trials(self, last: Survey) -> list[Trial]:
-        """The most promising causes, each grown and refitted, the best first; one that is named already goes before rivals it equals, all
-        taxels alike before one of them, and one that the record itself has shown before all that explain little more."""
+        """The most promising causes, each grown and refitted, the best first; one that is named already is tried wherever it ranks, and
+        goes before rivals it equals, all taxels alike before one of them, and one that the record itself has shown before all that explain
+        little more."""
         known = {(n.cause, n.where) for n in self.named}
         shown = [r for r in last.ranked if (r.cause, r.where) in self.suspected - known and r.score > 0.0]
         able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score) and r not in shown]
 
-        def tried(causes: list[Ranked]) -> Iterator[Trial]:
+        def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
             return (t for t in map(self._trial, causes) if plausible(t, self.train))
 
-        trials = [*tried(shown), *islice(tried(able[:LONGEST]), SHORTLIST)]
-        trials += tried([r for r in able if (r.cause, r.where) in known - {t.key for t in trials}])
+        queue = iter(able[:LONGEST])
+        trials = [*tried(shown), *islice(tried(queue), SHORTLIST)]
+        trials += tried([r for r in (*queue, *able[LONGEST:]) if (r.cause, r.where) in known])
         enough = WITHIN * max((t.score for t in trials), default=0.0)
         trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
         again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
