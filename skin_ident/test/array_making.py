@@ -88,7 +88,7 @@ def analysed(recordings: list) -> ArrayCriticism:
     model = dispersion_start(sessions[:-1], known_mass(recordings[0].declared).kg)
     sessions = [without_parting(s, model.dispersion) for s in sessions]
     for steps in (6, 4):
-        noise = fit_whitener([residual(model, s) for s in sessions[:-1]], [s.weight for s in sessions[:-1]])
+        noise = fit_whitener([residual(model, s) for s in sessions[:-1]], sessions[:-1])
         model = fit(model, sessions[:-1], noise, steps).model
     last, thickness = len(sessions) - 1, recordings[0].declared.skin_thickness_mm
     return analyse(model, layout, sessions, [last], noise, [], thickness)

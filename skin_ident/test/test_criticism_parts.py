@@ -65,7 +65,7 @@ def test_signed_pursuit_reaches_the_constrained_optimum_where_it_may_use_all_dir
 def test_a_fit_recovers_the_truth_from_a_wrong_start():
     session = prepare(recording(SILICONE, noise=0.02))
     start = replace(SILICONE, dispersion=Dispersion(m=0.000432, b1=500.0, k1=6000.0, b2=900.0, k2=5000.0), shares=(1.0, 0.8))
-    noise = fit_whitener([residual(SILICONE, session)], [session.weight])
+    noise = fit_whitener([residual(SILICONE, session)], [session])
     found = fit(start, [session], noise)
     truth = values(SILICONE, found.unknowns)
     std = np.array([found.std[u.label] for u in found.unknowns])
@@ -134,7 +134,7 @@ def test_every_instance_of_a_cause_has_numbers_of_its_own():
     fast, late = model.listed_as(0, "tau"), model.listed_as(1, "tau")
     assert (fast, late) == ("stress_relaxation.skin.tau", "stress_relaxation.skin.tau_2")
     session = prepare(recording(model, noise=0.02))
-    found = fit(model, [session], fit_whitener([residual(model, session)], [session.weight]), 2)
+    found = fit(model, [session], fit_whitener([residual(model, session)], [session]), 2)
     assert len(found.std) == len(found.unknowns) and found.std[late] > 5.0 * found.std[fast] > 0.0
     written = model_to_dict(found.model, found.std)["effects"]
     assert [e["parameters"]["tau"]["std"] for e in written] == [found.std[fast], found.std[late]]

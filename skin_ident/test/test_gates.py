@@ -1,6 +1,7 @@
 """What must be passed before a cause is believed, each rule beside a record that it lets pass and one that it stops."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,15 +9,18 @@ from hide_and_seek import seek
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.gates.gate import Gain, held_out_gain
 from skin_ident.criticism.gates.resolution import of_the_converter, resolved, unread_depth
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.small import of_the_hardware
 from skin_ident.criticism.search.survey import survey
-from skin_ident.criticism.search.weighing import weighed, with_mass
+from skin_ident.criticism.search.trial import Trial
+from skin_ident.criticism.search.weighing import lightened, weighed, with_mass
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
+from skin_models.effects.backlash import Backlash
 from skin_models.effects.lag import Lag
 from skin_models.effects.rate_dependence import PowerDamping
 from skin_models.model import Model
@@ -41,7 +45,7 @@ def recorded(model: Model, depth: np.ndarray = DEPTH, noise: float = 0.01, step:
 def test_a_mass_that_cannot_fall_below_nothing_explains_no_force_that_is_too_large():
     """Its weight takes from the force: were it free to be negative, it would be the offset."""
     sessions = weighed([prepare(recorded(PLAIN, zero=0.05))])
-    noise = fit_whitener([residual(PLAIN, prepare(recorded(PLAIN)))], [sessions[0].weight])
+    noise = fit_whitener([residual(PLAIN, prepare(recorded(PLAIN)))], [sessions[0]])
     found = fit(PLAIN, sessions, noise)
     assert found.model.dispersion.m == 0.0
     best = survey(found.model, sessions, directions(sessions[0]), noise).ranked[0]
@@ -51,13 +55,33 @@ def test_a_mass_that_cannot_fall_below_nothing_explains_no_force_that_is_too_lar
 def test_a_mass_that_hardly_matters_is_left_as_it_was():
     session = prepare(recorded(PLAIN))
     light = replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=1e-5))
-    noise = fit_whitener([residual(PLAIN, session)], [session.weight])
+    noise = fit_whitener([residual(PLAIN, session)], [session])
     assert with_mass(fit(light, [session], noise), [session], noise, best=1.0) is None
     gram = replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=0.001))
-    above = [prepare(recorded(PLAIN, zero=0.05))]  # which asks for less than the gram that a skin weighs, and there is no such thing
-    assert with_mass(fit(gram, above, noise), above, noise, best=1.0) is None
+    above = [prepare(recorded(PLAIN, zero=0.05))]  # which the gram that a skin weighs takes part of, and an offset all
+    present = fit(gram, above, noise)
+    best = survey(present.model, above, directions(above[0]), noise).ranked[0]
+    assert with_mass(present, above, noise, best.score) is None and lightened(present, above, noise).model.dispersion.m < 1e-4
     heavy = [prepare(recorded(replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=0.5))))]
     assert with_mass(fit(light, heavy, noise), heavy, noise, best=1.0).model.dispersion.m == pytest.approx(0.5, rel=0.2)
+
+
+def test_an_effect_in_one_channel_of_many_need_not_be_larger_there_than_in_one_of_two():
+    seen = replace(QUICK, relative=0.006)
+    assert not seen.passed and replace(seen, breadth=0.5).passed
+    assert not replace(seen, relative=0.004, breadth=0.5).passed
+
+
+def test_what_good_hardware_does_is_said_and_not_named():
+    """A gap of half a micrometre, read in steps of one."""
+    session = prepare(recorded(replace(PLAIN, effects=(Backlash("rig", gap=5e-7),)), noise=0.001))
+    noise = fit_whitener([residual(PLAIN, session)], [session])
+    after = fit(replace(PLAIN, effects=(Backlash("rig", gap=1e-6),)), [session], noise)
+    gain = held_out_gain(PLAIN, after.model, [session], [], noise)
+    trial = Trial(SimpleNamespace(cause="backlash", where="rig"), after, 100.0)
+    said = of_the_hardware(trial, gain, PLAIN, [session], encoder_step=1e-6)
+    assert said.size == pytest.approx(5e-7, rel=0.2) and "reads in steps of 1 µm" in said.because
+    assert of_the_hardware(trial, gain, PLAIN, [session], encoder_step=1e-7) is None
 
 
 def test_what_bends_with_the_reading_may_be_the_converter():
@@ -74,7 +98,7 @@ def test_damping_shows_while_the_stage_moves_and_a_tremble_at_rest_does_not():
     skin = replace(PLAIN, effects=(PowerDamping("skin", force_sensed=20.0, force_dispersed=20.0, exponent=2.0),))
     moving = [prepare(recorded(skin, noise=0.005))]
     still = [prepare(recorded(PLAIN, depth=resting, noise=0.005))]
-    noise = fit_whitener([residual(skin, moving[0])], [moving[0].weight])
+    noise = fit_whitener([residual(skin, moving[0])], [moving[0]])
     after = fit(skin, moving, noise).model
     before = fit(PLAIN, moving, noise).model
     small = replace(QUICK, before=0.010, after=0.005)
@@ -115,7 +139,7 @@ def test_damping_is_not_below_nothing_and_a_late_taxel_is_named_instead():
     """A taxel that is late by 0.15 s makes of k1 a damping of -450 N s/m, which no skin has."""
     late = replace(PLAIN, effects=(Lag("taxel", tau=0.15),))
     sessions = [prepare(recorded(late))]
-    noise = fit_whitener([residual(late, sessions[0])], [sessions[0].weight])
+    noise = fit_whitener([residual(late, sessions[0])], [sessions[0]])
     found = fit(PLAIN, sessions, noise).model
     assert found.dispersion.b1 >= -found.dispersion.k1 / RATE
     best = survey(found, sessions, directions(sessions[0]), noise).ranked[0]

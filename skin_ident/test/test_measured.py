@@ -40,27 +40,17 @@ def lag_of(force, y):
     return float(np.exp(minimize_scalar(left, bounds=(np.log(0.01), np.log(5.0)), method="bounded").x))
 
 
-@pytest.fixture(scope="module")
-def walk(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("walk")
-    fluid_skin(folder)
-    recordings = [load(folder / f"{name}.csv")[0] for name in WATER[1:]]
-    return diagnose(recordings[:2], recordings[2:]).findings
-
-
-@pytest.mark.xfail(strict=True, reason="what is left is 1.6 times the floor in one sensor, within what noise of such memory may do")
-def test_nobody_logged_where_the_press_was(walk):
-    assert walk["verdict"] == "partly_explained"
-
-
-def test_the_walk_of_the_press_is_a_gain_that_changes(walk):
-    findings = walk
+def test_the_walk_of_the_press_is_a_gain_that_changes(tmp_path):
+    fluid_skin(tmp_path)
+    recordings = [load(tmp_path / f"{name}.csv")[0] for name in WATER[1:]]
+    findings = diagnose(recordings[:2], recordings[2:]).findings
     left, right = gains_by_press("50mm")
     assert left.size == PRESSES and np.all(np.diff(left[:-1]) < 0.0) and np.all(np.diff(right[1:]) > 0.0)
     changing = {w for c, w in said(findings) if c in ("gain_error", "drift")}
     assert {"taxel_0", "taxel_1"} <= changing or "taxel" in changing
     for worth in findings["gain_by_channel"].values():
         assert worth["held_out_rmse_after"] < 0.4 * worth["held_out_rmse_before"] and worth["ci95"][0] > 0.0
+    assert findings["verdict"] == "partly_explained"  # nobody logged where the press was
 
 
 def test_no_fault_of_the_record_is_claimed_where_none_is_seen(tmp_path):

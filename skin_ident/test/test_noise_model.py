@@ -1,6 +1,6 @@
 """The noise model against noise whose spectrum is known."""
 
-from types import SimpleNamespace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,17 +11,28 @@ from skin_ident.criticism.noise.taken import taken
 from skin_ident.criticism.noise.whitening import fit_whitener, order_for
 
 
-def weighed(weight: np.ndarray, parts: list[slice]) -> list:
-    """Sessions, of which a noise model looks at nothing but the weights."""
-    return [SimpleNamespace(weight=weight[:, part]) for part in parts]
+@dataclass(frozen=True)
+class Seen:
+    """All that a noise model looks at in a session."""
+
+    weight: np.ndarray
+    load: np.ndarray
+
+
+def seen(weight: np.ndarray, load: np.ndarray | None = None) -> Seen:
+    return Seen(weight, np.zeros_like(weight) if load is None else load)
+
+
+def halved(weight: np.ndarray, halves: list[slice]) -> list[Seen]:
+    return [seen(weight[:, half]) for half in halves]
 
 
 def test_whitening_makes_coloured_and_common_noise_white_and_independent():
     rng = np.random.default_rng(1)
     common = lfilter([1.0], [1.0, -0.95], rng.standard_normal(20_000))
     e = np.array([common + 0.5 * rng.standard_normal(20_000), 0.7 * common + 0.2 * rng.standard_normal(20_000)])
-    noise = fit_whitener([e], [np.ones_like(e)])
-    w = noise.apply(e, np.ones_like(e))[:, 50:]
+    noise = fit_whitener([e], [seen(np.ones_like(e))])
+    w = noise.apply(e, seen(np.ones_like(e)))[:, 50:]
     assert np.allclose(np.cov(w), np.eye(2), atol=0.05)
     assert np.all(np.abs([np.corrcoef(row[1:], row[:-1])[0, 1] for row in w]) < 0.05)
 
@@ -38,12 +49,12 @@ def test_noise_is_as_loud_at_its_slowest_as_it_was_before_directions_took_it(pol
     for seed in range(12):
         rng = np.random.default_rng(seed)
         e = lfilter([np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal((1, n + 500)), axis=1)[:, 500:]
-        sessions, own = weighed(np.ones((1, n)), halves), [np.concatenate([b, np.zeros((0, 1, n // 2))]) for b in bank]
+        sessions, own = halved(np.ones((1, n)), halves), [np.concatenate([b, np.zeros((0, 1, n // 2))]) for b in bank]
         found = noise_model([e[:, h] for h in halves], own, [np.zeros((0, 1, n // 2))] * 2, sessions)
         left = [e[:, h] - np.linalg.lstsq(slow[:, 0].T, e[0, h], rcond=None)[0] @ slow[:, 0] for h in halves]
-        naive = fit_whitener(left, [s.weight for s in sessions])
+        naive = fit_whitener(left, sessions)
         for noise, into in ((found, ratios), (naive, bare)):
-            told = [noise.apply(part[None], np.ones((1, wave.size)))[0, 3000:] for part in (wave.real, wave.imag)]
+            told = [noise.apply(part[None], seen(np.ones((1, wave.size))))[0, 3000:] for part in (wave.real, wave.imag)]
             into.append(np.sqrt(np.mean(np.square(told)) * 2.0) / true)
     assert 0.7 < np.median(ratios) < 4.0 and np.max(ratios) < 6.0  # where noise grows below what is seen of it, more than one
     assert np.median(bare) > 40.0  # which would make every offset certain
@@ -75,7 +86,7 @@ def test_noise_is_not_learnt_from_samples_of_which_nothing_was_asked():
             row[:, at : at + 38] = 50.0
     e += 3.0 * wild[:12].sum(axis=0) * (weight > 0.0) * (np.abs(wild[:12].sum(axis=0)) < 40.0)
     halves = [slice(0, n // 2), slice(n // 2, n)]
-    found = noise_model([e[:, h] for h in halves], [np.zeros((0, 2, n // 2))] * 2, [wild[..., h] for h in halves], weighed(weight, halves))
+    found = noise_model([e[:, h] for h in halves], [np.zeros((0, 2, n // 2))] * 2, [wild[..., h] for h in halves], halved(weight, halves))
     assert np.allclose(found.filters[:, 1], -0.5, atol=0.1)
     assert np.allclose(np.diag(found.root), 1.0, rtol=0.05)
 
@@ -88,9 +99,30 @@ def test_short_pieces_bear_filters_of_a_low_order(seed):
     def sessions() -> list[np.ndarray]:
         return [lfilter([1.0], [1.0, -0.8], rng.standard_normal((2, 200)), axis=1) for _ in range(2)]
 
-    weights = [np.tile(np.arange(200) % 16 > 0, (2, 1)).astype(float)] * 2
-    noise = fit_whitener(sessions(), weights)
+    pieces = [seen(np.tile(np.arange(200) % 16 > 0, (2, 1)).astype(float))] * 2
+    noise = fit_whitener(sessions(), pieces)
     assert 0 < noise.order < 8
-    others = np.concatenate([noise.apply(e, w) for _ in range(20) for e, w in zip(sessions(), weights, strict=True)], axis=1)
+    others = np.concatenate([noise.apply(e, s) for _ in range(20) for e, s in zip(sessions(), pieces, strict=True)], axis=1)
     assert np.all(np.std(others[:, others.any(axis=0)], axis=1) < 1.5)  # other noise of the same kind is as large as it was said to be
     assert order_for([np.ones((2, 30))]) == 0
+
+
+@pytest.mark.parametrize("kind", ["normal", "heavy-tailed"])
+@pytest.mark.parametrize("grows", [0.0, 1.0, 3.0])
+def test_noise_that_grows_with_the_load_is_told_from_steady_noise(kind, grows):
+    """Where one channel's noise grows and the other's does not; samples are given the weight that they deserve."""
+    found = []
+    for seed in range(10):
+        rng, n = np.random.default_rng(seed), 4000
+        load = 5.0 * np.maximum(np.sin(2e-3 * np.arange(n) * [[1.0], [1.3]]), 0.0)
+        raw = rng.standard_normal((2, n)) if kind == "normal" else rng.standard_t(3, (2, n))
+        loudness = 1.0 + np.array([[grows], [0.0]]) * load / 5.0
+        e = lfilter([1.0], [1.0, -0.7], raw, axis=1) * loudness
+        session = seen(np.ones((2, n)), load)
+        noise = fit_whitener([e], [session])
+        found.append(5.0 * noise.growth)
+        w = noise.apply(e, session)
+        loud, quiet = w[:, (load > 3.0).all(axis=0)], w[:, (load < 0.5).all(axis=0)]
+        assert np.all(np.mean(np.abs(loud), axis=1) < 1.4 * np.mean(np.abs(quiet), axis=1))
+    assert np.median(found, axis=0) == pytest.approx([grows, 0.0], abs=0.51)
+    assert np.max(np.array(found)[:, 1]) <= 0.5

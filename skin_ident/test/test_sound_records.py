@@ -32,9 +32,9 @@ def presses(seed: int, seconds: float) -> tuple[np.ndarray, np.ndarray]:
     return t, np.convolve(np.pad(x, soft.size // 2, mode="edge"), soft / soft.sum(), "valid")
 
 
-def branches(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Sensed and dispersed force, N, and where plunger and skin touch."""
-    v = np.gradient(x, 1.0 / RATE)
+def branches(x: np.ndarray, damped: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sensed and dispersed force, N, and where plunger and skin touch; `damped` as much as silicone."""
+    v = damped * np.gradient(x, 1.0 / RATE)
     touched = (x > 0.0) & (K1 * x + B1 * v + K2 * x + B2 * v > 0.0)
     return touched * (K1 * x + B1 * v), touched * (K2 * x + B2 * v), touched
 
@@ -43,11 +43,11 @@ def noise(rng: np.random.Generator, n: int, size: float, colour: float) -> np.nd
     return size * np.sqrt(1.0 - colour**2) * lfilter([1.0], [1.0, -colour], rng.standard_normal(n))
 
 
-def heavy(seed: int, mass: float, declared: Declared) -> Recording:
+def heavy(seed: int, mass: float, declared: Declared, size: float = 0.04, damped: float = 1.0) -> Recording:
     t, x = presses(seed, 60.0)
-    rng, (sensed, dispersed, touched) = np.random.default_rng([seed, 2]), branches(x)
+    rng, (sensed, dispersed, touched) = np.random.default_rng([seed, 2]), branches(x, damped)
     weight = touched * mass * (np.gradient(np.gradient(x, t), t) - GRAVITY)
-    force = sensed + dispersed + weight + noise(rng, t.size, 0.04, 0.8)
+    force = sensed + dispersed + weight + noise(rng, t.size, size, 0.8)
     return Recording(f"session_{seed}", t, x, force, (sensed + noise(rng, t.size, 0.03, 0.8))[None], declared=declared)
 
 
@@ -59,6 +59,15 @@ def test_a_mass_that_nobody_declared_is_no_fault_of_a_sensor(mass):
     assert outcome.baseline.dispersion.m == pytest.approx(mass, rel=0.05)
     assert outcome.baseline.dispersion.k2 == pytest.approx(K2, rel=0.03)
     assert any("mass was fitted" in w for w in outcome.findings["warnings"])
+
+
+@pytest.mark.parametrize("seed", [0, 10])
+def test_a_skin_that_weighs_less_than_the_one_of_the_thesis_is_not_bent(seed):
+    """A load cell that is good for a millinewton reads the four that a skin of nothing takes less than one of 0.4 g."""
+    first, second, third = (heavy(seed + i, 0.0, Declared(), 0.001, damped=0.01) for i in (1, 2, 3))
+    outcome = diagnose([first, second], [third])
+    assert outcome.findings["findings"] == [] and outcome.findings["verdict"] == "nothing_wrong"
+    assert outcome.baseline.dispersion.m < 1e-4
 
 
 def test_a_declared_mass_stays_as_it_is_and_a_light_skin_is_not_weighed():

@@ -1,5 +1,8 @@
 """Where a step would explain most: the adjoint of the whitening, and steps hidden in strongly coloured noise."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -14,13 +17,18 @@ def coloured(rng, channels=2, n=1500, pole=0.99):
     return 0.6 * shared + 0.8 * own
 
 
+def seen(weight, load=0.0, t=None):
+    """A session, of which the noise model looks at nothing else."""
+    return SimpleNamespace(weight=weight, load=np.broadcast_to(load, weight.shape), t=t)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_adjoint_is_one(seed):
     rng = np.random.default_rng(seed)
     e, w = rng.standard_normal((2, 2, 300))
-    weight = (rng.random((2, 300)) > 0.05).astype(float)
-    noise = fit_whitener([coloured(rng, n=300)], [np.ones((2, 300))])
-    assert np.sum(noise.apply(e, weight) * w) == pytest.approx(np.sum(e * noise.turned(w, weight)), rel=1e-10)
+    session = seen((rng.random((2, 300)) > 0.05).astype(float), load=np.abs(np.sin(0.02 * np.arange(300))))
+    noise = replace(fit_whitener([coloured(rng, n=300)], [session]), growth=np.array([0.7, 3.0]))
+    assert np.sum(noise.apply(e, session) * w) == pytest.approx(np.sum(e * noise.turned(w, session)), rel=1e-10)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -31,7 +39,8 @@ def test_a_step_smaller_than_the_noise_is_found_to_the_sample(seed):
     at = rng.uniform(8.0, 52.0)
     carrier = np.array([1.0 + 0.5 * np.sin(t), 0.7 * np.ones(t.size)])
     plain = coloured(rng)
-    noise = fit_whitener([plain], [np.ones(plain.shape)])
-    r = noise.apply(plain + 0.8 * carrier * (t >= at), np.ones(plain.shape))
-    moments = sharpest(carrier, r, np.ones(plain.shape), t, noise, most=3)
+    session = seen(np.ones(plain.shape), t=t)
+    noise = fit_whitener([plain], [session])
+    r = noise.apply(plain + 0.8 * carrier * (t >= at), session)
+    moments = sharpest(carrier, r, session, noise, most=3)
     assert np.min(np.abs(moments - at)) <= 1.0 / 25.0

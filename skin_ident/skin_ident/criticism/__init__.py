@@ -14,9 +14,9 @@ The method, in the order in which `diagnose` runs it:
 4.  `search.proposals` simulates every effect of the catalogue, at every shape of its grid, on top of the model: the change it makes to
     every channel is the direction in which that cause would bend the residual. With declared taxel positions `array` proposes what bends
     the spread over them.
-5.  `noise` is fitted (predicted from its last samples and from slower and slower averages, correlated between channels) to what the
-    richest set of directions leaves, beginning from white noise, again and again in the colour that was left; the account that describes
-    the record in the fewest words is taken.
+5.  `noise` is fitted (predicted from its last samples and from slower and slower averages, correlated between channels, growing with the
+    load) to what the richest set of directions leaves, beginning from white noise and again in the colour that was left; the account that
+    describes the record in the fewest words is taken.
 6.  `search.ranking` projects the model's own parameters out and asks how much of the whitened residual each cause explains, within the
     signs that physics allows.
 7.  The best few are refitted jointly, nonlinearly, with as many instances as have a size of their own, and in the finer form of an effect
@@ -24,7 +24,8 @@ The method, in the order in which `diagnose` runs it:
     reported beside it (`search.rivals`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
     Where none is believed alone, two that hide each other are asked (`search.together`).
 8.  `gates` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves uncertain, by more than steps
-    of encoder and converters leave open, and that noise of another colour is no shorter account of the record.
+    of encoder and converters leave open, and that noise of another colour is no shorter account of the record. What is there, and such as
+    good hardware does, is said and not named (`search.small`).
 9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
     during it. Where such courses explain most and predict nothing, the noise wanders more than its model knows, and nothing is named. Last,
     what is wrong in held-out sessions alone.

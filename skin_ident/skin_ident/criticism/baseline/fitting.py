@@ -35,7 +35,7 @@ class Fit:
 
 def whitened(model: Model, sessions: list[Session], noise: Whitener) -> np.ndarray:
     """All whitened residuals of all sessions, in one vector."""
-    return np.concatenate([noise.apply(residual(model, s), s.weight).ravel() for s in sessions])
+    return np.concatenate([noise.apply(residual(model, s), s).ravel() for s in sessions])
 
 
 def tangents(model: Model, sessions: list[Session], which: tuple[Unknown, ...]) -> list[np.ndarray]:
@@ -78,7 +78,7 @@ def fit(
 
 def noise_of(model: Model, sessions: list[Session]) -> Whitener:
     """The noise of sessions where all that a model leaves of them is taken for it."""
-    return fit_whitener([residual(model, s) for s in sessions], [s.weight for s in sessions])
+    return fit_whitener([residual(model, s) for s in sessions], sessions)
 
 
 def cost_of(model: Model, sessions: list[Session], noise: Whitener) -> float:

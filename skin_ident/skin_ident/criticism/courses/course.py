@@ -73,10 +73,13 @@ class Run:
         """What it changes in the session where that is most (RMS), N: an amplitude says little where nothing is pressed."""
         return max(float(np.sqrt(np.mean(v**2))) for v in self.values.values())
 
+    def least(self, encoder_step: float) -> float:
+        """What a good stage does at rest, or its encoder cannot tell, or a good clock does, in the unit of the amplitudes."""
+        return {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period}.get(self.course.carrier, 0.0)
+
     def worth(self, encoder_step: float) -> bool:
-        """Whether it explains anything, and is more than what a good stage does at rest or its encoder can tell."""
-        least = {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period}
-        return self.score > LEAST and self.largest >= least.get(self.course.carrier, 0.0)
+        """Whether it explains anything, and is more than good hardware does."""
+        return self.score > LEAST and self.largest >= self.least(encoder_step)
 
 
 def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndarray]:
@@ -96,8 +99,8 @@ def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndar
 
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
-    """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. A depth that is
-    read in steps cannot show less than one; where what it cannot show explains most, nothing that explains less is asked for."""
+    """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. Where what good
+    hardware does explains most, it is the only one."""
     Q = _basis(stack(own_rows(model, sessions, sessions), sessions, noise))
     return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 
@@ -110,8 +113,10 @@ def beside_the_rest(model: Model, train: list[Session], held: list[Session], noi
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
     runs = [_run(course, ground) for course in courses(ground.sessions[0])]
-    untold = max((r.score for r in runs if not r.worth(encoder_step)), default=0.0)
-    able = (r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and r.score > untold)
+    untold = max((r for r in runs if not r.worth(encoder_step)), key=lambda r: r.score, default=None)
+    able = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and (untold is None or r.score > untold.score)]
+    if not able and untold and untold.score > LEAST:
+        return [untold]
     return sorted(able, key=lambda r: -r.score)
 
 
@@ -270,7 +275,7 @@ def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
     if course.shape != STEPS:
         return _knots(course, s)
     even = np.linspace(t[0], t[-1], MOMENTS + 2)[:-1]
-    sharp = sharpest(s.band.thin(g.carrier(course, s)), g.of(s), s.weight, s.t, g.noise, SHARPEST)
+    sharp = sharpest(s.band.thin(g.carrier(course, s)), g.of(s), s, g.noise, SHARPEST)
     return np.unique(np.clip(np.union1d(even, sharp), *g.span(course, s)))
 
 

@@ -4,7 +4,9 @@ The search takes the noise from the richest model, lest an effect be taken for n
 dozen effects; and what these leave of a short recording has too little slow noise, so that the next effect stands out of it. So before a
 cause is named it must also stand against the other account of the same record, that without it the noise is merely more coloured:
 
-    L = 2 N log |R| + U log(rows),        R R' the covariance of the innovations, N their number, U the unknowns of the model.
+    L = 2 N log |R| + 2 sum log s + U log(rows),
+
+R R' the covariance of the innovations, N their number, s what their noise grows by under load, U the unknowns of the model.
 
 Source: G. Schwarz, Estimating the dimension of a model, Annals of Statistics 6 (1978) 461-464.
 """
@@ -19,5 +21,4 @@ def description_length(fit: Fit, sessions: list[Session]) -> float:
     """L of the fitted model over `sessions`, in twice nats."""
     noise = noise_of(fit.model, sessions)
     samples = sum(int(np.count_nonzero(s.weight.min(axis=0))) for s in sessions)
-    innovations = 2.0 * samples * float(np.sum(np.log(np.diag(noise.root))))
-    return innovations + len(fit.unknowns) * float(np.log(max(samples * len(noise.root), 2)))
+    return 2.0 * noise.words(sessions) + len(fit.unknowns) * float(np.log(max(samples * len(noise.root), 2)))

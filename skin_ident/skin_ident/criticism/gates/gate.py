@@ -22,8 +22,8 @@ from skin_models.model import Model
 BLOCK_S = 2.0
 FEWEST_BLOCKS = 3  # of a session; shorter ones in one that would have fewer
 RESAMPLES = 1000
-MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming
-MUCH, CLEAR = 0.25, 0.15  # the same from which the plain error is asked no further, and from which half of its fall is enough
+MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming, if half of the channels carry it
+MUCH, CLEAR = 0.25, 0.06  # the same from which the plain error is asked no further, and from which half of its fall is enough
 MOST, NOTHING = 0.5, -0.02  # the same from which its lower bound may be next to nothing, where most of it is in one block
 MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
 HEARD, LOUD = 0.28, 0.35  # of what is left in a channel: what a change of that size can lower its error by, at most, is 4 and 6 %
@@ -49,6 +49,7 @@ class Gain:
     lower: float
     held_out: str
     spoilt: tuple[str, ...] = ()
+    breadth: float = 1.0  # twice the share of channels that carry it, at most 1: the others dilute what few of them gain
 
     @property
     def passed(self) -> bool:
@@ -59,7 +60,7 @@ class Gain:
         least = NOTHING if self.relative > MOST and falls else 0.0
         sure = self.lower > least and (plain or falls)
         material = MATERIAL_RMSE / 2.0 if plain or self.relative > CLEAR else MATERIAL_RMSE
-        return sure and not self.spoilt and self.relative > MATERIAL and self.after < (1.0 - material) * self.before
+        return sure and not self.spoilt and self.relative > MATERIAL * self.breadth and self.after < (1.0 - material) * self.before
 
     def shows_at(self, where: str) -> bool:
         """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""
@@ -154,15 +155,17 @@ def _gain(pairs: list[tuple[Session, Model, Model]], noise: Whitener, said: str)
 
 def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session], noise: Whitener, said: str) -> Gain:
     """The gain from residuals [(C, n), …] N of `sessions`, before and after."""
-    white = [[noise.apply(e, s.weight) for e, s in zip(es, sessions, strict=True)] for es in (before, after)]
+    white = [[noise.apply(e, s) for e, s in zip(es, sessions, strict=True)] for es in (before, after)]
     total, lower = bootstrap_fall(*white, sessions)
     rms, drawn = rmse_fall(before, after, sessions)
     c = int(np.argmax((rms[0] - rms[1]) / np.maximum(rms[0], 1e-300)))
     low, high = np.percentile(drawn[0, c] - drawn[1, c], [2.5, 97.5])
     carried = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if b - a > CARRIES * b)
     spoilt = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if a > SPOILT * b)
-    channel = sessions[0].channels[c]
-    return Gain(channel, carried or (channel,), float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said, spoilt)
+    channels, channel = sessions[0].channels, sessions[0].channels[c]
+    carried = carried or (channel,)
+    breadth = min(2.0 * len(carried) / len(channels), 1.0)
+    return Gain(channel, carried, float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said, spoilt, breadth)
 
 
 def _draws(blocks: int) -> np.ndarray:

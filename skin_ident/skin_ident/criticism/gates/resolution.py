@@ -111,12 +111,12 @@ def _speed(s: Session) -> np.ndarray:
     return np.interp(s.t, s.motion.t, s.motion.v)
 
 
-def readable(effects: Iterable[Effect], encoder_step: float) -> bool:
-    """Whether lengths by which the tip is said to be off are such as the encoder could tell: more than a step of it, for at a few depths to
-    which the stage comes from both sides its rounding alone looks like as much."""
+def unreadable(effects: Iterable[Effect], encoder_step: float) -> float:
+    """By what length the tip is said to be off, m, where the encoder could not tell, else 0: it is no more than a step of it, and at a few
+    depths to which the stage comes from both sides its rounding alone looks like as much."""
     off = [e for e in effects if e.place is Place.DEPTH]
     lengths = [abs(p.value) for e in off for p in parameters_of(e) if p.role == AMPLITUDE and p.unit == "m"]
-    return not lengths or max(lengths) > encoder_step
+    return max(lengths) if lengths and max(lengths) <= encoder_step else 0.0
 
 
 def converter_step(train: list[Session], channel: str) -> float:

@@ -9,11 +9,13 @@ drift would drown in it. The second pass chooses again under the colour that the
 The first pass may take noise that wanders for something that is explained, the second what is explained for noise that wanders. Of the two
 that one is taken which describes the record in fewer words (J. Rissanen, Automatica 14 (1978) 465-471):
 
-    n sum_c log r_c + k / 2 (log(n C) + 2 log M)
+    n sum_c log r_c + sum log s + k / 2 (log(n C) + 2 log M)
 
-with the standard deviations r_c of the C innovations, n samples of each, and k directions chosen out of M. A lone session that no model
-fits well is always looked at twice: held-out data decide there.
+with the standard deviations r_c of the C innovations, n samples of each, what they grow by under load, s, and k directions chosen out of
+M. A lone session that no model fits well is always looked at twice: held-out data decide there.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,17 +41,16 @@ def _pass(
 ) -> tuple[Whitener, float]:
     """The noise that is left beside the directions that explain most under `noise`, and the words that it takes to say both."""
     z = _richest(residuals, every, own, noise, sessions)
-    asked = [s.weight * noise.believed(s.weight) for s in sessions]  # what is left of the others may be anything
+    asked = [replace(s, weight=s.weight * noise.believed(s)) for s in sessions]  # what is left of the others may be anything
     left = _less(residuals, every, z)
-    fitted = fit_whitener(left, asked, taken([a[z != 0.0] for a in every], left, asked), noise.order)
+    fitted = fit_whitener(left, asked, taken([a[z != 0.0] for a in every], left, [s.weight for s in asked]), noise.order)
     return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), len(z) - own)
 
 
-def _words(noise: Whitener, asked: list[np.ndarray], chosen: int, offered: int) -> float:
+def _words(noise: Whitener, asked: list[Session], chosen: int, offered: int) -> float:
     """How long it takes to say what is left in this noise, and which directions were taken out."""
-    n = sum(np.count_nonzero(w.min(axis=0)) for w in asked)
-    scale = np.diag(noise.root)
-    return float(n * np.sum(np.log(scale)) + 0.5 * chosen * (np.log(max(n * scale.size, 2)) + 2.0 * np.log(max(offered, 1))))
+    n = sum(np.count_nonzero(s.weight.min(axis=0)) for s in asked)
+    return noise.words(asked) + 0.5 * chosen * (np.log(max(n * noise.growth.size, 2)) + 2.0 * np.log(max(offered, 1)))
 
 
 def less(residuals: list[np.ndarray], every: list[np.ndarray], forced: int, noise: Whitener, sessions: list[Session]) -> list[np.ndarray]:

@@ -12,29 +12,30 @@ still for so long.
 import numpy as np
 
 from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.sessions.session import Session
 
 APART_S = 0.5
 
 
-def sharpest(carrier: np.ndarray, r: np.ndarray, weight: np.ndarray, t: np.ndarray, noise: Whitener, most: int) -> np.ndarray:
+def sharpest(carrier: np.ndarray, r: np.ndarray, s: Session, noise: Whitener, most: int) -> np.ndarray:
     """At most `most` moments at which a step of `carrier` (C, n) explains most of the whitened `r` (C, n), at least half a second apart."""
-    explained = _from_here_on(np.sum(carrier * noise.turned(r, weight), axis=0)) ** 2 / _energy(carrier, weight, noise)
+    explained = _from_here_on(np.sum(carrier * noise.turned(r, s), axis=0)) ** 2 / _energy(carrier, s, noise)
     moments: list[float] = []
     for i in np.argsort(explained)[::-1]:
         if len(moments) == most:
             break
-        if all(abs(t[i] - m) >= APART_S for m in moments):
-            moments.append(float(t[i]))
+        if all(abs(s.t[i] - m) >= APART_S for m in moments):
+            moments.append(float(s.t[i]))
     return np.sort(moments)
 
 
-def _energy(carrier: np.ndarray, weight: np.ndarray, noise: Whitener) -> np.ndarray:
+def _energy(carrier: np.ndarray, s: Session, noise: Whitener) -> np.ndarray:
     order = noise.order
-    whole = _from_here_on(np.sum(noise.apply(carrier, weight) ** 2, axis=0))
+    whole = _from_here_on(np.sum(noise.apply(carrier, s) ** 2, axis=0))
     settled = np.append(whole[order:], np.zeros(order))
     alike = np.ones(order)
     begun = np.array([noise.innovation(alike, alike > 0.0, c) for c in range(len(carrier))])  # what becomes of a step, sample by sample
-    mixed = noise.mix @ carrier
+    mixed = noise.mix @ noise.steady(carrier, s)
     starting = sum(np.sum((noise.to_unit @ (taps[:, None] * mixed)) ** 2, axis=0) for taps in begun.T)
     return np.maximum(settled + starting, 1e-12 * (1.0 + whole[0]))
 

@@ -8,7 +8,8 @@ predicted from its last p samples and from M exponential averages, slower and sl
 
 fitted by least squares over all sessions: without the averages, noise that wanders would be white to a test at all but the lowest
 frequencies, and slow causes would be named for it. What correlation is left between the innovations w goes by one covariance matrix.
-`Whitener.apply` turns residuals and directions alike into samples of unit variance.
+Where noise grows with the load, everything is divided by what it grows to first (see `growth`). `Whitener.apply` turns residuals and
+directions alike into samples of unit variance.
 
 What was fitted to a residual and subtracted has taken noise with it, most of all at the lowest frequencies (see `taken`). A fit to what is
 left would think the noise silent there, and every offset and drift would seem certain. The least squares are therefore completed by as
@@ -25,6 +26,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.signal import lfilter
 
+from skin_ident.criticism.noise.growth import Channels, growth
 from skin_ident.stretches import runs
 
 ORDERS = (8, 4, 2)
@@ -40,12 +42,14 @@ FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must
 @dataclass(frozen=True)
 class Whitener:
     """`mix` (C, C) makes uncorrelated mixtures of the channels, `filters` (C, p+1) are the prediction-error filters of their last samples,
-    `slow` (C, M) their coefficients c_m, `root` (C, C) is the lower Cholesky factor of the innovations' covariance."""
+    `slow` (C, M) their coefficients c_m, `root` (C, C) is the lower Cholesky factor of the innovations' covariance without load, `growth`
+    (C,) what the channels' noise grows by with their load, 1/N."""
 
     mix: np.ndarray
     filters: np.ndarray
     slow: np.ndarray
     root: np.ndarray
+    growth: np.ndarray
 
     @property
     def order(self) -> int:
@@ -57,55 +61,85 @@ class Whitener:
         """What makes innovations (C, n) independent and of unit variance, (C, C)."""
         return solve_triangular(self.root, np.eye(len(self.root)), lower=True)
 
-    def apply(self, e: np.ndarray, weight: np.ndarray) -> np.ndarray:
-        """Whiten (..., C, n), in the precision that comes in. Samples that a channel or its neighbourhood spoils, and the first p,
-        come back as zeros."""
+    def apply(self, e: np.ndarray, s: Channels) -> np.ndarray:
+        """Whiten (..., C, n) of a session, in the precision that comes in. Samples that a channel or its neighbourhood spoils, and the
+        first p, come back as zeros."""
         if not e.size:
             return e
-        to_unit, mix, believed = (a.astype(e.dtype) for a in (self.to_unit, self.mix, self.believed(weight)))
+        to_unit, mix, believed = (a.astype(e.dtype) for a in (self.to_unit, self.mix, self.believed(s)))
+        e = self.steady(e, s)
         if not self.filters[:, 1:].any():  # white: one product does it all
             return np.matmul(to_unit @ mix, e) * believed
         mixed = np.matmul(mix, e)
-        good = weight.min(axis=0) > 0.0
+        good = s.weight.min(axis=0) > 0.0
         for c in range(len(mix)):
             mixed[..., c, :] = self.innovation(mixed[..., c, :], good, c)
         mixed *= believed
         return np.matmul(to_unit, mixed)
 
+    def loudness(self, s: Channels) -> np.ndarray:
+        """How many times louder than without load the noise of a session is, (C, n)."""
+        return 1.0 + self.growth[:, None] * s.load
+
+    def steady(self, e: np.ndarray, s: Channels) -> np.ndarray:
+        """(..., C, n) over how loud the noise of the session is, in the precision that comes in."""
+        return e / self.loudness(s).astype(e.dtype) if self.growth.any() else e
+
+    def words(self, sessions: list[Channels]) -> float:
+        """What it takes to say the innovations of these sessions: their number times log |R|, and the logarithms of all loudness, nats."""
+        good = [s.weight.min(axis=0) > 0.0 for s in sessions]
+        louder = sum(float(np.sum(np.log(self.loudness(s)[:, g]))) for s, g in zip(sessions, good, strict=True))
+        return sum(map(np.count_nonzero, good)) * float(np.sum(np.log(np.diag(self.root)))) + louder
+
     def innovation(self, y: np.ndarray, good: np.ndarray, c: int) -> np.ndarray:
         """What mixture `c` (..., n) is beside its prediction. Samples that are not `good` (n,) have no part in the averages."""
         return lfilter(self.filters[c], [1.0], y, axis=-1) - lfilter(*_averages(self.slow[c]), y * good, axis=-1)
 
-    def turned(self, w: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    def turned(self, w: np.ndarray, s: Channels) -> np.ndarray:
         """The adjoint of `apply` on (C, n): sum of apply(e) * w = sum of e * turned(w)."""
-        good = (weight.min(axis=0) > 0.0)[::-1]
-        back = (self.to_unit.T @ w * self.believed(weight))[:, ::-1]
+        good = (s.weight.min(axis=0) > 0.0)[::-1]
+        back = (self.to_unit.T @ w * self.believed(s))[:, ::-1]
         quick = np.array([lfilter(taps, [1.0], row) for taps, row in zip(self.filters, back, strict=True)])
         slow = np.array([lfilter(*_averages(c), row) for c, row in zip(self.slow, back, strict=True)]) * good
-        return self.mix.T @ (quick - slow)[:, ::-1]
+        return self.steady(self.mix.T @ (quick - slow)[:, ::-1], s)
 
-    def believed(self, weight: np.ndarray) -> np.ndarray:
+    def believed(self, s: Channels) -> np.ndarray:
         """Mask (n,) of the samples that `apply` does not leave out."""
-        believed = lfilter(np.ones(self.order + 1), [1.0], 1.0 - weight.min(axis=0)) < 0.5
+        believed = lfilter(np.ones(self.order + 1), [1.0], 1.0 - s.weight.min(axis=0)) < 0.5
         believed[: self.order] = False
         return believed
 
 
 def fit_whitener(
-    residuals: list[np.ndarray], weights: list[np.ndarray], taken: np.ndarray | None = None, order: int | None = None
+    residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None, order: int | None = None
 ) -> Whitener:
     """The noise model of residuals [(C, n), …], from each channel of which what was fitted and subtracted has `taken` so many degrees of
     freedom (2, C), in all and at the lowest frequencies; of the highest `order` that they bear, unless it is given. Constant channels are
     given a tiny floor so that nothing divides by zero."""
-    n_channels, order = residuals[0].shape[0], order_for(weights) if order is None else order
-    kept = np.concatenate([e[:, w.min(axis=0) > 0] for e, w in zip(residuals, weights, strict=True)], axis=1)
+    order = order_for([s.weight for s in sessions]) if order is None else order
+    steady = _fitted(residuals, sessions, taken, order, np.zeros(len(residuals[0])))
+    grown = growth([_by_channel(steady, e, s) for e, s in zip(residuals, sessions, strict=True)], sessions)
+    return _fitted(residuals, sessions, taken, order, grown) if grown.any() else steady
+
+
+def _by_channel(noise: Whitener, e: np.ndarray, s: Channels) -> np.ndarray:
+    """The innovations (C, n) of each channel, N."""
+    return noise.mix.T @ noise.root @ noise.apply(e, s)
+
+
+def _fitted(residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None, order: int, grown: np.ndarray) -> Whitener:
+    """The noise model, where noise grows so with the load."""
+    n_channels = grown.size
+    begun = Whitener(np.eye(n_channels), np.ones((n_channels, 1)), np.zeros((n_channels, MEMORIES.size)), np.eye(n_channels), grown)
+    steady, weights = [begun.steady(e, s) for e, s in zip(residuals, sessions, strict=True)], [s.weight for s in sessions]
+    kept = np.concatenate([e[:, w.min(axis=0) > 0] for e, w in zip(steady, weights, strict=True)], axis=1)
     _, vectors = np.linalg.eigh(np.atleast_2d(kept @ kept.T / max(kept.shape[1], 1)))
-    mixed = [vectors.T @ e for e in residuals]
+    mixed = [vectors.T @ e for e in steady]
     together = [w.min(axis=0) for w in weights]
     unseen = np.zeros((2, n_channels)) if taken is None else taken @ vectors**2
     filters, slow = zip(*(_predictor([m[c] for m in mixed], together, order, unseen[:, c]) for c in range(n_channels)), strict=True)
-    unit = Whitener(vectors.T, np.array(filters), np.array(slow), np.eye(n_channels))
-    w = np.concatenate([unit.apply(e, q) for e, q in zip(residuals, weights, strict=True)], axis=1)
+    unit = replace(begun, mix=vectors.T, filters=np.array(filters), slow=np.array(slow))
+    w = np.concatenate([unit.apply(e, s) for e, s in zip(residuals, sessions, strict=True)], axis=1)
     used = np.any(w != 0.0, axis=0)
     covariance = np.atleast_2d(w[:, used] @ w[:, used].T / max(used.sum(), 1))
     floor = np.diag(np.full(n_channels, 1e-18) + 1e-6 * np.diag(covariance))
@@ -128,7 +162,7 @@ def white(residuals: list[np.ndarray], order: int = ORDERS[0]) -> Whitener:
     steps = np.concatenate([np.diff(e, axis=1) for e in residuals], axis=1)
     size = np.maximum(np.sqrt(np.mean(steps**2, axis=1) / 2.0), 1e-12)
     n = size.size
-    return Whitener(np.eye(n), np.eye(1, order + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size))
+    return Whitener(np.eye(n), np.eye(1, order + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size), np.zeros(n))
 
 
 def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int, unseen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -176,5 +210,5 @@ def _averages(c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def stack(rows: list[np.ndarray], sessions: list, noise: Whitener) -> np.ndarray:
     """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M) or (rows,)."""
-    white = [noise.apply(a, s.weight) for a, s in zip(rows, sessions, strict=True)]
+    white = [noise.apply(a, s) for a, s in zip(rows, sessions, strict=True)]
     return np.concatenate([w.reshape(*w.shape[:-2], w.shape[-2] * w.shape[-1]) for w in white], axis=-1).T

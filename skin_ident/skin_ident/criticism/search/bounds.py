@@ -9,11 +9,11 @@ seen in the record itself, as the steps of a converter are, is not excluded belo
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.search.named import Seen
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
 from skin_ident.criticism.search.survey import Survey, detectable
 from skin_ident.criticism.vocabulary import CAUSES, Cause
@@ -22,16 +22,6 @@ from skin_models.parameter import SHAPE, parameters_of
 CLEAR = 3.0
 NEAR = 0.35  # of the best score of a round
 ALIKE = 0.98  # correlation above which two directions are one
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What is in the record and no finding: its size in the directions' unit, why it is none, and what would tell, by default what its
-    cause needs."""
-
-    size: float
-    because: str
-    needs: str = ""
 
 
 def excluded_and_untestable(

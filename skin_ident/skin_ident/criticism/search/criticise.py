@@ -47,4 +47,4 @@ def criticise(
         weighted = replace(first.model, effects=search.hanging)
         baseline = fit(weighted, weighed(train), first.noise) if search.train[0].free_mass else fitted
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
-    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.bends)
+    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.small)

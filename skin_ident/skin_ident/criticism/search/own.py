@@ -65,7 +65,7 @@ def _at_once(run: Run, search: "Search") -> float:
     for s in search.train:
         before = residual(search.present.model, s)
         after = before - s.band.thin(run.values[s.name])
-        fall = sum(np.sum(sign * search.noise.apply(e, s.weight) ** 2, axis=0) for sign, e in ((1.0, before), (-1.0, after)))
+        fall = sum(np.sum(sign * search.noise.apply(e, s) ** 2, axis=0) for sign, e in ((1.0, before), (-1.0, after)))
         width = max(round(AT_ONCE_S / s.band.spacing), 1)
         most = max(most, float(np.convolve(fall, np.ones(width)).max()))
     return most
@@ -83,7 +83,8 @@ def take_alone(search: "Search") -> bool:
     if search.alone or not search.held:
         return False
     had = {r.course for r in search.runs}
-    runs = plainest_first(beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step))
+    runs = beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step)
+    runs = plainest_first([r for r in runs if r.worth(search.encoder_step)])
     run = next((r for r in runs if r.course not in had), None)
     least = search.least(sum(np.count_nonzero(s.weight) for s in search.held))
     if run is None or run.score < least or _in_their_noise(search, run) < min(least, CERTAIN):

@@ -14,19 +14,20 @@ from skin_ident.criticism.courses.course import BEHIND, MARGIN, Run, worthwhile
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
-from skin_ident.criticism.gates.resolution import of_the_converter, readable, resolved
+from skin_ident.criticism.gates.resolution import of_the_converter, resolved
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
-from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.named import Named, Seen
 from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
+from skin_ident.criticism.search.small import of_the_hardware, of_the_stage
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.together import two_at_once
 from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import hanging, weighed, with_mass
+from skin_ident.criticism.search.weighing import hanging, lightened, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -64,7 +65,7 @@ class Search:
         self.runs: list[Run] = []
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
-        self.bends: dict[tuple[str, str], Gain] = {}  # what would have been named, and may be what converters do
+        self.small: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
         self.befores: dict[tuple[str, str], Model] = {}
@@ -74,15 +75,19 @@ class Search:
         """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
         self.present = fitted
         while len(self.rounds) < MOST_FINDINGS:
+            self.small = {}
             last = self.look()
             trials = self.trials(last)
             runs = self.own_courses()
-            if self._weigh(max([0.0, *(t.score for t in trials), *(r.score for r in runs)])):
+            best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
+            if self.weighable and best > 0.0 and self._weigh(with_mass(self.present, self.train, self.noise, best)):
                 continue
             own, shared = self.choose(trials, runs)
             taken = own or shared
             alone = not taken and take_alone(self)
-            pair = () if taken or self.named else two_at_once(self, trials, runs)
+            if not (taken or alone or self.named) and self.weighable and self._weigh(lightened(self.present, self.train, self.noise)):
+                continue
+            pair = () if taken or self.named or self.small else two_at_once(self, trials, runs)
             alone = alone or (not (taken or pair) and take_wave(self))
             new = taken or (pair[0] if pair else None)
             self.rounds.append((last, new[1].cause if new else self.named[-1].cause if alone else None))
@@ -94,10 +99,9 @@ class Search:
             elif not alone:
                 return
 
-    def _weigh(self, best: float) -> bool:
-        """Whether the mass accounts for the record better than the `best` of all causes; then it is fitted from now on, and what has been
-        named without it must be found again."""
-        heavy = with_mass(self.present, self.train, self.noise, best) if self.weighable and best > 0.0 else None
+    def _weigh(self, heavy: Fit | None) -> bool:
+        """Take the fit with another mass, if there is one: from now on the mass is fitted, and what has been named without it must be found
+        again."""
         if heavy is None:
             return False
         self.progress("fitting the mass, too")
@@ -133,14 +137,16 @@ class Search:
     def ahead(self, present: Fit) -> "Search":
         """The same state with another fit, from which to look further; what is found there is not found here."""
         other = copy(self)
-        other.present, other.bends = present, dict(self.bends)
+        other.present, other.small = present, dict(self.small)
         return other
 
     def own_courses(self) -> list[Run]:
         """What each session may have of its own and has not yet, the plainest first."""
         had = {r.course for r in self.runs}
         runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
-        return plainest_first([r for r in runs if r.course not in had])
+        worth = [r for r in runs if r.worth(self.encoder_step)]
+        self.small |= {r.course.key: of_the_stage(r, self.encoder_step) for r in runs if r not in worth}
+        return plainest_first([r for r in worth if r.course not in had])
 
     def look(self) -> Survey:
         """Survey what the present model leaves, in the noise that the survey finds."""
@@ -194,20 +200,20 @@ class Search:
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
             gain = self.gain(self.present.model, trial.fit.model, trial.key[1])
-            if gain.passed and of_the_converter(gain, trial.key[0], self.train):
-                self.bends[trial.key] = gain
+            small = of_the_hardware(trial, gain, self.present.model, self.train, self.encoder_step) if gain.passed else None
+            if small:
+                self.small[trial.key] = small
+            if small and of_the_converter(gain, trial.key[0], self.train):
                 return None
             rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
             alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
             alternatives += same_by_nature(trial, trials, {a.key for a in alternatives}, self.train)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
-            told = trial.score > self.least(trial.fit.count) and sized(trial)  # what it was fitted to must gain by it, too
+            told = trial.score > self.least(trial.fit.count) * gain.breadth and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self._form_of_others(*trial.key)
-            seen = readable(instances(trial.fit.model, *trial.key), self.encoder_step)
-            seen = seen and self.resolved(gain, trial.key[0], trial.fit.model)
-            if told and much and gain.passed and seen and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
+            if told and much and gain.passed and not small and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
                 return trial.fit, finding
         return None
 

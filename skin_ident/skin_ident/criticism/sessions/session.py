@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
+from skin_ident.criticism.noise.growth import load_of
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import ALONE, Common
 from skin_ident.recordings.staircase import drawn_again
@@ -52,6 +54,11 @@ class Session:
     @property
     def n_taxels(self) -> int:
         return sum(c.startswith("taxel") for c in self.channels)
+
+    @cached_property
+    def load(self) -> np.ndarray:
+        """What each channel reads (C, n), N, without the noise of single samples."""
+        return load_of(self.measured, self.band.spacing)
 
 
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:

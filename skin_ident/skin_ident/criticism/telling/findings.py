@@ -4,14 +4,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
-from skin_ident.criticism.gates.resolution import converter_step
-from skin_ident.criticism.search.bounds import Seen, excluded_and_untestable
+from skin_ident.criticism.search.bounds import excluded_and_untestable
 from skin_ident.criticism.search.growing import instances
-from skin_ident.criticism.search.named import Criticism, Named
+from skin_ident.criticism.search.named import Criticism, Named, Seen
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of
@@ -157,14 +154,9 @@ def _steps_seen(recordings: list) -> dict[str, Seen]:
     }
 
 
-def _bends_seen(c: Criticism) -> dict[str, dict[str, Seen]]:
-    """By cause and place: what bends with the reading by so little that a converter may do it, of whatever amount."""
-    seen: dict[str, dict[str, Seen]] = {}
-    for (cause, where), gain in c.bends.items():
-        step, fall = converter_step(list(c.train), gain.channel), np.sqrt(gain.squares)
-        why = f"it would explain {fall:.2g} N rms of {gain.channel}, which a converter with steps of {step:.2g} N may do by itself"
-        seen.setdefault(cause, {})[where] = Seen(np.inf, why, f"a {gain.channel} read in finer steps, or a larger force")
-    return seen
+def _small(c: Criticism) -> dict[str, dict[str, Seen]]:
+    """By cause and place: what is in the record and is named for nothing, since good hardware does as much."""
+    return {cause: {where: seen for (name, where), seen in c.small.items() if name == cause} for cause, _ in c.small}
 
 
 def as_findings(
@@ -184,7 +176,7 @@ def as_findings(
     entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     known = telemetry_words(recordings, given)
-    steps = {"quantization": _steps_seen(recordings), **_bends_seen(c)}
+    steps = {"quantization": _steps_seen(recordings), **_small(c)}
     excluded, untestable = excluded_and_untestable(c.last, [s for s, _ in c.rounds], named, known, steps)
     return {
         "schema": SCHEMA,

@@ -60,7 +60,7 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     before = [residual(last.model, s) for s in held]
     after = [e - np.tensordot(z, every[s.name][0], 1) for e, s in zip(before, held, strict=True)]
     before, after = (beside_uncertainty(e, last.model, fitted, held, last.noise) for e in (before, after))
-    fall, lower = bootstrap_fall(*([last.noise.apply(e, s.weight) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
+    fall, lower = bootstrap_fall(*([last.noise.apply(e, s) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
     unread = unread_force(last.model, held[0].channels[c], held, encoder_step)
