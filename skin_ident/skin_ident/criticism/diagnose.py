@@ -10,7 +10,7 @@ from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.exchanged import put_right as columns_put_right
 from skin_ident.criticism.array.extending import told
 from skin_ident.criticism.array.joining import array_criticism, joined
-from skin_ident.criticism.array.layout import layout_of
+from skin_ident.criticism.array.layout import layout_of, unplaced
 from skin_ident.criticism.array.proposing import array_directions
 from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.baseline.residual import simulated, stiffness
@@ -118,6 +118,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
         twin = read_twins(looked.sessions, every, twins, mass)
         model, looked = twin.surrogate, looked.carrying(twin.beyond, twin.known)
         every[0] = every[0].warned(*twin.warnings) if twin.warnings else every[0]
+    every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
     train, held = _split(looked.sessions, training)
     step = depth_step(every)
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step)

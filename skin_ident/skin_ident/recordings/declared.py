@@ -34,7 +34,6 @@ from skin_models.errors import ModelError
 from skin_models.strict_yaml import load_yaml
 
 FILE_NAME = "rig.yaml"
-NOWHERE = f"{FILE_NAME} says where taxels are, and not where the plunger presses (contact_position_mm): it is taken to press at [0, 0]"
 PER_TAXEL = ("taxel_step_n", "taxel_noise_n")  # one number for all taxels, or one for each
 
 
@@ -84,10 +83,9 @@ class Declared:
         return next((places[name] for name in (recording, Path(recording).stem, "") if name in places), (0.0, 0.0))
 
     def of(self, recording: str) -> "Declared":
-        """What is declared for one recording: the same, with its own contact alone, and a warning where only others have one, or none has
-        although it is declared where several taxels are."""
+        """What is declared for one recording: the same, with its own contact alone, and a warning where only others have one."""
         if not self.contact_position_mm:
-            return replace(self, warnings=(*self.warnings, NOWHERE)) if len(self.taxel_positions_mm) > 1 else self
+            return self
         place = {"": self.contact_of(recording)}
         if {"", recording, Path(recording).stem} & set(self.contact_position_mm):
             return replace(self, contact_position_mm=place)

@@ -9,7 +9,7 @@ with the common band and whitener W, the tangents J_j of everything in j that a 
 ratio. G_i, likewise, is what cause i explains over a model without it: the criticism tells two causes apart when D exceeds a share of G.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -62,7 +62,7 @@ class Contest:
 
 
 def contest(rivals: tuple[Contender, ...], plain: Model, sessions: list[Session], noise: Whitener, which: tuple[Direction, ...]) -> Contest:
-    """What the motion of `sessions` says about `rivals`; their measured channels do not matter.
+    """What the motion of `sessions` says about `rivals`; of their measured channels only how loaded they are matters.
 
     `plain` is the model fitted without any of them, `which` are the catalogue's directions.
     """
@@ -94,7 +94,7 @@ def _left(mine: tuple[Direction, ...], forms: np.ndarray, own: np.ndarray, diffe
 
 
 def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
-    """A session of `motion` with the channels of `like` and nothing measured, less the moments that a criticism leaves out.
+    """A session of `motion` with the channels of `like`, as `model` says they would read, less the moments that a criticism leaves out.
 
     Contact met at speed is left out too: there the rivals differ by a jump between two samples, which telemetry takes for a spike.
     """
@@ -117,4 +117,4 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
         like.spread,
         like.contact,
     )
-    return without_parting(blank, model.dispersion)
+    return without_parting(replace(blank, measured=band.thin(simulated(model, blank))), model.dispersion)

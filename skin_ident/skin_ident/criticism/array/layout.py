@@ -15,6 +15,7 @@ SILICONE_WIDTH = 5.25e-3  # m, c of exp(-(r/c)^2) on 4 mm of silicone: thesis se
 DISCS = 4.86e-3  # m, what of it is due to plunger (9.9 mm) and taxel (9.53 mm): discs of radius a have the variance a^2 / 4 per axis
 MEASURED_AT = 4.0  # mm
 APART = 1e-4  # m, by which contacts must differ to count as different
+NOWHERE = "nobody says where the plunger presses (contact_position_mm in rig.yaml): it is taken to be at [0, 0] among the taxels"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +61,11 @@ class Layout:
     def of(self, sessions: list[int]) -> "Layout":
         """The same for some of the sessions."""
         return replace(self, contacts=self.contacts[sessions])
+
+
+def unplaced(recordings: list) -> tuple[str, ...]:
+    """The warning of ratios that are judged although nobody says where the plunger presses."""
+    return () if any(r.declared.contact_position_mm for r in recordings) else (NOWHERE,)
 
 
 def layout_of(recordings: list, model: Model | None = None) -> Layout | str:

@@ -100,7 +100,7 @@ def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndar
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. Where what good
-    hardware does explains most, it is the only one."""
+    hardware does explains most, it is the only one, and not `worth` a name."""
     Q = _basis(stack(own_rows(model, sessions, sessions), sessions, noise))
     return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 

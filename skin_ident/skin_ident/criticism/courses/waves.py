@@ -76,7 +76,7 @@ def find_wave(model: Model, train: list[Session], held: list[Session], noise: Wh
         return None
     best = max(able, key=lambda w: w.part)
     after = [x - s.band.thin(best.values[s.name]) for x, s in zip(e, sessions, strict=True)][len(train) :]
-    colour = fit_whitener(after, held)
+    colour = fit_whitener(after, held, grows=noise.growth)
     return best, gain_of_residuals(e[len(train) :], after, held, colour, ", ".join(s.name for s in held))
 
 

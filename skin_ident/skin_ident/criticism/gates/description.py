@@ -14,11 +14,12 @@ Source: G. Schwarz, Estimating the dimension of a model, Annals of Statistics 6 
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, noise_of
+from skin_ident.criticism.noise.growth import Growth
 from skin_ident.criticism.sessions.session import Session
 
 
-def description_length(fit: Fit, sessions: list[Session]) -> float:
-    """L of the fitted model over `sessions`, in twice nats."""
-    noise = noise_of(fit.model, sessions)
+def description_length(fit: Fit, sessions: list[Session], grows: Growth) -> float:
+    """L of the fitted model over `sessions`, in twice nats, where noise `grows` so with the load: models are compared under one growth."""
+    noise = noise_of(fit.model, sessions, grows)
     samples = sum(int(np.count_nonzero(s.weight.min(axis=0))) for s in sessions)
     return 2.0 * noise.words(sessions) + len(fit.unknowns) * float(np.log(max(samples * len(noise.root), 2)))

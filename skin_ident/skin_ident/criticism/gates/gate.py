@@ -37,7 +37,7 @@ class Gain:
     """Held-out error before and after, N, in `channel`, the one that gained most; `ci95` bounds the fall of the RMSE there.
 
     `carried` are the channels whose error fell, `spoilt` those where it rose by much; `relative` and `lower` are the fall of the whitened
-    mean square over all channels and its lower 99 % bound: the gate itself.
+    mean square over all channels and its lower 99 % bound: the gate itself, for which `breadth` makes up where few channels carry it.
     """
 
     channel: str

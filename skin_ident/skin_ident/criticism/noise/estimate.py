@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.noise.taken import taken
-from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, order_for, stack, white
+from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, order_for, stack, white, with_growth
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
@@ -43,14 +43,15 @@ def _pass(
     z = _richest(residuals, every, own, noise, sessions)
     asked = [replace(s, weight=s.weight * noise.believed(s)) for s in sessions]  # what is left of the others may be anything
     left = _less(residuals, every, z)
-    fitted = fit_whitener(left, asked, taken([a[z != 0.0] for a in every], left, [s.weight for s in asked]), noise.order)
+    gone = taken([a[z != 0.0] for a in every], left, [s.weight for s in asked])
+    fitted = with_growth(fit_whitener(left, asked, gone, noise.order), left, asked, gone)
     return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), len(z) - own)
 
 
 def _words(noise: Whitener, asked: list[Session], chosen: int, offered: int) -> float:
     """How long it takes to say what is left in this noise, and which directions were taken out."""
     n = sum(np.count_nonzero(s.weight.min(axis=0)) for s in asked)
-    return noise.words(asked) + 0.5 * chosen * (np.log(max(n * noise.growth.size, 2)) + 2.0 * np.log(max(offered, 1)))
+    return noise.words(asked) + 0.5 * chosen * (np.log(max(n * len(noise.root), 2)) + 2.0 * np.log(max(offered, 1)))
 
 
 def less(residuals: list[np.ndarray], every: list[np.ndarray], forced: int, noise: Whitener, sessions: list[Session]) -> list[np.ndarray]:

@@ -26,7 +26,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.signal import lfilter
 
-from skin_ident.criticism.noise.growth import Channels, growth
+from skin_ident.criticism.noise.growth import Channels, Growth, growth
 from skin_ident.stretches import runs
 
 ORDERS = (8, 4, 2)
@@ -42,14 +42,13 @@ FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must
 @dataclass(frozen=True)
 class Whitener:
     """`mix` (C, C) makes uncorrelated mixtures of the channels, `filters` (C, p+1) are the prediction-error filters of their last samples,
-    `slow` (C, M) their coefficients c_m, `root` (C, C) is the lower Cholesky factor of the innovations' covariance without load, `growth`
-    (C,) what the channels' noise grows by with their load, 1/N."""
+    `slow` (C, M) their coefficients c_m, `root` (C, C) is the lower Cholesky factor of the innovations' covariance without load."""
 
     mix: np.ndarray
     filters: np.ndarray
     slow: np.ndarray
     root: np.ndarray
-    growth: np.ndarray
+    growth: Growth
 
     @property
     def order(self) -> int:
@@ -77,19 +76,18 @@ class Whitener:
         mixed *= believed
         return np.matmul(to_unit, mixed)
 
-    def loudness(self, s: Channels) -> np.ndarray:
-        """How many times louder than without load the noise of a session is, (C, n)."""
-        return 1.0 + self.growth[:, None] * s.load
-
     def steady(self, e: np.ndarray, s: Channels) -> np.ndarray:
         """(..., C, n) over how loud the noise of the session is, in the precision that comes in."""
-        return e / self.loudness(s).astype(e.dtype) if self.growth.any() else e
+        return e / self.growth.loudness(s).astype(e.dtype) if self.growth.is_any else e
 
     def words(self, sessions: list[Channels]) -> float:
-        """What it takes to say the innovations of these sessions: their number times log |R|, and the logarithms of all loudness, nats."""
+        """What it takes to say the innovations of these sessions: their number times log |R|, the logarithms of all loudness, and what
+        grows, nats."""
         good = [s.weight.min(axis=0) > 0.0 for s in sessions]
-        louder = sum(float(np.sum(np.log(self.loudness(s)[:, g]))) for s, g in zip(sessions, good, strict=True))
-        return sum(map(np.count_nonzero, good)) * float(np.sum(np.log(np.diag(self.root)))) + louder
+        louder = sum(float(np.sum(np.log(self.growth.loudness(s)[:, g]))) for s, g in zip(sessions, good, strict=True))
+        count = sum(map(np.count_nonzero, good))
+        charge = 0.5 * np.count_nonzero(self.growth.more) * np.log(max(count, 2))
+        return count * float(np.sum(np.log(np.diag(self.root)))) + louder + float(charge)
 
     def innovation(self, y: np.ndarray, good: np.ndarray, c: int) -> np.ndarray:
         """What mixture `c` (..., n) is beside its prediction. Samples that are not `good` (n,) have no part in the averages."""
@@ -111,26 +109,18 @@ class Whitener:
 
 
 def fit_whitener(
-    residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None, order: int | None = None
+    residuals: list[np.ndarray],
+    sessions: list[Channels],
+    taken: np.ndarray | None = None,
+    order: int | None = None,
+    grows: Growth | None = None,
 ) -> Whitener:
     """The noise model of residuals [(C, n), …], from each channel of which what was fitted and subtracted has `taken` so many degrees of
-    freedom (2, C), in all and at the lowest frequencies; of the highest `order` that they bear, unless it is given. Constant channels are
-    given a tiny floor so that nothing divides by zero."""
-    order = order_for([s.weight for s in sessions]) if order is None else order
-    steady = _fitted(residuals, sessions, taken, order, np.zeros(len(residuals[0])))
-    grown = growth([_by_channel(steady, e, s) for e, s in zip(residuals, sessions, strict=True)], sessions)
-    return _fitted(residuals, sessions, taken, order, grown) if grown.any() else steady
-
-
-def _by_channel(noise: Whitener, e: np.ndarray, s: Channels) -> np.ndarray:
-    """The innovations (C, n) of each channel, N."""
-    return noise.mix.T @ noise.root @ noise.apply(e, s)
-
-
-def _fitted(residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None, order: int, grown: np.ndarray) -> Whitener:
-    """The noise model, where noise grows so with the load."""
-    n_channels = grown.size
-    begun = Whitener(np.eye(n_channels), np.ones((n_channels, 1)), np.zeros((n_channels, MEMORIES.size)), np.eye(n_channels), grown)
+    freedom (2, C), in all and at the lowest frequencies; of the highest `order` that they bear, unless it is given. The noise `grows` so
+    with the load, or is steady. Constant channels are given a tiny floor so that nothing divides by zero."""
+    n_channels, order = residuals[0].shape[0], order_for([s.weight for s in sessions]) if order is None else order
+    grows = grows or Growth.none(n_channels)
+    begun = Whitener(np.eye(n_channels), np.ones((n_channels, 1)), np.zeros((n_channels, MEMORIES.size)), np.eye(n_channels), grows)
     steady, weights = [begun.steady(e, s) for e, s in zip(residuals, sessions, strict=True)], [s.weight for s in sessions]
     kept = np.concatenate([e[:, w.min(axis=0) > 0] for e, w in zip(steady, weights, strict=True)], axis=1)
     _, vectors = np.linalg.eigh(np.atleast_2d(kept @ kept.T / max(kept.shape[1], 1)))
@@ -144,6 +134,14 @@ def _fitted(residuals: list[np.ndarray], sessions: list[Channels], taken: np.nda
     covariance = np.atleast_2d(w[:, used] @ w[:, used].T / max(used.sum(), 1))
     floor = np.diag(np.full(n_channels, 1e-18) + 1e-6 * np.diag(covariance))
     return replace(unit, root=np.linalg.cholesky(covariance + floor))
+
+
+def with_growth(steady: Whitener, residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None) -> Whitener:
+    """The noise model that was fitted to residuals as if their noise were `steady`, fitted again as it grows with the load, where it does.
+    Not of what a wrong model leaves: its errors grow with the load, too."""
+    apart = [steady.mix.T @ steady.root @ steady.apply(e, s) for e, s in zip(residuals, sessions, strict=True)]  # by channel, N
+    grows = growth(apart, sessions)
+    return fit_whitener(residuals, sessions, taken, steady.order, grows) if grows.is_any else steady
 
 
 def order_for(weights: list[np.ndarray]) -> int:
@@ -162,7 +160,7 @@ def white(residuals: list[np.ndarray], order: int = ORDERS[0]) -> Whitener:
     steps = np.concatenate([np.diff(e, axis=1) for e in residuals], axis=1)
     size = np.maximum(np.sqrt(np.mean(steps**2, axis=1) / 2.0), 1e-12)
     n = size.size
-    return Whitener(np.eye(n), np.eye(1, order + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size), np.zeros(n))
+    return Whitener(np.eye(n), np.eye(1, order + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size), Growth.none(n))
 
 
 def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int, unseen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.proposals import Direction, directions
-from skin_ident.criticism.search.search import MOST_FINDINGS, Progress, Search
+from skin_ident.criticism.search.search import Progress, Search
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.weighing import weighed
 from skin_ident.criticism.sessions.session import Session, longest, without_parting
@@ -37,7 +37,7 @@ def criticise(
     fitted = fit(first.model, train, first.noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
     search.run(fitted)
-    while len(search.rounds) < MOST_FINDINGS and exchange(search):
+    while len(search.rounds) < search.most and exchange(search):
         search.run(search.present)
     search.eliminate()
     if given:
@@ -47,4 +47,4 @@ def criticise(
         weighted = replace(first.model, effects=search.hanging)
         baseline = fit(weighted, weighed(train), first.noise) if search.train[0].free_mass else fitted
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
-    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.small)
+    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.usual)

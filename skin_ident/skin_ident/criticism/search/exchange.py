@@ -51,7 +51,7 @@ def _exchanged(search: "Search", finding: Named) -> bool:
         search.named = [again if n is finding else n for n in search.named]
     if other.cause == finding.cause or other.explained <= explained:
         return False
-    search.named, search.present, search.noise, search.small = ahead.named, ahead.present, ahead.noise, ahead.small
+    search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
     search.befores.pop(key, None)
     if own:
         take_course(search, *own)

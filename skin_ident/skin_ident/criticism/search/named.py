@@ -26,8 +26,8 @@ class Named:
 
 @dataclass(frozen=True)
 class Seen:
-    """What is in the record and no finding: its size in the unit of its cause's directions, why it is none, and what would tell, by default
-    what its cause needs."""
+    """What is in the record and no finding: its size in the unit of its cause's directions (inf: nothing of it is ruled out), why it is
+    none, and what would tell, by default what its cause needs."""
 
     size: float
     because: str
@@ -45,4 +45,4 @@ class Criticism:
     rounds: tuple[tuple[Survey, str | None], ...] = ()
     train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
     held: tuple[Session, ...] = ()
-    small: dict[tuple[str, str], Seen] = field(default_factory=dict)  # by cause and place: seen, and not named since good hardware does it
+    usual: dict[tuple[str, str], Seen] = field(default_factory=dict)  # by cause and place: seen, and not named since good hardware does it

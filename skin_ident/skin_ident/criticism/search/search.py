@@ -14,20 +14,20 @@ from skin_ident.criticism.courses.course import BEHIND, MARGIN, Run, worthwhile
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
-from skin_ident.criticism.gates.resolution import of_the_converter, resolved
+from skin_ident.criticism.gates.resolution import resolved
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
+from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does
 from skin_ident.criticism.search.named import Named, Seen
 from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
-from skin_ident.criticism.search.small import of_the_hardware, of_the_stage
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.together import two_at_once
 from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import hanging, lightened, weighed, with_mass
+from skin_ident.criticism.search.weighing import hanging, lighter, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -65,7 +65,8 @@ class Search:
         self.runs: list[Run] = []
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
-        self.small: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
+        self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
+        self.most = MOST_FINDINGS  # rounds
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
         self.befores: dict[tuple[str, str], Model] = {}
@@ -74,20 +75,23 @@ class Search:
     def run(self, fitted: Fit) -> None:
         """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
         self.present = fitted
-        while len(self.rounds) < MOST_FINDINGS:
-            self.small = {}
+        while len(self.rounds) < self.most:
+            self.usual = {}
             last = self.look()
             trials = self.trials(last)
             runs = self.own_courses()
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
-            if self.weighable and best > 0.0 and self._weigh(with_mass(self.present, self.train, self.noise, best)):
+            free = with_mass(self.present, self.train, self.noise) if self.weighable else None
+            if free and tells_more(free, self.present, best):
+                self._weigh(free)
                 continue
             own, shared = self.choose(trials, runs)
             taken = own or shared
             alone = not taken and take_alone(self)
-            if not (taken or alone or self.named) and self.weighable and self._weigh(lightened(self.present, self.train, self.noise)):
+            if free and not (taken or alone or self.named) and lighter(self.present.model, free.model):
+                self._weigh(free)
                 continue
-            pair = () if taken or self.named or self.small else two_at_once(self, trials, runs)
+            pair = () if taken or self.named or self.usual else two_at_once(self, trials, runs)
             alone = alone or (not (taken or pair) and take_wave(self))
             new = taken or (pair[0] if pair else None)
             self.rounds.append((last, new[1].cause if new else self.named[-1].cause if alone else None))
@@ -99,18 +103,15 @@ class Search:
             elif not alone:
                 return
 
-    def _weigh(self, heavy: Fit | None) -> bool:
-        """Take the fit with another mass, if there is one: from now on the mass is fitted, and what has been named without it must be found
-        again."""
-        if heavy is None:
-            return False
+    def _weigh(self, free: Fit) -> None:
+        """Take the fit with another mass: from now on it is fitted, and what has been named without it must be found again."""
         self.progress("fitting the mass, too")
         self.train, self.held = weighed(self.train), weighed(self.held)
-        self.hanging = hanging(self.present.model, heavy.model)
-        self.present = fit(replace(heavy.model, effects=self.hanging), self.train, self.noise)
+        self.hanging = hanging(self.present.model, free.model)
+        self.present = fit(replace(free.model, effects=self.hanging), self.train, self.noise)
         self.present = fit(self.present.model, self.train, self.survey().noise)  # that of the other mass was the noise of a wrong model
-        self.named, self.befores = [n for n in self.named if n.courses], {}
-        return True
+        self.named, self.befores, self.wandering = [n for n in self.named if n.courses], {}, 0.0
+        self.most = len(self.rounds) + MOST_FINDINGS
 
     def choose(self, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
         """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those. Of
@@ -137,16 +138,16 @@ class Search:
     def ahead(self, present: Fit) -> "Search":
         """The same state with another fit, from which to look further; what is found there is not found here."""
         other = copy(self)
-        other.present, other.small = present, dict(self.small)
+        other.present, other.usual = present, dict(self.usual)
         return other
 
     def own_courses(self) -> list[Run]:
         """What each session may have of its own and has not yet, the plainest first."""
         had = {r.course for r in self.runs}
         runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
-        worth = [r for r in runs if r.worth(self.encoder_step)]
-        self.small |= {r.course.key: of_the_stage(r, self.encoder_step) for r in runs if r not in worth}
-        return plainest_first([r for r in worth if r.course not in had])
+        good = [r for r in runs if not r.worth(self.encoder_step) and r.score > self.least(self.present.count)]
+        self.usual |= {r.course.key: stage_does(r, self.encoder_step) for r in good}
+        return plainest_first([r for r in runs if r.worth(self.encoder_step) and r.course not in had])
 
     def look(self) -> Survey:
         """Survey what the present model leaves, in the noise that the survey finds."""
@@ -195,15 +196,14 @@ class Search:
 
     def first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support. What is small beside the largest effect so far in a channel may be its imperfect
-        form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
+        form, and is not named. Where the best is what a good converter has anyway, a lesser one is not looked for."""
         for trial in (form for t in trials for form in t.forms if form.score > 0.0):
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
             gain = self.gain(self.present.model, trial.fit.model, trial.key[1])
-            small = of_the_hardware(trial, gain, self.present.model, self.train, self.encoder_step) if gain.passed else None
-            if small:
-                self.small[trial.key] = small
-            if small and of_the_converter(gain, trial.key[0], self.train):
+            converter = converter_does(trial, gain, self.train) if gain.passed else None
+            if converter:
+                self.usual[trial.key] = converter
                 return None
             rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
@@ -213,8 +213,12 @@ class Search:
             told = trial.score > self.least(trial.fit.count) * gain.breadth and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self._form_of_others(*trial.key)
-            if told and much and gain.passed and not small and gain.shows_at(trial.key[1]) and self._shorter(trial.fit):
+            if not (told and much and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)):
+                continue
+            encoder = encoder_does(trial, gain, self.present.model, self.train, self.encoder_step)
+            if encoder is None:
                 return trial.fit, finding
+            self.usual[trial.key] = encoder
         return None
 
     def least(self, count: int) -> float:
@@ -234,7 +238,8 @@ class Search:
 
     def _shorter(self, after: Fit) -> bool:
         """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
-        return description_length(self.present, self.train) - description_length(after, self.train) > SHORTER
+        before, behind = (description_length(f, self.train, self.noise.growth) for f in (self.present, after))
+        return before - behind > SHORTER
 
     def resolved(self, gain: Gain, cause: str, after: Model) -> bool:
         """Whether a gain is more than what steps of encoder and converters leave open."""

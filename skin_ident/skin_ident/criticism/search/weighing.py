@@ -4,8 +4,8 @@ A mass m under the plunger takes m g from the force while they touch, and nothin
 thesis 4.3.1), so it is set; but fits with a free mass, as those of Tables 4-1 to 4-4, find some 0.2 kg, which is 2 N. A record of such a
 model, or of a plunger that really leans on the skin, would be told as three faults of sensors; a declared mass that hangs on a load cell
 tared with it, as well; and of a skin that weighs less than the 4 mN that were set, a good load cell would tell a curvature. So when
-something is wrong the mass is tried beside all causes, and where it accounts for the record better than any of them it belongs to the
-baseline; of a mass that hangs its inertia does.
+something is wrong the mass is tried beside all causes, and where it accounts for the record better than any of them, or takes from the
+mass that was set where no cause is believed, it belongs to the baseline; of a mass that hangs its inertia does.
 """
 
 from dataclasses import replace
@@ -22,7 +22,7 @@ from skin_models.model import Model
 from skin_models.signals import GRAVITY
 
 LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
-HANGS = 0.001  # kg, where so much or more was set: the skin's own does not hang on the load cell
+HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
 
 
 def weighed(sessions: list[Session]) -> list[Session]:
@@ -30,33 +30,33 @@ def weighed(sessions: list[Session]) -> list[Session]:
     return [replace(s, free_mass=True) for s in sessions]
 
 
-def with_mass(present: Fit, sessions: list[Session], noise: Whitener, best: float) -> Fit | None:
-    """The fit with the mass free, where that explains enough to matter and clearly more than the `best` of all causes does (squared
-    whitened units); where it takes from a mass that was set, as much."""
+def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
+    """The fit with the mass free, where it is set and that explains enough to matter."""
     if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
         return None
     free = fit(present.model, weighed(sessions), noise)
-    score = present.cost - free.cost - float(np.log(free.count))
-    if _lighter(present.model, free.model):
-        more = score > reach(best)
-    else:
-        more = free.model.dispersion.m > present.model.dispersion.m and reach(score) > best
-    return free if more and score > MATERIAL * free.count else None
+    return free if _gained(present, free) > MATERIAL * free.count else None
 
 
-def lightened(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
-    """The fit with the mass free, where nothing else is believed, and it takes from the mass that was set."""
-    free = with_mass(present, sessions, noise, 0.0)
-    return free if free and _lighter(present.model, free.model) else None
+def tells_more(free: Fit, present: Fit, best: float) -> bool:
+    """Whether the `free` mass explains clearly more than the `best` of all causes does (squared whitened units); where it takes from the
+    mass that was set, as much."""
+    if lighter(present.model, free.model):
+        return _gained(present, free) > reach(best)
+    return free.model.dispersion.m > present.model.dispersion.m and reach(_gained(present, free)) > best
+
+
+def _gained(present: Fit, free: Fit) -> float:
+    return present.cost - free.cost - float(np.log(free.count))
 
 
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
     """What is left of a mass that was set and does not lean on the skin: its inertia."""
     m = before.dispersion.m - after.dispersion.m
-    return (Inertia("rig", mass=m),) if before.dispersion.m >= HANGS and _lighter(before, after) else ()
+    return (Inertia("rig", mass=m),) if before.dispersion.m >= HANGS and lighter(before, after) else ()
 
 
-def _lighter(before: Model, after: Model) -> bool:
+def lighter(before: Model, after: Model) -> bool:
     """Whether the mass that was set leans on the skin no more."""
     return after.dispersion.m < LIGHTER * before.dispersion.m
 
@@ -64,18 +64,18 @@ def _lighter(before: Model, after: Model) -> bool:
 def said_of(mass: float, before: float, declared: bool) -> str:
     """The warning that the mass was fitted, where it had been set to that of the skin, or as `declared`."""
     force = abs(mass - before) * GRAVITY
-    if declared and mass < before:
+    if declared and mass < before and before >= HANGS:
         return (
             f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) leaning on the skin the record cannot be "
             f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "
             "load cell that was tared with it, and to be felt by its inertia alone"
         )
+    of = "the declared one" if declared else "that of the skin"
     if mass < before:
         return (
-            f"the model's mass was fitted, {mass:.3g} kg: with that of the skin ({1e3 * before:.3g} g) the record cannot be explained, "
+            f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.3g} g) the record cannot be explained, "
             f"since its weight would take {force:.3g} N from the load cell while the plunger touches"
         )
-    of = "the declared one" if declared else "that of the skin"
     return (
         f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.3g} g) the record cannot be explained. It "
         f"stands for a force of {force:.3g} N that is missing while the plunger touches; weigh what moves with the skin "

@@ -57,8 +57,8 @@ class Session:
 
     @cached_property
     def load(self) -> np.ndarray:
-        """What each channel reads (C, n), N, without the noise of single samples."""
-        return load_of(self.measured, self.band.spacing)
+        """How much each channel is loaded (C, n), N."""
+        return load_of(self.measured, np.interp(self.t, self.motion.t, self.motion.x), self.band.spacing)
 
 
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:

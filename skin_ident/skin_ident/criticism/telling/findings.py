@@ -154,9 +154,12 @@ def _steps_seen(recordings: list) -> dict[str, Seen]:
     }
 
 
-def _small(c: Criticism) -> dict[str, dict[str, Seen]]:
-    """By cause and place: what is in the record and is named for nothing, since good hardware does as much."""
-    return {cause: {where: seen for (name, where), seen in c.small.items() if name == cause} for cause, _ in c.small}
+def _not_findings(c: Criticism, recordings: list) -> dict[str, dict[str, Seen]]:
+    """By cause and place: what is in the record and is no finding, since nobody declared it or good hardware does as much."""
+    seen = {"quantization": _steps_seen(recordings)}
+    for (cause, where), usual in c.usual.items():
+        seen.setdefault(cause, {}).setdefault(where, usual)
+    return seen
 
 
 def as_findings(
@@ -176,8 +179,8 @@ def as_findings(
     entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     known = telemetry_words(recordings, given)
-    steps = {"quantization": _steps_seen(recordings), **_small(c)}
-    excluded, untestable = excluded_and_untestable(c.last, [s for s, _ in c.rounds], named, known, steps)
+    seen_there = _not_findings(c, recordings)
+    excluded, untestable = excluded_and_untestable(c.last, [s for s, _ in c.rounds], named, known, seen_there)
     return {
         "schema": SCHEMA,
         "recordings": [
