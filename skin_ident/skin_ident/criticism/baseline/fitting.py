@@ -13,7 +13,7 @@ import numpy as np
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import Unknown, effect_unknowns, scales, unknowns, values, with_values
 from skin_ident.criticism.noise.growth import Growth
-from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack
+from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, with_growth
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -80,6 +80,11 @@ def fit(
 def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None) -> Whitener:
     """The noise of sessions where all that a model leaves of them is taken for it, and it `grows` so with the load, or is steady."""
     return fit_whitener([residual(model, s) for s in sessions], sessions, grows=grows)
+
+
+def grown_noise_of(model: Model, sessions: list[Session]) -> Whitener:
+    """The same of a model that leaves nothing but noise, which may grow with the load."""
+    return with_growth(noise_of(model, sessions), [residual(model, s) for s in sessions], sessions)
 
 
 def cost_of(model: Model, sessions: list[Session], noise: Whitener) -> float:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, noise_of
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import SLOPE, ZERO
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
@@ -40,7 +40,7 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     run = runs[0]
     search.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
     after, score = refitted(search, run)
-    noise = noise_of(after.model, added(search.train, run.values), search.noise.growth)  # that of the search holds the course as well
+    noise = grown_noise_of(after.model, added(search.train, run.values))  # that of the search holds the course as well
     gain = course_gain(run.course, search.present.model, after.model, search.train, search.held, noise)
     score = max(run.score, score)
     near = reach(_alike_in_all(run, trials, score))
@@ -108,7 +108,7 @@ def take_alone(search: "Search") -> bool:
 def _in_their_noise(search: "Search", run: Run) -> float:
     """What a course of held-out sessions explains in the noise that is left there with it: theirs may wander further than the others'."""
     model = search.present.model
-    noise = noise_of(model, added(search.held, run.values), search.noise.growth)
+    noise = grown_noise_of(model, added(search.held, run.values))
     return fitted(run.course, model, search.held, noise, left_open(model, search.train, search.held, noise)).score
 
 
@@ -118,7 +118,7 @@ def take_course(search: "Search", run: Run, finding: Named) -> None:
     search.runs.append(run)
     train = added(search.train, run.values)
     model = fit(search.present.model, train, search.noise).model
-    noise = noise_of(model, train, search.noise.growth)
+    noise = grown_noise_of(model, train)
     again = fitted(run.course, model, search.train, noise)
     moved = added(search.train, again.values)
     if cost_of(model, moved, noise) < cost_of(model, train, noise):
