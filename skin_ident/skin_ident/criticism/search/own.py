@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of, noise_of
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import SLOPE, ZERO
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
@@ -118,7 +118,7 @@ def take_course(search: "Search", run: Run, finding: Named) -> None:
     search.runs.append(run)
     train = added(search.train, run.values)
     model = fit(search.present.model, train, search.noise).model
-    noise = grown_noise_of(model, train)
+    noise = noise_of(model, train, search.noise.growth)
     again = fitted(run.course, model, search.train, noise)
     moved = added(search.train, again.values)
     if cost_of(model, moved, noise) < cost_of(model, train, noise):
