@@ -1,7 +1,6 @@
 """What must be passed before a cause is believed, each rule beside a record that it lets pass and one that it stops."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
-from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.search.weighing import lighter, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
@@ -93,10 +91,10 @@ def test_what_good_hardware_does_is_said_and_not_named():
     noise = fit_whitener([residual(PLAIN, session)], [session])
     after = fit(replace(PLAIN, effects=(Backlash("rig", gap=1e-6),)), [session], noise)
     gain = held_out_gain(PLAIN, after.model, [session], [], noise)
-    trial = Trial(SimpleNamespace(cause="backlash", where="rig"), after, 100.0)
-    said = encoder_does(trial, gain, PLAIN, [session], encoder_step=1e-6)
+    key = ("backlash", "rig")
+    said = encoder_does(key, gain, PLAIN, after.model, [session], encoder_step=1e-6)
     assert "0.5 µm" in said.because.replace("0.49", "0.5") and "reads in steps of 1 µm" in said.because
-    assert encoder_does(trial, gain, PLAIN, [session], encoder_step=1e-7) is None
+    assert encoder_does(key, gain, PLAIN, after.model, [session], encoder_step=1e-7) is None
 
 
 def test_what_bends_with_the_reading_may_be_the_converter():

@@ -84,7 +84,8 @@ def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None)
 
 def grown_noise_of(model: Model, sessions: list[Session]) -> Whitener:
     """The same of a model that leaves nothing but noise, which may grow with the load."""
-    return with_growth(noise_of(model, sessions), [residual(model, s) for s in sessions], sessions)
+    residuals = [residual(model, s) for s in sessions]
+    return with_growth(fit_whitener(residuals, sessions), residuals, sessions)
 
 
 def cost_of(model: Model, sessions: list[Session], noise: Whitener) -> float:

@@ -8,7 +8,6 @@ from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, resolved, unreadable
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Seen
-from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -16,21 +15,22 @@ FINER = "an encoder, and converters, with finer steps"
 KINDS = {DEPTH: ("the zero of depth", 1e6, "µm"), DELAY: ("the delay", 1e3, "ms")}
 
 
-def converter_does(trial: Trial, gain: Gain, train: list[Session]) -> Seen | None:
-    """Why a trial that gains is no finding, where the converter may do it by itself."""
-    if not of_the_converter(gain, trial.key[0], train):
+def converter_does(cause: str, gain: Gain, train: list[Session]) -> Seen | None:
+    """Why a cause that gains is no finding, where the converter may do it by itself."""
+    if not of_the_converter(gain, cause, train):
         return None
     step = converter_step(train, gain.channel)
     why = f"it would {_worth(gain)}, which a converter with steps of {step:.2g} N may do by itself"
     return Seen(np.inf, why, f"a {gain.channel} read in finer steps, or a larger force")
 
 
-def encoder_does(trial: Trial, gain: Gain, before: Model, train: list[Session], encoder_step: float) -> Seen | None:
-    """Why a trial that gains over the model `before` is no finding, where the encoder could not tell, or steps leave as much open."""
-    length, step = unreadable(instances(trial.fit.model, *trial.key), encoder_step), _micrometres(encoder_step)
+def encoder_does(key: tuple[str, str], gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> Seen | None:
+    """Why a cause and place that `after` gains by over `before` are no finding, where the encoder could not tell, or steps leave as much
+    open."""
+    length, step = unreadable(instances(after, *key), encoder_step), _micrometres(encoder_step)
     if length:
         return Seen(np.inf, f"it would be {_micrometres(length)} and {_worth(gain)}, but the encoder reads in steps of {step}", FINER)
-    if not resolved(gain, trial.key[0], before, trial.fit.model, train, encoder_step):
+    if not resolved(gain, key[0], before, after, train, encoder_step):
         return Seen(np.inf, f"it would {_worth(gain)}, which the steps of encoder ({step}) and converters may leave open", FINER)
     return None
 

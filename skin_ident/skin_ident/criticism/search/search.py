@@ -201,7 +201,7 @@ class Search:
             if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
                 return None
             gain = self.gain(self.present.model, trial.fit.model, trial.key[1])
-            converter = converter_does(trial, gain, self.train) if gain.passed else None
+            converter = converter_does(trial.key[0], gain, self.train) if gain.passed else None
             if converter:
                 self.usual[trial.key] = converter
                 return None
@@ -215,7 +215,7 @@ class Search:
             much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self._form_of_others(*trial.key)
             if not (told and much and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)):
                 continue
-            encoder = encoder_does(trial, gain, self.present.model, self.train, self.encoder_step)
+            encoder = encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
             if encoder is None:
                 return trial.fit, finding
             self.usual[trial.key] = encoder

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.course import Run
 from skin_ident.criticism.gates.gate import MATERIAL
-from skin_ident.criticism.gates.resolution import resolved, unreadable
-from skin_ident.criticism.search.growing import instances, lacking
+from skin_ident.criticism.search.growing import lacking
+from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.trial import Trial, sized
@@ -60,8 +60,7 @@ def _beside(search: "Search", first: Trial) -> Pair | None:
     after, train = second[0], ahead.train
     without = fit(lacking(after.model, *first.key), train, ahead.noise).model
     gain = ahead.gain(without, after.model, first.key[1])
-    seen = not unreadable(instances(after.model, *first.key), ahead.encoder_step)
-    seen = seen and resolved(gain, first.key[0], without, after.model, train, ahead.encoder_step)
+    seen = encoder_does(first.key, gain, without, after.model, train, ahead.encoder_step) is None
     both = search.gain(search.present.model, after.model, "skin")
     if not (gain.passed and seen and gain.shows_at(first.key[1]) and both.passed):
         return None
