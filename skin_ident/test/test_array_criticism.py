@@ -1,11 +1,14 @@
 """What lies in the ratios of an array's taxels is found in whole recordings of the world of hidden effects."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from array_making import Spread, analysed, found, names, names_or_rivals, record, record_at
 
+from skin_ident.criticism.array.layout import layout_of
+from skin_ident.criticism.array.sentences import why
 from skin_ident.criticism.diagnose import diagnose
 from skin_models.model_file import load_model, save_model
 from skin_models.signals import motion
@@ -67,6 +70,16 @@ def test_the_cause_in_static_ratios_is_named_from_several_contacts(tmp_path, cau
 def test_a_spread_other_than_declared_is_named_from_several_contacts(tmp_path, kind, amount, cause):
     a = analysed(record_at(tmp_path, (*ALONG, (2, 0)), seed=2, careful=True, also=[(Spread(kind), amount)], **SHORT))
     assert a.named and a.judgement.causes[0].key == (cause, "skin")
+
+
+@pytest.mark.parametrize(("times", "recognised"), [(2**-0.5, True), (0.6, False)])
+def test_a_standard_deviation_that_was_declared_as_the_width_is_recognised(tmp_path, times, recognised):
+    recordings = record_at(tmp_path, (*ALONG, (2, 0)), seed=2, careful=True, **SHORT)
+    declared = [replace(r.declared, spread_width_mm=times * r.declared.spread_width_mm) for r in recordings]
+    recordings = [replace(r, declared=d) for r, d in zip(recordings, declared, strict=True)]
+    first = analysed(recordings).judgement.causes[0]
+    assert first.key == ("spread_width", "skin")
+    assert ("standard deviation" in why(first, layout_of(recordings))) == recognised
 
 
 @pytest.mark.parametrize("taxels", [3, 4])

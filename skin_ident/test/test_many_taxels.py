@@ -8,7 +8,7 @@ import pytest
 from skin_ident.cli.diagnose import main
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
-from skin_ident.criticism.many import loaded_most, renamed
+from skin_ident.criticism.many import Rest, loaded_most, renamed, with_rest
 from skin_ident.criticism.search.size import affordable
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.declared import Declared
@@ -86,6 +86,13 @@ def test_what_a_taxel_has_of_its_own_is_found_among_many(spoil, expected):
 def test_numbers_are_those_of_all_taxels():
     said = {"taxel_1": ["share_0 of taxel_2", 3], "taxel_10": ("taxel_1", "b")}
     assert renamed(said, [4, 7, 9]) == {"taxel_7": ["share_4 of taxel_9", 3], "taxel_10": ("taxel_7", "b")}
+
+
+def test_what_good_hardware_does_in_the_others_is_said():
+    said = {"cause": "saturation", "where": "taxel_9", "because": "a converter may do it", "needs": "finer steps"}
+    joint = {"findings": [], "excluded": [], "untestable": [], "verdict": "nothing_wrong", "warnings": []}
+    findings = with_rest(joint, (), Rest((), (), (said,), (), (), {}), [0, 1], 12)
+    assert findings["untestable"] == [said] and findings["verdict"] == "nothing_wrong"
 
 
 def test_the_command_says_which_taxel_is_which(tmp_path, capsys):

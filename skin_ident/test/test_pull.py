@@ -49,3 +49,17 @@ def test_beside_a_taxel_that_feels_nothing_the_pull_is_what_does_not_reach_it():
     assert found.channels == ("force",)
     assert found.parameters["pull_sensed"]["value"] == 0.0
     assert found.parameters["pull_dispersed"]["value"] == pytest.approx(0.8, abs=0.3)
+
+
+def test_a_rig_that_drags_in_the_air_too_pulls_at_nothing():
+    """Friction takes from the load cell on the way out, and adds as much on the way in: only skin that holds on does the one alone."""
+    rng, t = np.random.default_rng(0), np.arange(12000) / 250.0
+    skin = Dispersion(m=0.0, b1=1.0, k1=900.0, b2=1.0, k2=600.0)
+    x = 1e-3 * np.clip(1.5 * np.sin(1.6 * t) + 0.3, -0.8, None)
+    speed = np.gradient(x, t)
+    noise = rng.normal(0.0, 0.01, (2, t.size))
+    force, taxel = 1500.0 * np.maximum(x, 0.0) + noise[0], 900.0 * np.maximum(x, 0.0) + noise[1]
+    drags, holds = 0.1 * np.tanh(speed / 1e-4), np.where((speed < 0.0) & (x < 0.0), -0.1, 0.0)
+    for more, found in ((drags, []), (holds, ["adhesion"])):
+        symptoms = find_pull(Model(skin, (1.0,)), [prepare(Recording("a", t, x, force + more, taxel[None]))])
+        assert [s.cause for s in symptoms] == found

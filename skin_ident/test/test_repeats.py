@@ -28,7 +28,7 @@ def with_block(r, channel: str, start: int, length: int, back: int):
 
 
 @pytest.mark.parametrize(("channel", "where"), [("force", "load_cell"), ("taxel_1", "taxel_1")])
-@pytest.mark.parametrize("length", [60, 300])
+@pytest.mark.parametrize("length", [30, 60, 300])
 def test_a_block_that_one_channel_repeats_is_a_data_error(channel, where, length):
     recordings = [with_block(read(session(i)), channel, 1500 + 300 * i, length, 350) for i in range(3)]
     (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]

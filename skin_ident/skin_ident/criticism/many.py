@@ -17,6 +17,7 @@ from skin_ident.criticism.array.proposing import is_of_array
 from skin_ident.criticism.baseline.fitting import fit, noise_of
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.record import bad_samples, inspect, mended_depth
+from skin_ident.criticism.search.bounds import undecided
 from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.search import Search
@@ -27,6 +28,7 @@ from skin_ident.criticism.sessions.session import Session, longest, prepare, wit
 from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import found, seen
+from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.recordings.chosen import only_taxels
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -45,6 +47,7 @@ class Rest:
 
     named: tuple[Named, ...]
     entries: tuple[dict[str, Any], ...]
+    untestable: tuple[dict[str, Any], ...]
     effects: tuple[Effect, ...]
     symptoms: tuple[Symptom, ...]
     shares: dict[int, float]
@@ -130,7 +133,7 @@ def rest_of(c: Criticism, recordings: list, chosen: list[int], layout: Layout | 
     for k, group in enumerate(groups):
         progress(f"judging the other taxels, group {k + 1} of {len(groups)}")
         parts.append(_group(c, some(recordings, group), group, layout, split, step))
-    joined = {name: tuple(x for p in parts for x in getattr(p, name)) for name in ("named", "entries", "effects", "symptoms")}
+    joined = {name: tuple(x for p in parts for x in getattr(p, name)) for name in ("named", "entries", "untestable", "effects", "symptoms")}
     return Rest(**joined, shares={i: s for p in parts for i, s in p.shares.items()})
 
 
@@ -146,11 +149,13 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
     search.run(fit(start, train, survey(start, train, which).noise))
     search.eliminate()
     found_here = [n for n in search.named if n.where.startswith("taxel_")]
+    usual = {key: s for key, s in search.usual.items() if key[1].startswith("taxel_")}
     model, std = search.present.model, search.present.std
     effects = [replace(e, where=renamed(e.where, taxels)) for e in model.effects if e.taxel is not None]
     return Rest(
         tuple(named_of_all(n, taxels) for n in found_here),
         tuple(renamed(found(n, model, std, {}), taxels) for n in found_here),
+        tuple(renamed(undecided(BY_NAME[cause], where, s), taxels) for (cause, where), s in usual.items()),
         tuple(effects),
         tuple(symptom_of_all(s, taxels) for s in own),
         {i: s * model.dispersion.k1 / max(k1, 1e-9) for i, s in zip(taxels, model.shares, strict=True)},
@@ -215,7 +220,7 @@ def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, ch
         **findings,
         "findings": entries,
         "excluded": [e for e in findings["excluded"] if (e["cause"], e.get("where")) not in named],
-        "untestable": [u for u in findings["untestable"] if u["cause"] not in {cause for cause, _ in named}],
+        "untestable": [u for u in (*findings["untestable"], *rest.untestable) if u["cause"] not in {cause for cause, _ in named}],
         "verdict": verdict if entries else findings["verdict"],
         "warnings": [said, *findings["warnings"]],
     }

@@ -55,9 +55,9 @@ class Inspected:
 
         return replace(self, sessions=all_of(self.sessions), whole=all_of(self.whole))
 
-    def weighed(self) -> "Inspected":
+    def weighed(self, heaviest: float) -> "Inspected":
         """The same where the mass is fitted, too."""
-        return replace(self, sessions=weighed(self.sessions), whole=weighed(self.whole))
+        return replace(self, sessions=weighed(self.sessions, heaviest), whole=weighed(self.whole, heaviest))
 
 
 def inspect(recordings: list) -> Inspected:

@@ -114,6 +114,7 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
         np.zeros(shape),
         weight,
         drive,
+        like.drive_noise,
         like.spread,
         like.contact,
     )

@@ -12,6 +12,7 @@ from skin_ident.criticism.array.smeared import Smeared
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_models.effect import Effect
 
+ALIKE = 0.03  # relative difference within which two widths are one
 SCAN = "press at three or more places along the taxels, a third of their distance apart (contact_position_mm tells where)"
 _PAIRS = {
     "off_centre gain_error": f"{SCAN}: a wrong calibration stays with its taxel, a wrong place moves with the contact",
@@ -43,13 +44,19 @@ def _what(j: Judged, layout: Layout) -> str:
     if j.hypothesis.cause == "crosstalk":
         return _repeated(next(iter(j.hypothesis.free)), p)
     if j.hypothesis.cause == "spread_width":
-        return f"the spread is {1e3 * layout.width * np.exp(p['width']):.3g} mm wide, not {1e3 * layout.width:.3g} mm"
+        return _wide(layout.width * np.exp(p["width"]), layout.width)
     if "tail" in j.hypothesis.free:
         fall = 2.0 * HALF_SPACE * np.exp(p["fall"])
         return f"{p['tail']:.1%} of the spread does not fall as a Gaussian but, far away, with the distance to the power -{fall:.2g}"
     if j.hypothesis.cause == "spread_shape":
         return f"the spread falls as exp(-(r/c)^{2.0 + p['power']:.2g}), not as a Gaussian"
     return f"the spread is {np.exp(p['ratio']):.2g} times as wide along x as along y"
+
+
+def _wide(found: float, declared: float) -> str:
+    said = f"the spread falls as exp(-(r/c)^2) with c = {1e3 * found:.3g} mm, not {1e3 * declared:.3g} mm"
+    standard = abs(np.log(found / (np.sqrt(2.0) * declared))) < ALIKE
+    return f"{said}, which is as if a standard deviation had been declared: c is sqrt(2) times that" if standard else said
 
 
 def _repeated(name: str, p: dict[str, float]) -> str:

@@ -41,9 +41,11 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     names = (*names, "m") if session.free_mass else names
     least = {} if session.drive is not None else least_damping(model.dispersion, LATE * session.motion.dt)
+    most = {"m": session.heaviest}
     for p in parameters_of(model.dispersion):
         if p.name in names:
-            yield Unknown("dispersion", replace(p, lower=max(p.lower, least.get(p.name, p.lower))), p.name)
+            within = replace(p, lower=max(p.lower, least.get(p.name, p.lower)), upper=min(p.upper, most.get(p.name, p.upper)))
+            yield Unknown("dispersion", within, p.name)
 
 
 def least_damping(skin: Dispersion, late: float) -> dict[str, float]:

@@ -31,6 +31,9 @@ SPOILT = 1.25  # times what it was, to which no cause may let the error of a cha
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
 FOLD_ITERATIONS = 3
 
+Asked = tuple[Session, Model, Model]  # a session, and the models before and after that shall predict it
+Residuals = tuple[list[np.ndarray], list[np.ndarray]]  # (C, n) N of each session, before and after
+
 
 @dataclass(frozen=True)
 class Gain:
@@ -110,20 +113,32 @@ def held_out_gain(
     `refit_before` fits `before` to the remaining sessions, where it may not change all that `fit` changes.
     """
     if held:
-        rests = [beside_uncertainty([residual(m, settled(m, s)) for s in held], m, train, held, noise) for m in (before, after)]
-        return gain_of_residuals(*rests, held, noise, ", ".join(s.name for s in held))
+        return gain_of_residuals(*left_in_held(before, after, train, held, noise), held, noise, ", ".join(s.name for s in held))
     if len(train) > 1:
-        folds = [without(train, s) for s in train]
-        pairs = [(s, *_refitted((before, refit_before), (after, fit), sessions=rest, noise=noise)) for rest, s in folds]
-        said = "each session in turn"
+        pairs, said = in_turn(before, after, train, noise, refit_before), "each session in turn"
     else:
-        pairs = [(s, before, after) for s in train]
-        said = "nothing: the only session was used to fit"
-    return _gain(pairs, noise, said)
+        pairs, said = [(s, before, after) for s in train], "nothing: the only session was used to fit"
+    return gain_of_residuals(*left_by(pairs), [s for s, _, _ in pairs], noise, said)
 
 
-def _refitted(*pairs: tuple[Model, Callable], sessions: list[Session], noise: Whitener) -> tuple[Model, ...]:
-    return tuple(refit(model, sessions, noise, FOLD_ITERATIONS).model for model, refit in pairs)
+def left_in_held(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Residuals:
+    """What both models, fitted to `train`, leave of `held` sessions beside what training leaves open."""
+    return tuple(beside_uncertainty([residual(m, settled(m, s)) for s in held], m, train, held, noise) for m in (before, after))
+
+
+def in_turn(before: Model, after: Model, train: list[Session], noise: Whitener, refit_before: Callable = fit) -> list[Asked]:
+    """Every training session beside both models, fitted to the others."""
+    return [(s, *refitted(before, after, rest, noise, refit_before)) for rest, s in (without(train, s) for s in train)]
+
+
+def refitted(before: Model, after: Model, sessions: list[Session], noise: Whitener, refit_before: Callable = fit) -> tuple[Model, Model]:
+    """Both models fitted to `sessions`."""
+    return refit_before(before, sessions, noise, FOLD_ITERATIONS).model, fit(after, sessions, noise, FOLD_ITERATIONS).model
+
+
+def left_by(asked: list[Asked]) -> Residuals:
+    """What both models leave of the session beside them."""
+    return tuple([residual(pair[i], settled(pair[i], pair[0])) for pair in asked] for i in (1, 2))
 
 
 def bootstrap_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[float, float]:
@@ -145,12 +160,6 @@ def rmse_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[
     draws = _draws(counts.shape[-1])
     drawn = squares[:, :, draws].sum(axis=-1) / np.maximum(counts[:, draws].sum(axis=-1), 1e-300)
     return np.sqrt(squares.sum(axis=-1) / np.maximum(counts.sum(axis=-1), 1e-300)), np.sqrt(drawn)
-
-
-def _gain(pairs: list[tuple[Session, Model, Model]], noise: Whitener, said: str) -> Gain:
-    sessions = [s for s, _, _ in pairs]
-    before, after = ([residual(m, settled(m, s)) for s, m in ((pair[0], pair[i]) for pair in pairs)] for i in (1, 2))
-    return gain_of_residuals(before, after, sessions, noise, said)
 
 
 def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session], noise: Whitener, said: str) -> Gain:

@@ -23,6 +23,10 @@ TREMBLING = 1e-6  # m, of a good stage at rest
 EVEN_S = 0.5  # over which the speed is averaged, for a beat makes spikes of it
 MOVING = 2.0  # times the greatest speed of such a tremble
 OF_SPEED = ("rate_dependence", "mount_compliance")
+CLEARLY, NORMAL = 3.0, 0.6745  # standard deviations of noise; of a normal one, the median size
+DRIVEN = 0.3  # of what is explained in all, the least that must be while the driving force changes
+
+Part = Callable[[Session], np.ndarray]  # a mask (n,) of the samples that count
 
 
 def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
@@ -50,7 +54,23 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train) > max(moving, PASSING * still))
 
 
-def unread_depth(sessions: list[Session], encoder_step: float, part: Callable[[Session], np.ndarray] | None = None) -> float:
+def of_the_drive(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> bool:
+    """Whether what depends on speed explains a channel mostly while the force that drives the test rests: damping that is less for little
+    speeds keeps noise of that force from the taxels of a simulation, and from those alone."""
+    if train[0].drive is None or cause not in OF_SPEED:
+        return False
+    moving, every = (_fall(gain.channel, before, after, train, part) for part in (_driven, None))
+    return moving < DRIVEN * every
+
+
+def _driven(s: Session) -> np.ndarray:
+    """Where the force that drives a test changes by more than its noise does, (n,) in the common band."""
+    speed = _speed(s)
+    even = uniform_filter1d(speed, max(round(EVEN_S / s.band.spacing), 1))
+    return np.abs(even) > CLEARLY * np.median(np.abs(speed - even)) / NORMAL
+
+
+def unread_depth(sessions: list[Session], encoder_step: float, part: Part | None = None) -> float:
     """What steps q of the depth leave open of it in the common band, m rms: q / sqrt(12) where the stage rests; where it passes n of them
     in half a period of the band's edge their errors average out, and 1 / n of the mean square is left. `part` says which samples count."""
 
@@ -63,10 +83,17 @@ def unread_depth(sessions: list[Session], encoder_step: float, part: Callable[[S
 
 
 def unread_force(model: Model, channel: str, sessions: list[Session], encoder_step: float) -> float:
-    """What steps of the depth leave open of a channel, N rms: stiffness times what they leave of the depth, and damping times what they
-    leave of its speed."""
+    """What nobody reads of what drives a test leaves open of a channel, N rms: stiffness times what steps leave of the depth, and damping
+    times what they leave of its speed; of a force that drives, its noise, as much as the channel takes of it."""
     depth, speed = unread_depth(sessions, encoder_step), _beat(sessions, encoder_step)
-    return float(np.hypot(stiffness(model, channel) * depth, damping(model, channel) * speed))
+    steps = np.hypot(stiffness(model, channel) * depth, damping(model, channel) * speed)
+    return float(np.hypot(steps, _taken(model, channel) * max(s.drive_noise for s in sessions)))
+
+
+def _taken(model: Model, channel: str) -> float:
+    """The part that a channel takes of a force on the skin, held or quickly changing, whichever is more."""
+    parts = ((of(model, channel), of(model, "force")) for of in (stiffness, damping))
+    return max(one / whole if whole > 0.0 else 0.0 for one, whole in parts)
 
 
 def _beat(sessions: list[Session], encoder_step: float) -> float:
@@ -93,13 +120,18 @@ def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float,
 
 def _fall_while_moving(channel: str, before: Model, after: Model, sessions: list[Session]) -> float:
     """Fall of the mean square in `channel` where the stage moves, N^2."""
-    fall, count = 0.0, 0.0
+    count = sum(float(np.sum(s.weight[s.channels.index(channel)] * _moves(s))) for s in sessions)
+    return _fall(channel, before, after, sessions, _moves) / max(count, 1.0)
+
+
+def _fall(channel: str, before: Model, after: Model, sessions: list[Session], part: Part | None) -> float:
+    """Fall of the sum of squares in `channel`, N^2, of the samples that `part` says, or of all."""
+    fall = 0.0
     for s in sessions:
         row = s.channels.index(channel)
-        believed = s.weight[row] * _moves(s)
+        believed = s.weight[row] * (part(s) if part else 1.0)
         fall += float(np.sum(believed * (residual(before, s)[row] ** 2 - residual(after, settled(after, s))[row] ** 2)))
-        count += float(np.sum(believed))
-    return fall / max(count, 1.0)
+    return fall
 
 
 def _moves(s: Session) -> np.ndarray:

@@ -40,9 +40,7 @@ def excluded_and_untestable(
         excluded += entries
         untestable += _imitated(p, cause, entries)
         if there:
-            untestable += [
-                {"cause": cause.name, "where": where, "because": s.because, "needs": s.needs or cause.needs} for where, s in there.items()
-            ]
+            untestable += [undecided(cause, where, s) for where, s in there.items()]
             continue
         if cause.name in known and not known[cause.name] and not entries:
             excluded.append({"cause": cause.name, "below": None, "unit": "", "because": "looked for and not seen"})
@@ -50,6 +48,11 @@ def excluded_and_untestable(
             because = known.get(cause.name) or _because(p, cause.name)
             untestable.append({"cause": cause.name, "because": because, "needs": cause.needs})
     return excluded, untestable
+
+
+def undecided(cause: Cause, where: str, seen: Seen) -> dict[str, Any]:
+    """The entry `untestable` for what is `seen` at one place and is no finding."""
+    return {"cause": cause.name, "where": where, "because": seen.because, "needs": seen.needs or cause.needs}
 
 
 def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:

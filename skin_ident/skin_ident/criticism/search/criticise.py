@@ -24,15 +24,16 @@ def criticise(
     mass: float = 0.0,
     more: tuple[Direction, ...] = (),
     encoder_step: float = 0.0,
+    mass_declared: bool = False,
 ) -> Criticism:
-    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg, as far
-    as is known; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m.
+    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg,
+    assumed unless `mass_declared`; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m.
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
     enough_is_compared(train, held)
-    search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None)
+    search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None, mass_declared)
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
@@ -40,11 +41,12 @@ def criticise(
     while len(search.rounds) < search.most and exchange(search):
         search.run(search.present)
     search.eliminate()
+    search.unweigh()
     if given:
         search.check_numbers(given)
         baseline = fit(given, train, first.noise, 0)
     else:
         weighted = replace(first.model, effects=search.hanging)
-        baseline = fit(weighted, weighed(train), first.noise) if search.train[0].free_mass else fitted
+        baseline = fit(weighted, weighed(train, search.train[0].heaviest), first.noise) if search.train[0].free_mass else fitted
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
     return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.usual)

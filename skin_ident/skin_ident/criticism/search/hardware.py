@@ -5,34 +5,55 @@ import numpy as np
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH
 from skin_ident.criticism.courses.course import AT_REST, Run
 from skin_ident.criticism.gates.gate import Gain
-from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, resolved, unreadable
+from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Seen
 from skin_ident.criticism.sessions.session import Session
+from skin_models.effect import Effect
 from skin_models.model import Model
+from skin_models.parameter import AMPLITUDE, parameters_of
 
 FINER = "an encoder, and converters, with finer steps"
+TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
 KINDS = {DEPTH: ("the zero of depth", 1e6, "µm"), DELAY: ("the delay", 1e3, "ms")}
 
 
 def converter_does(cause: str, gain: Gain, train: list[Session]) -> Seen | None:
     """Why a cause that gains is no finding, where the converter may do it by itself."""
-    if not of_the_converter(gain, cause, train):
+    if not (gain.passed and of_the_converter(gain, cause, train)):
         return None
     step = converter_step(train, gain.channel)
     why = f"it would {_worth(gain)}, which a converter with steps of {step:.2g} N may do by itself"
     return Seen(np.inf, why, f"a {gain.channel} read in finer steps, or a larger force")
 
 
+def stage_is_off(effects: list[Effect], gain: Gain) -> Seen | None:
+    """Why effects that gain, and are no larger than good hardware has them anyway, are no finding."""
+    lengths = [p for e in effects for p in parameters_of(e) if p.role == AMPLITUDE and 0.0 < abs(p.value) <= p.negligible]
+    if not (lengths and gain.passed):
+        return None
+    found, least = (_micrometres(max(of(p) for p in lengths)) for of in (lambda p: abs(p.value), lambda p: p.negligible))
+    return Seen(np.inf, f"it would be {found} and {_worth(gain)}, but a good stage is true to no more than {least}", TRUER)
+
+
 def encoder_does(key: tuple[str, str], gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> Seen | None:
-    """Why a cause and place that `after` gains by over `before` are no finding, where the encoder could not tell, or steps leave as much
-    open."""
+    """Why a cause and place that `after` gains by over `before` are no finding, where noise of what drives the test does as much, the
+    encoder could not tell, or steps leave as much open."""
+    if of_the_drive(gain, key[0], before, after, train):
+        why = f"it would {_worth(gain)} while the driving force rests, which the noise of that force may do by itself"
+        return Seen(np.inf, why, "a depth beside the force, or a load cell with less noise")
     length, step = unreadable(instances(after, *key), encoder_step), _micrometres(encoder_step)
     if length:
         return Seen(np.inf, f"it would be {_micrometres(length)} and {_worth(gain)}, but the encoder reads in steps of {step}", FINER)
-    if not resolved(gain, key[0], before, after, train, encoder_step):
-        return Seen(np.inf, f"it would {_worth(gain)}, which the steps of encoder ({step}) and converters may leave open", FINER)
-    return None
+    return steps_do(key[0], gain, before, after, train, encoder_step)
+
+
+def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> Seen | None:
+    """Why a cause that gains is no finding, where steps of encoder and converters may leave as much open."""
+    if resolved(gain, cause, before, after, train, encoder_step):
+        return None
+    step = _micrometres(encoder_step)
+    return Seen(np.inf, f"it would {_worth(gain)}, which the steps of encoder ({step}) and converters may leave open", FINER)
 
 
 def stage_does(run: Run, encoder_step: float) -> Seen:

@@ -48,9 +48,9 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
     told = score - _at_once(run, search) > SEARCHED * search.least(after.count) or not searched
-    stood = stands(run, gain, search.present.model, search.train) and search.resolved(gain, run.course.cause, after.model)
+    stood = stands(run, gain, search.present.model, search.train)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
-    if not (told and stood):
+    if not (told and stood and search.resolved(run.course.key, gain, after.model)):
         search.wandering = max(search.wandering, run.score)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
@@ -92,10 +92,11 @@ def take_alone(search: "Search") -> bool:
     gain = course_gain(run.course, search.present.model, search.present.model, search.train, search.held, search.noise)
     much = gain.after < ALONE * gain.before and gain.squares > FORM * search.fallen(gain.channel)
     wanders = run.score < WANDERING * search.wandering and gain.after > PLAIN * gain.before
-    stood = stands(run, gain, search.present.model, search.held) and search.resolved(gain, run.course.cause, search.present.model)
-    if not (much and stood and not wanders):
+    if not (much and stands(run, gain, search.present.model, search.held) and not wanders):
         return False
     if run.size < EXTRAORDINARY * fitted(run.course, search.present.model, search.train, search.noise).size:
+        return False
+    if not search.resolved(run.course.key, gain, search.present.model):
         return False
     search.runs.append(run)
     search.held, search.alone = added(search.held, run.values), True

@@ -14,10 +14,10 @@ from skin_ident.criticism.courses.course import BEHIND, MARGIN, Run, worthwhile
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
-from skin_ident.criticism.gates.resolution import resolved
+from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
-from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does
+from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does, stage_is_off, steps_do
 from skin_ident.criticism.search.named import Named, Seen
 from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
 from skin_ident.criticism.search.proposals import Direction
@@ -27,7 +27,7 @@ from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.together import two_at_once
 from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import hanging, lighter, tells_more, weighed, with_mass
+from skin_ident.criticism.search.weighing import hanging, heaviest_of, held_again, lighter, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -41,6 +41,7 @@ FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which
 SENSORS = ("taxel", "load_cell")
 SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
+DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
 WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
 
 Progress = Callable[[str], None]
@@ -55,7 +56,8 @@ class Search:
     which: tuple[Direction, ...]
     progress: Progress
     encoder_step: float = 0.0
-    weighable: bool = False  # whether the mass may be another than was assumed or declared
+    weighable: bool = False  # whether the mass may be another than was assumed or declared,
+    declared: bool = False  # and somebody declared it
 
     def __post_init__(self) -> None:
         self.present: Fit  # the model so far, fitted, and the noise that was seen with it, both from `run` on
@@ -82,13 +84,14 @@ class Search:
             runs = self.own_courses()
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
-            if free and tells_more(free, self.present, best):
+            less = free and lighter(self.present.model, free.model)
+            if free and (tells_more(free, self.present, best) or (less and not self.declared)):
                 self._weigh(free)
                 continue
             own, shared = self.choose(trials, runs)
             taken = own or shared
             alone = not taken and take_alone(self)
-            if free and not (taken or alone or self.named) and lighter(self.present.model, free.model):
+            if less and not (taken or alone or self.named):
                 self._weigh(free)
                 continue
             pair = () if taken or self.named or self.usual else two_at_once(self, trials, runs)
@@ -106,12 +109,19 @@ class Search:
     def _weigh(self, free: Fit) -> None:
         """Take the fit with another mass: from now on it is fitted, and what has been named without it must be found again."""
         self.progress("fitting the mass, too")
-        self.train, self.held = weighed(self.train), weighed(self.held)
+        heaviest = heaviest_of(self.present.model, free.model)
+        self.train, self.held = weighed(self.train, heaviest), weighed(self.held, heaviest)
         self.hanging = hanging(self.present.model, free.model)
         self.present = fit(replace(free.model, effects=self.hanging), self.train, self.noise)
         self.present = fit(self.present.model, self.train, self.survey().noise)  # that of the other mass was the noise of a wrong model
         self.named, self.befores, self.wandering = [n for n in self.named if n.courses], {}, 0.0
         self.most = len(self.rounds) + MOST_FINDINGS
+
+    def unweigh(self) -> None:
+        """Hold the mass again where that which was assumed does as well, now that causes are named."""
+        held = None if self.declared else held_again(self.present, self.train, self.noise)
+        if held:
+            self.present, self.train, self.held = held, weighed(self.train, 0.0), weighed(self.held, 0.0)
 
     def choose(self, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
         """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those. Of
@@ -196,14 +206,14 @@ class Search:
 
     def first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
         """The best trial that held-out data support. What is small beside the largest effect so far in a channel may be its imperfect
-        form, and is not named. Where the best is what a good converter has anyway, a lesser one is not looked for."""
+        form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
         for trial in (form for t in trials for form in t.forms if form.score > 0.0):
-            if all(negligible(e) for e in instances(trial.fit.model, *trial.key)):
-                return None
-            gain = self.gain(self.present.model, trial.fit.model, trial.key[1])
-            converter = converter_does(trial.key[0], gain, self.train) if gain.passed else None
-            if converter:
-                self.usual[trial.key] = converter
+            effects = instances(trial.fit.model, *trial.key)
+            gain, little = self._gain_of(trial, trials[0].score), all(map(negligible, effects))
+            usual = stage_is_off(effects, gain) if little else converter_does(trial.key[0], gain, self.train)
+            if usual:
+                self.usual[trial.key] = usual
+            if usual or little:
                 return None
             rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
@@ -220,6 +230,14 @@ class Search:
                 return trial.fit, finding
             self.usual[trial.key] = encoder
         return None
+
+    def _gain_of(self, trial: Trial, best: float) -> Gain:
+        """What a trial gains; of one as good as the `best` that explains very much of training a second opinion is asked."""
+        models = self.present.model, trial.fit.model, trial.key[1]
+        gain = self.gain(*models)
+        if gain.passed or trial.score <= max(reach(best), DOUBTLESS * self.least(trial.fit.count)):
+            return gain
+        return self.second_opinion(*models, gain)
 
     def least(self, count: int) -> float:
         """The likelihood gain below which a cause is not worth naming, where so many whitened samples count; slow causes gain as much of a
@@ -241,9 +259,12 @@ class Search:
         before, behind = (description_length(f, self.train, self.noise.growth) for f in (self.present, after))
         return before - behind > SHORTER
 
-    def resolved(self, gain: Gain, cause: str, after: Model) -> bool:
-        """Whether a gain is more than what steps of encoder and converters leave open."""
-        return resolved(gain, cause, self.present.model, after, self.train, self.encoder_step)
+    def resolved(self, key: tuple[str, str], gain: Gain, after: Model) -> bool:
+        """Whether a gain is more than what steps of encoder and converters leave open. What else is believed, and is not, is said."""
+        seen = steps_do(key[0], gain, self.present.model, after, self.train, self.encoder_step)
+        if seen:
+            self.usual[key] = seen
+        return seen is None
 
     def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
         """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out. Of the
@@ -271,11 +292,22 @@ class Search:
         self.train, self.held = ([settled(after.model, s) for s in sessions] for sessions in (self.train, self.held))
         self.progress(f"named {finding.cause} in the {finding.where}")
 
+    def second_opinion(self, before: Model, after: Model, where: str, first: Gain) -> Gain:
+        """The gain by other sessions, too, where held-out ones alone do not speak against it, or by halves where they cannot be asked."""
+        if self.deaf(before, after, where):
+            other = halves_in_turn(before, after, self.train, self.noise)
+        elif self.held and first.relative > 0.0 and not first.spoilt:
+            other = all_in_turn(before, after, self.train, self.held, self.noise)
+        else:
+            return first
+        return other if other.passed else first
+
     def eliminate(self) -> None:
         """Take out every cause, last found first, without which the rest predicts held-out data just as well."""
         for finding in reversed([n for n in self.named[:-1] if not n.courses]):
             without = fit(lacking(self.present.model, finding.cause, finding.where), self.train, self.noise)
-            if not self.gain(without.model, self.present.model, finding.where).passed:
+            gain = self.gain(without.model, self.present.model, finding.where)
+            if not (gain.passed or self.second_opinion(without.model, self.present.model, finding.where, gain).passed):
                 self.present, self.named = without, [n for n in self.named if n is not finding]
 
     def check_numbers(self, given: Model) -> None:
@@ -289,6 +321,10 @@ class Search:
             self.present = frozen
 
     def gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
-        """What `after` gains over `before` in held-out data; in blocks of training where what is held out cannot show it."""
-        held = [] if self.held and deaf(before, after, self.train, self.held, where) else self.held
+        """What `after` gains over `before` in held-out data; in training sessions by turns where what is held out cannot show it."""
+        held = [] if self.deaf(before, after, where) else self.held
         return held_out_gain(before, after, self.train, held, self.noise, refit_before)
+
+    def deaf(self, before: Model, after: Model, where: str) -> bool:
+        """Whether what is held out cannot show what `after` changes."""
+        return bool(self.held) and deaf(before, after, self.train, self.held, where)

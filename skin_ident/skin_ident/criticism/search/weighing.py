@@ -4,8 +4,9 @@ A mass m under the plunger takes m g from the force while they touch, and nothin
 thesis 4.3.1), so it is set; but fits with a free mass, as those of Tables 4-1 to 4-4, find some 0.2 kg, which is 2 N. A record of such a
 model, or of a plunger that really leans on the skin, would be told as three faults of sensors; a declared mass that hangs on a load cell
 tared with it, as well; and of a skin that weighs less than the 4 mN that were set, a good load cell would tell a curvature. So when
-something is wrong the mass is tried beside all causes, and where it accounts for the record better than any of them, or takes from the
-mass that was set where no cause is believed, it belongs to the baseline; of a mass that hangs its inertia does.
+something is wrong the mass is tried beside all causes, and where it accounts for the record better than any of them it belongs to the
+baseline; of a mass that hangs its inertia does. What was assumed, for nobody declared a mass, is a bound and no more: where less tells
+enough, whatever else is wrong, the mass is fitted between nothing and that, and held again at the end if it need not have been.
 """
 
 from dataclasses import replace
@@ -25,9 +26,9 @@ LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts i
 HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
 
 
-def weighed(sessions: list[Session]) -> list[Session]:
-    """The sessions with the mass among their model's unknowns."""
-    return [replace(s, free_mass=True) for s in sessions]
+def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:
+    """The sessions with the mass among their model's unknowns, up to the `heaviest` that it may be, kg; with 0 it is held."""
+    return [replace(s, heaviest=heaviest) for s in sessions]
 
 
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
@@ -36,6 +37,20 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | N
         return None
     free = fit(present.model, weighed(sessions), noise)
     return free if _gained(present, free) > MATERIAL * free.count else None
+
+
+def heaviest_of(present: Model, free: Model) -> float:
+    """What the mass is to be fitted up to, kg: one that takes from what was set does not add to it."""
+    return present.dispersion.m if lighter(present, free) else np.inf
+
+
+def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
+    """The fit with the mass at the heaviest that it might have been, where that is as good."""
+    m = sessions[0].heaviest
+    if not 0.0 < m < np.inf:
+        return None
+    held = fit(replace(present.model, dispersion=replace(present.model.dispersion, m=m)), weighed(sessions, 0.0), noise)
+    return held if _gained(held, present) < MATERIAL * held.count else None
 
 
 def tells_more(free: Fit, present: Fit, best: float) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.signal import firwin, oaconvolve, upfirdn
+from scipy.signal import firwin, oaconvolve
 
 CUTOFF_HZ = 8.0  # above the thesis's motions and below what the encoder's steps disturb
 WIDER = 2.5  # the depth itself, which effects look at, keeps this many times the band
@@ -16,6 +16,8 @@ WIDER = 2.5  # the depth itself, which effects look at, keeps this many times th
 # Half length in periods of the cut-off, and the Kaiser window's beta: short for the band, so that an edge costs few samples; sharp for the
 # depth, whose ripple would pass into every force.
 SHORT, SHARP = (1.5, 5.0), (3.0, 8.0)
+
+NORMAL, THIRD = 0.6745, 20.0  # standard deviations, the median size of normal noise; times its variance, that of its third differences
 
 
 @dataclass(frozen=True)
@@ -74,9 +76,23 @@ class Band:
         return _low_pass(self._wide_edge, self.dt, shape=SHARP)
 
     def thin(self, y: np.ndarray) -> np.ndarray:
-        """Low-pass the rows of `y` (..., N), drop the edges and decimate; only the samples that are kept are worked out."""
-        edge = self.kernel.size - 1
-        return upfirdn(self.kernel, y, down=self.every, axis=-1)[..., edge // self.every : (y.shape[-1] - 1) // self.every + 1]
+        """Low-pass the rows of `y` (..., N), drop the edges and decimate; only the samples that are kept are worked out.
+
+        Rows are cut into pieces of `every` samples, as the kernel is: one matrix product holds every piece of one times every piece of the
+        other, and a sample that is kept is the sum along a diagonal.
+        """
+        span = (self.kernel.size - 1) // self.every
+        kept = max((y.shape[-1] - self.kernel.size) // self.every + 1, 0)
+        taps = np.pad(self.kernel, (0, self.every - 1)).reshape(span + 1, self.every)
+        whole = (kept + span) * self.every
+        rest = [(0, 0)] * (y.ndim - 1) + [(0, max(whole - y.shape[-1], 0))]
+        products = np.pad(y[..., :whole], rest).reshape(*y.shape[:-1], kept + span, self.every) @ taps.T
+        return sum(products[..., j : j + kept, j] for j in range(span + 1))
+
+    def white(self, y: np.ndarray) -> float:
+        """RMS in the band of the white noise of `y` (N,): its third differences hold nothing else, where samples are dense."""
+        each = np.median(np.abs(np.diff(y, 3))) / (NORMAL * np.sqrt(THIRD)) if y.size > 3 else 0.0
+        return float(each * np.sqrt(np.sum(self.kernel**2)))
 
     def times(self, t: np.ndarray) -> np.ndarray:
         """The instants of what `thin` returns."""

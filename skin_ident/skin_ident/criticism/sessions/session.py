@@ -42,18 +42,24 @@ class Session:
     measured: np.ndarray
     weight: np.ndarray
     drive: np.ndarray | None = None
+    drive_noise: float = 0.0  # N rms of it in the common band, as far as it is white
     spread: np.ndarray | None = None  # (T,), what `Model.shares` is multiplied by, where sessions press at different places
     contact: np.ndarray | None = None  # (2,) m, where this one presses, in the taxels' frame
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
     clipped: frozenset[str] = frozenset()  # channels that the record itself shows to stand at a ceiling
-    free_mass: bool = False  # whether the model's mass is fitted, too (see `weighing`)
+    heaviest: float = 0.0  # kg, up to which the model's mass is fitted, too; held where this is 0 (see `weighing`)
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
     reference: int | None = None  # the taxel whose share is so in any case
 
     @property
     def n_taxels(self) -> int:
         return sum(c.startswith("taxel") for c in self.channels)
+
+    @property
+    def free_mass(self) -> bool:
+        """Whether the model's mass is fitted, too."""
+        return self.heaviest > 0.0
 
     @cached_property
     def load(self) -> np.ndarray:
@@ -65,7 +71,7 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering); `common` is what it shares with
     the recordings that it is compared with."""
     band = Band(recording.dt, common.cutoff, common.slowest)
-    drive = band.smooth(recording.force) if recording.depth is None else None
+    drive, drive_noise = (band.smooth(recording.force), band.white(recording.force)) if recording.depth is None else (None, 0.0)
     moved = drawn_again(recording.depth) if drive is None else recording.force / NOMINAL
     s = motion(recording.t, band.smooth(moved), band.speed(moved))
     channels, raw = stacked(recording)
@@ -73,7 +79,8 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     measured = band.thin(np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)]))
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
-    return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight, drive, recording.spread, contact)
+    driven = drive, drive_noise
+    return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight, *driven, recording.spread, contact)
 
 
 def with_reference(sessions: list[Session]) -> list[Session]:

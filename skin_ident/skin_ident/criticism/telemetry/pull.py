@@ -24,6 +24,7 @@ AGREE = 0.6  # of the leavings that must show it, in the sessions together
 FEWEST = 4  # leavings
 REACHES = (0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3)  # m
 SMOOTH = 3  # samples that a pull must last
+IN = 0.3  # of the greatest speed in the air, from which the plunger is on its way in
 
 
 @dataclass(frozen=True)
@@ -83,11 +84,18 @@ def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
         around = around[air[around] & ~np.isin(around, window)]
         if window.size < SMOOTH or around.size < 2 * SMOOTH or moved.x[window].min() > 0.0:
             continue
-        zero = np.median(s.raw[:, around], axis=1, keepdims=True)
-        below = np.maximum(s.raw[:, window] - zero, rest[:, window])
+        below = np.maximum(s.raw[:, window] - _zero(s.raw[:, around], moved.v[around]), rest[:, window])
         even = np.apply_along_axis(np.convolve, 1, below, np.ones(SMOOTH) / SMOOTH, "valid")
         lowest = np.argmin(even, axis=1)
         yield Leaving(even[np.arange(len(even)), lowest], float(moved.x[window[lowest[0] + SMOOTH // 2]]))
+
+
+def _zero(air: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """What each channel (C, n) reads in the air while the plunger moves out of it, (C, 1) N: less by what it reads more on the way in, for
+    friction of a rig drags both ways and is no pull of the skin."""
+    still, inwards = np.median(air, axis=1, keepdims=True), air[:, speed > IN * np.abs(speed).max()]
+    drag = np.median(inwards, axis=1, keepdims=True) - still if inwards.shape[1] >= 2 * SMOOTH else 0.0
+    return still - np.maximum(drag, 0.0)
 
 
 def _symptom(model: Model, session: Session, dips: np.ndarray, carried: np.ndarray, depths: list[float], of: int) -> Symptom:

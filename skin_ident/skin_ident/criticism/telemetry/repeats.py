@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-WINDOW = 32  # samples
-LIVELY = 12  # different readings that a window must hold, so that a quiet hold is not taken for a copy
+WINDOW = 24  # samples, more than those that tell about chance
+LIVELY = 9  # different readings that a window must hold, so that a quiet hold is not taken for a copy
 SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
 CHANCE = 0.001  # recurrences of the length found that chance may bring at most
 PART = 100_000  # windows looked at in one go, which bounds the memory

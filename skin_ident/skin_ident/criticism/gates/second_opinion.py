@@ -1,0 +1,41 @@
+"""A second opinion, where the held-out sessions leave in doubt what training finds beyond doubt.
+
+One session may be too short, or move in too few ways, to tell an effect of half the noise's size. All sessions together say more, each
+predicted by models that were fitted without it. Where a single session moves so that the effect shows, no model that was fitted to others
+can know it; then one half of every session is predicted by models that were fitted to the other half. Sessions are the better judges, for
+noise that wanders is less like itself from one to the next: halves are asked last, and for more.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.gates.gate import CLEAR, Asked, Gain, gain_of_residuals, in_turn, left_by, left_in_held, refitted
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.sessions.session import Session
+from skin_models.model import Model
+
+
+def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
+    """What `after` gains over `before` in all sessions: training ones predicted by fits to the others, held-out ones by those to all."""
+    asked = in_turn(before, after, train, noise)
+    left = [a + b for a, b in zip(left_by(asked), left_in_held(before, after, train, held, noise), strict=True)]
+    return gain_of_residuals(*left, [*(s for s, _, _ in asked), *held], noise, "every session in turn")
+
+
+def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whitener) -> Gain:
+    """What `after` gains over `before` in the later half of every session when fitted to the earlier ones, and the other way round."""
+    earlier, later = zip(*(_halves(s) for s in train), strict=True)
+    asked = [*_predicting(later, earlier, before, after, noise), *_predicting(earlier, later, before, after, noise)]
+    gain = gain_of_residuals(*left_by(asked), [s for s, _, _ in asked], noise, "each half of the sessions in turn")
+    return gain if gain.relative > CLEAR else replace(gain, lower=min(gain.lower, 0.0))
+
+
+def _predicting(these: tuple[Session, ...], fitted: tuple[Session, ...], before: Model, after: Model, noise: Whitener) -> list[Asked]:
+    models = refitted(before, after, list(fitted), noise)
+    return [(s, *models) for s in these]
+
+
+def _halves(s: Session) -> tuple[Session, Session]:
+    early = np.arange(s.t.size) < s.t.size // 2
+    return replace(s, weight=s.weight * early), replace(s, weight=s.weight * ~early)
