@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from array_making import Spread, found, names, names_or_rivals, record_at
+from rows import rows
 
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.spreading import with_spread
@@ -20,19 +21,23 @@ HOW = {"noise": "white", "thickness_mm": 4, "layout": "row_5mm"}
 
 @pytest.mark.parametrize(
     ("cause", "form", "where"),
-    [
-        ("drift", None, "taxel_1"),
-        ("lag", "one_pole", "taxel_1"),
-        ("saturation", "soft", "taxel_0"),
-        ("dead_zone", "threshold", "taxel_0"),
-        ("nonlinear_stiffness", None, "skin"),
-        ("backlash", None, "rig"),
-    ],
+    rows(
+        [
+            ("lag", "one_pole", "taxel_1"),
+            ("drift", None, "taxel_1"),
+            ("saturation", "soft", "taxel_0"),
+            ("dead_zone", "threshold", "taxel_0"),
+            ("nonlinear_stiffness", None, "skin"),
+            ("backlash", None, "rig"),
+        ],
+        quick=1,
+    ),
 )
 def test_a_cause_is_named_at_its_place_and_alone(tmp_path, cause, form, where):
     assert names(found(record_at(tmp_path, ROW, cause, form, where, size=2.0, seed=5, **HOW))) == [(cause, where)]
 
 
+@pytest.mark.slow
 def test_the_loop_of_one_taxel_is_named_or_admitted(tmp_path):
     findings = found(record_at(tmp_path, ROW, "hysteresis", None, "taxel_0", size=2.0, seed=5, **HOW))
     assert ("hysteresis", "taxel_0") in names_or_rivals(findings) and len(names(findings)) == 1
@@ -43,7 +48,7 @@ def test_a_spread_that_widens_with_depth_is_told_from_sessions_at_several_places
     assert names(findings) == [("spread_depth", "skin")]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", rows(range(3), 1))
 def test_sound_rows_are_silent(tmp_path, seed):
     assert not names(found(record_at(tmp_path, ROW, seed=seed, thickness_mm=4, layout="row_5mm")))
 

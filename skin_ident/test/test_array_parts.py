@@ -208,6 +208,7 @@ def test_a_taxel_that_repeats_another_under_one_contact_passes_for_a_wrong_calib
     assert {j.key for j in (said.named, *said.rivals)} >= {("crosstalk", "taxel_2"), ("gain_error", "taxel_2")}
 
 
+@pytest.mark.slow
 def test_what_three_taxels_cannot_tell_is_bounded_by_no_expectation():
     """Neighbours that leak 10 % under one contact and a spread of unknown width: what is ruled out of crosstalk is not what is there."""
     leak, below = 0.1, []

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hide_and_seek import seek
+from rows import rows
 from world import make_sessions, write_case
 
 from skin_ident.criticism.diagnose import diagnose
@@ -19,7 +20,7 @@ OWN = [
 ]
 
 
-@pytest.mark.parametrize(("cause", "where", "form", "seed"), OWN, ids=[c[2] for c in OWN])
+@pytest.mark.parametrize(("cause", "where", "form", "seed"), rows(OWN, 2), ids=[c[2] for c in OWN])
 def test_what_each_session_has_of_its_own_is_named(tmp_path, cause, where, form, seed):
     found = seek(tmp_path, cause, where=where, form=form, size=1.0, seed=seed, noise="white")
     assert found.right, found.names
@@ -31,12 +32,12 @@ def test_the_finding_says_what_each_session_has(tmp_path):
     assert set(said) == {"session_0.tsv", "session_1.tsv", "session_2.tsv"} and all("µm at" in words for words in said.values())
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", rows(range(3), 1))
 def test_strongly_coloured_noise_is_no_drift(tmp_path, seed):
     assert seek(tmp_path, None, seed=900 + seed, noise="ar").names == []
 
 
-@pytest.mark.parametrize("seed", [41, 42, 43])
+@pytest.mark.parametrize("seed", rows([41, 42, 43], 1))
 def test_a_gain_that_is_off_in_the_held_out_session_alone_is_named(tmp_path, seed):
     made, _ = make_sessions(None, seed=seed, n_sessions=3)
     write_case([*made[:2], replace(made[2], taxels=1.02 * made[2].taxels)], tmp_path)
@@ -45,7 +46,7 @@ def test_a_gain_that_is_off_in_the_held_out_session_alone_is_named(tmp_path, see
     assert (found["cause"], found["where"]) == ("gain_error", "taxel") and set(found["evidence"]["of_each_session"]) == {"session_2.tsv"}
 
 
-@pytest.mark.parametrize("moment", [19.9, 21.7, 24.0])
+@pytest.mark.parametrize("moment", rows([19.9, 21.7, 24.0], 1))
 def test_counts_are_lost_wherever_blocks_of_a_session_begin(tmp_path, moment):
     """Blocks of four seconds are fitted and predicted by turns: a moment at their border, or within one, is found as well."""
     made, truth = make_sessions(None, seed=round(10 * moment), n_sessions=3, noise="white", protocol="multisine_only")
@@ -59,7 +60,7 @@ def test_counts_are_lost_wherever_blocks_of_a_session_begin(tmp_path, moment):
 
 
 @pytest.mark.parametrize(
-    ("seed", "protocol", "late_s"), [(51, "full", 0.0137), (52, "full", 0.0137), (1222616119, "single_rate_triangles", 0.08)]
+    ("seed", "protocol", "late_s"), rows([(51, "full", 0.0137), (1222616119, "single_rate_triangles", 0.08), (52, "full", 0.0137)], 2)
 )
 def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed, protocol, late_s):
     made, _ = make_sessions(None, seed=seed, n_sessions=3, noise="white", protocol=protocol)
@@ -75,7 +76,7 @@ def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed, protocol, late_s):
     assert all("ms at" in words for words in found["evidence"]["of_each_session"].values())
 
 
-@pytest.mark.parametrize("held", [2, 3])
+@pytest.mark.parametrize("held", rows([2, 3], 1))
 def test_a_load_cell_with_a_gain_of_its_own_in_each_session_is_named(tmp_path, held):
     """Also where the gain of the held-out session is near to the mean, so that this one alone could not tell."""
     made, _ = make_sessions(None, seed=61, n_sessions=4, noise="white")

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from rows import rows
 
 from skin_ident.cli.diagnose import main
 from skin_ident.criticism.diagnose import diagnose
@@ -72,7 +73,7 @@ def lagging(taxels):
     return out
 
 
-@pytest.mark.parametrize(("spoil", "expected"), [(clipped, ("saturation", "taxel_7")), (lagging, ("lag", "taxel_2"))])
+@pytest.mark.parametrize(("spoil", "expected"), rows([(lagging, ("lag", "taxel_2")), (clipped, ("saturation", "taxel_7"))], 1))
 def test_what_a_taxel_has_of_its_own_is_found_among_many(spoil, expected):
     recordings = [grid(i, spoil) for i in range(2)]
     few = loaded_most(recordings)

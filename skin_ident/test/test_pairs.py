@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rows import rows
 from scipy.signal import lfilter
 from world import make_sessions, write_case
 from world.hidden import Hide
@@ -16,7 +17,7 @@ PAIRS = [
 ]
 
 
-@pytest.mark.parametrize(("one", "other", "taxels"), PAIRS, ids=lambda h: getattr(h, "cause", ""))
+@pytest.mark.parametrize(("one", "other", "taxels"), rows(PAIRS, 0), ids=lambda h: getattr(h, "cause", ""))
 def test_both_are_named(tmp_path, one, other, taxels):
     sessions, _ = make_sessions([one, other], seed=7, n_taxels=taxels, protocol="full", noise="white")
     write_case(sessions, tmp_path)
@@ -58,6 +59,7 @@ def worn_and_stiffening(rng: np.random.Generator, gap: float = 11e-6, bend: floa
     return Recording(f"run_{rng.integers(1e9)}", np.arange(path.size) / RATE, depth, read(force + 0.027 * e[0], 0.02), seen)
 
 
+@pytest.mark.slow
 def test_what_was_named_first_is_asked_again_when_the_other_is_known(tmp_path):
     """Of a lagging taxel and a load cell with memory a mount that yields explains most, until one of them is known."""
     one, other = Hide("lag", "taxel_0", "one_pole", 1.0), Hide("hysteresis", "load_cell", "bouc_wen", 1.0)

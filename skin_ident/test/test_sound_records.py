@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rows import rows
 from scipy.signal import lfilter
 
 from skin_ident.criticism.diagnose import diagnose
@@ -51,7 +52,7 @@ def heavy(seed: int, mass: float, declared: Declared, size: float = 0.04, damped
     return Recording(f"session_{seed}", t, x, force, (sensed + noise(rng, t.size, 0.03, 0.8))[None], declared=declared)
 
 
-@pytest.mark.parametrize("mass", [0.1, 0.243])
+@pytest.mark.parametrize("mass", rows([0.243, 0.1], 1))
 def test_a_mass_that_nobody_declared_is_no_fault_of_a_sensor(mass):
     """0.243 kg: thesis, Table 4-4."""
     outcome = diagnose([heavy(1, mass, Declared()), heavy(2, mass, Declared())], [heavy(3, mass, Declared())])
@@ -61,7 +62,7 @@ def test_a_mass_that_nobody_declared_is_no_fault_of_a_sensor(mass):
     assert any("mass was fitted" in w for w in outcome.findings["warnings"])
 
 
-@pytest.mark.parametrize("seed", [0, 10])
+@pytest.mark.parametrize("seed", rows([0, 10], 1))
 def test_a_skin_that_weighs_less_than_the_one_of_the_thesis_is_not_bent(seed):
     """A load cell that is good for a millinewton reads the four that a skin of nothing takes less than one of 0.4 g."""
     first, second, third = (heavy(seed + i, 0.0, Declared(), 0.001, damped=0.01) for i in (1, 2, 3))
@@ -88,7 +89,7 @@ def tared(seed: int, mass: float) -> Recording:
     return Recording(f"session_{seed}", t, x, force, (sensed + noise(rng, t.size, 0.03, 0.8))[None], declared=said)
 
 
-@pytest.mark.parametrize("mass", [0.02, 0.08])
+@pytest.mark.parametrize("mass", rows([0.02, 0.08], 1))
 def test_a_declared_mass_that_hangs_on_the_load_cell_is_no_fault(mass):
     outcome = diagnose([tared(1, mass), tared(2, mass)], [tared(3, mass)])
     assert outcome.findings["findings"] == [] and outcome.findings["verdict"] == "nothing_wrong"
@@ -106,20 +107,20 @@ def in_a_row(seed: int, place_mm: float, seconds: float = 60.0, size: float = 0.
     return Recording(f"session_{seed}", t, x, sensed + dispersed + noise(rng, t.size, size, colour), taxels, declared=said)
 
 
-@pytest.mark.parametrize("seed", [10, 20])
+@pytest.mark.parametrize("seed", rows([10, 20], 1))
 def test_a_taxel_that_only_the_held_out_session_loads_has_no_error(seed):
     """Training knows next to nothing of its share; what it reads is then news, and no fault."""
     outcome = diagnose([in_a_row(seed, 0.0), in_a_row(seed + 1, -4.0)], [in_a_row(seed + 2, 14.0)])
     assert outcome.findings["findings"] == [] and outcome.findings["verdict"] == "nothing_wrong"
 
 
-@pytest.mark.parametrize("seed", [30, 40, 50, 60])
+@pytest.mark.parametrize("seed", rows([30, 40, 50, 60], 1))
 def test_noise_that_wanders_through_half_a_minute_has_no_name(seed):
     outcome = diagnose([in_a_row(seed, 7.0, 35.0, 0.07, 0.97), in_a_row(seed + 1, 7.0, 35.0, 0.07, 0.97)])
     assert outcome.findings["findings"] == []
 
 
-@pytest.mark.parametrize("seed", [70, 80, 90])
+@pytest.mark.parametrize("seed", rows([70, 80, 90], 1))
 def test_wandering_noise_that_once_jumps_for_good_is_no_step_of_a_sensor(seed):
     """Noise of long memory with heavy tails: one of its innovations is fifty of the others, and what follows forgets it slowly."""
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rows import rows
 from scipy.signal import lfilter
 from test_faults import session
 from world import make_sessions, write_case
@@ -31,7 +32,7 @@ def late(r, samples):
     return replace(r, taxels=np.array([first, np.roll(second, samples), third]))
 
 
-@pytest.mark.parametrize(("spoil", "by"), [(bent, (1.0, 1.6, 0.6)), (late, (0, 40, -40))])
+@pytest.mark.parametrize(("spoil", "by"), rows([(bent, (1.0, 1.6, 0.6)), (late, (0, 40, -40))], 1))
 def test_a_taxel_that_is_another_one_in_each_session_is_not_nothing(spoil, by):
     findings = diagnose([spoil(session(i), q) for i, q in enumerate(by)]).findings
     assert findings["verdict"] == ("partly_explained" if findings["findings"] else "unexplained")
@@ -75,7 +76,7 @@ def lagging(r):
     return replace(r, taxels=np.array([r.taxels[0], lfilter([share], [1.0, share - 1.0], r.taxels[1]), r.taxels[2]]))
 
 
-@pytest.mark.parametrize("held_out", [0, 1])
+@pytest.mark.parametrize("held_out", rows([1, 0], 1))
 def test_the_gain_of_the_only_cause_is_one_number_in_terminal_findings_and_report(held_out):
     sessions = [lagging(session(i)) for i in (1, 2, 3)]
     findings = diagnose(sessions[held_out:], sessions[:held_out]).findings
