@@ -2,13 +2,11 @@
 
     hard     y' = min(max(y, -L), L)
     leaky    y' = y - c max(y - L, 0)        beyond L it follows with the slope 1 - c; several add up to a soft knee
-    soft     y' = tanh(y sqrt(a)) / sqrt(a)  nears 1 / sqrt(a) from the first newton on, as y - a y^3 / 3 in the beginning
 
 The size of the hard form is not a force but how low L is: it is the identity for L = inf, which is what `absent` gives. It is therefore no
-direction in which a model can be bent a little: identification proposes the others, and the hard one from samples that pile up.
+direction in which a model can be bent a little: identification proposes the leaky form, and the hard one from samples that pile up.
 
-Source: H. K. Khalil, Nonlinear Systems, 3rd ed., Prentice Hall 2002, section 1.2.7 (common nonlinearities), whose saturation the soft form
-rounds off with the tanh of neural and analogue circuits.
+Source: H. K. Khalil, Nonlinear Systems, 3rd ed., Prentice Hall 2002, section 1.2.7 (common nonlinearities).
 """
 
 import math
@@ -59,20 +57,3 @@ class LeakySaturation(Memoryless):
         """y - c max(y - L, 0)."""
         mine = self.mine(y)
         return self.put_back(y, mine - self.lost * np.maximum(mine - self.level, 0.0))
-
-
-@dataclass(frozen=True)
-class SoftSaturation(Memoryless):
-    """Readings follow with less and less slope and never pass a level."""
-
-    cause: ClassVar[str] = "saturation"
-    form: ClassVar[str] = "soft"
-    places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
-    source: ClassVar[str] = "Khalil 2002, section 1.2.7"
-
-    bend: float = quantity("1/N^2", 0.0, lower=0.0, typical=2e-3, doc="a, one over the square of the level that is never passed")
-
-    def apply(self, y, s):
-        """tanh(y sqrt(a)) / sqrt(a)."""
-        mine, root = self.mine(y), math.sqrt(self.bend)
-        return self.put_back(y, np.tanh(mine * root) / root if root > 0.0 else mine)

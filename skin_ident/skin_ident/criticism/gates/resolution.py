@@ -84,16 +84,11 @@ def unread_depth(sessions: list[Session], encoder_step: float, part: Part | None
 
 def unread_force(model: Model, channel: str, sessions: list[Session], encoder_step: float) -> float:
     """What nobody reads of what drives a test leaves open of a channel, N rms: stiffness times what steps leave of the depth, and damping
-    times what they leave of its speed; of a force that drives, its noise, as much as the channel takes of it."""
+    times what they leave of its speed; of a force that drives, its noise, as much as the channel takes of one that is held."""
     depth, speed = unread_depth(sessions, encoder_step), _beat(sessions, encoder_step)
     steps = np.hypot(stiffness(model, channel) * depth, damping(model, channel) * speed)
-    return float(np.hypot(steps, _taken(model, channel) * max(s.drive_noise for s in sessions)))
-
-
-def _taken(model: Model, channel: str) -> float:
-    """The part that a channel takes of a force on the skin, held or quickly changing, whichever is more."""
-    parts = ((of(model, channel), of(model, "force")) for of in (stiffness, damping))
-    return max(one / whole if whole > 0.0 else 0.0 for one, whole in parts)
+    taken = stiffness(model, channel) / max(stiffness(model, "force"), 1e-9)
+    return float(np.hypot(steps, taken * max(s.drive_noise for s in sessions)))
 
 
 def _beat(sessions: list[Session], encoder_step: float) -> float:

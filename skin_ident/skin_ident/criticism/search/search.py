@@ -65,6 +65,7 @@ class Search:
         self.named: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []
         self.runs: list[Run] = []
+        self.doubting = False  # whether held-out sessions alone decide, for a cause was taken for granted
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
         self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
@@ -84,7 +85,7 @@ class Search:
             runs = self.own_courses()
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
-            less = free and lighter(self.present.model, free.model)
+            less = free is not None and lighter(self.present.model, free.model)
             if free and (tells_more(free, self.present, best) or (less and not self.declared)):
                 self._weigh(free)
                 continue
@@ -148,7 +149,7 @@ class Search:
     def ahead(self, present: Fit) -> "Search":
         """The same state with another fit, from which to look further; what is found there is not found here."""
         other = copy(self)
-        other.present, other.usual = present, dict(self.usual)
+        other.present, other.usual, other.doubting = present, dict(self.usual), True
         return other
 
     def own_courses(self) -> list[Run]:
@@ -235,7 +236,7 @@ class Search:
         """What a trial gains; of one as good as the `best` that explains very much of training a second opinion is asked."""
         models = self.present.model, trial.fit.model, trial.key[1]
         gain = self.gain(*models)
-        if gain.passed or trial.score <= max(reach(best), DOUBTLESS * self.least(trial.fit.count)):
+        if gain.passed or self.doubting or trial.score <= max(reach(best), DOUBTLESS * self.least(trial.fit.count)):
             return gain
         return self.second_opinion(*models, gain)
 
