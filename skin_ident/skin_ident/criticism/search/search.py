@@ -24,7 +24,7 @@ from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.survey import Survey, survey
-from skin_ident.criticism.search.together import two_at_once
+from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import hanging, heaviest_of, held_again, lighter, tells_more, weighed, with_mass
@@ -294,13 +294,15 @@ class Search:
         self.progress(f"named {finding.cause} in the {finding.where}")
 
     def second_opinion(self, before: Model, after: Model, where: str, first: Gain) -> Gain:
-        """The gain by other sessions, too, where held-out ones alone do not speak against it, or by halves where they cannot be asked."""
-        if self.deaf(before, after, where):
-            other = halves_in_turn(before, after, self.train, self.noise)
-        elif self.held and first.relative > 0.0 and not first.spoilt:
-            other = all_in_turn(before, after, self.train, self.held, self.noise)
-        else:
+        """The gain by other sessions, too, or by halves where held-out ones cannot be asked; not where these speak against it, nor of short
+        records, in which a bent cause fits whatever is there."""
+        if not (self.held and lasts(self)):
             return first
+        models, cannot = (before, after, self.train), self.deaf(before, after, where)
+        alone = held_out_gain(*models, self.held, self.noise) if cannot else first
+        if alone.relative <= 0.0 or alone.spoilt:
+            return first
+        other = halves_in_turn(*models, self.noise) if cannot else all_in_turn(*models, self.held, self.noise)
         return other if other.passed else first
 
     def eliminate(self) -> None:
