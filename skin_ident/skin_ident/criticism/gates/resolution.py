@@ -8,6 +8,7 @@ from scipy.ndimage import uniform_filter1d
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import MUCH, Gain
+from skin_ident.criticism.sessions.band import NORMAL
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_models.effect import Effect, Place
@@ -23,7 +24,7 @@ TREMBLING = 1e-6  # m, of a good stage at rest
 EVEN_S = 0.5  # over which the speed is averaged, for a beat makes spikes of it
 MOVING = 2.0  # times the greatest speed of such a tremble
 OF_SPEED = ("rate_dependence", "mount_compliance")
-CLEARLY, NORMAL = 3.0, 0.6745  # standard deviations of noise; of a normal one, the median size
+CLEARLY = 3.0  # standard deviations of noise
 DRIVEN = 0.3  # of what is explained in all, the least that must be while the driving force changes
 
 Part = Callable[[Session], np.ndarray]  # a mask (n,) of the samples that count
@@ -59,14 +60,15 @@ def of_the_drive(gain: Gain, cause: str, before: Model, after: Model, train: lis
     speeds keeps noise of that force from the taxels of a simulation, and from those alone."""
     if train[0].drive is None or cause not in OF_SPEED:
         return False
-    moving, every = (_fall(gain.channel, before, after, train, part) for part in (_driven, None))
-    return moving < DRIVEN * every
+    falls = _falls(gain.channel, before, after, train)
+    moving = sum(float(np.sum(fall * _driven(s))) for fall, s in zip(falls, train, strict=True))
+    return moving < DRIVEN * sum(float(np.sum(fall)) for fall in falls)
 
 
 def _driven(s: Session) -> np.ndarray:
     """Where the force that drives a test changes by more than its noise does, (n,) in the common band."""
     speed = _speed(s)
-    even = uniform_filter1d(speed, max(round(EVEN_S / s.band.spacing), 1))
+    even = _even(speed, s)
     return np.abs(even) > CLEARLY * np.median(np.abs(speed - even)) / NORMAL
 
 
@@ -96,7 +98,7 @@ def _beat(sessions: list[Session], encoder_step: float) -> float:
     is then no noise but a saw of |v / q - n / dt| Hz, of whose harmonics each adds 2 (f q)^2 to the squared speed."""
     squares = [np.zeros(1)]
     for s in sessions if encoder_step > 0.0 else ():
-        passed = uniform_filter1d(np.abs(_speed(s)), max(round(EVEN_S / s.band.spacing), 1)) / encoder_step  # steps a second
+        passed = _even(np.abs(_speed(s)), s) / encoder_step  # steps a second
         whole = np.round(passed * s.motion.dt) / s.motion.dt
         f = np.where(whole > 0.0, np.abs(passed - whole), np.inf)
         f = np.where(f < s.band.edge, np.maximum(f, 1e-9), np.inf)
@@ -115,23 +117,31 @@ def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float,
 
 def _fall_while_moving(channel: str, before: Model, after: Model, sessions: list[Session]) -> float:
     """Fall of the mean square in `channel` where the stage moves, N^2."""
-    count = sum(float(np.sum(s.weight[s.channels.index(channel)] * _moves(s))) for s in sessions)
-    return _fall(channel, before, after, sessions, _moves) / max(count, 1.0)
+    fall, count = 0.0, 0.0
+    for s, each in zip(sessions, _falls(channel, before, after, sessions), strict=True):
+        moves = _moves(s)
+        fall += float(np.sum(each * moves))
+        count += float(np.sum(s.weight[s.channels.index(channel)] * moves))
+    return fall / max(count, 1.0)
 
 
-def _fall(channel: str, before: Model, after: Model, sessions: list[Session], part: Part | None) -> float:
-    """Fall of the sum of squares in `channel`, N^2, of the samples that `part` says, or of all."""
-    fall = 0.0
-    for s in sessions:
-        row = s.channels.index(channel)
-        believed = s.weight[row] * (part(s) if part else 1.0)
-        fall += float(np.sum(believed * (residual(before, s)[row] ** 2 - residual(after, settled(after, s))[row] ** 2)))
-    return fall
+def _falls(channel: str, before: Model, after: Model, sessions: list[Session]) -> list[np.ndarray]:
+    """Fall of the squares in `channel`, N^2, of every sample that is believed, (n,) of each session."""
+    rows = [s.channels.index(channel) for s in sessions]
+    return [
+        s.weight[row] * (residual(before, s)[row] ** 2 - residual(after, settled(after, s))[row] ** 2)
+        for row, s in zip(rows, sessions, strict=True)
+    ]
 
 
 def _moves(s: Session) -> np.ndarray:
     """Where the stage moves faster than it could tremble, (n,) in the common band."""
     return np.abs(_speed(s)) > MOVING * 2.0 * np.pi * s.band.edge * TREMBLING
+
+
+def _even(speed: np.ndarray, s: Session) -> np.ndarray:
+    """A speed, averaged over `EVEN_S`."""
+    return uniform_filter1d(speed, max(round(EVEN_S / s.band.spacing), 1))
 
 
 def _speed(s: Session) -> np.ndarray:

@@ -81,13 +81,17 @@ class Band:
         Rows are cut into pieces of `every` samples, as the kernel is: one matrix product holds every piece of one times every piece of the
         other, and a sample that is kept is the sum along a diagonal.
         """
-        span = (self.kernel.size - 1) // self.every
+        span = len(self._pieces) - 1
         kept = max((y.shape[-1] - self.kernel.size) // self.every + 1, 0)
-        taps = np.pad(self.kernel, (0, self.every - 1)).reshape(span + 1, self.every)
         whole = (kept + span) * self.every
         rest = [(0, 0)] * (y.ndim - 1) + [(0, max(whole - y.shape[-1], 0))]
-        products = np.pad(y[..., :whole], rest).reshape(*y.shape[:-1], kept + span, self.every) @ taps.T
+        products = np.pad(y[..., :whole], rest).reshape(*y.shape[:-1], kept + span, self.every) @ self._pieces.T
         return sum(products[..., j : j + kept, j] for j in range(span + 1))
+
+    @cached_property
+    def _pieces(self) -> np.ndarray:
+        """The kernel in pieces of `every` taps, the last one filled up with zeros."""
+        return np.pad(self.kernel, (0, self.every - 1)).reshape(-1, self.every)
 
     def white(self, y: np.ndarray) -> float:
         """RMS in the band of the white noise of `y` (N,): its third differences hold nothing else, where samples are dense."""
