@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skin_ident.estimators.scale import normal_scale
 from skin_ident.recordings.recording import Recording
 from skin_models.words import counted
 
@@ -102,7 +103,7 @@ def _without_spikes(r: Recording) -> tuple[Recording, dict[str, int]]:
 def spikes(y: np.ndarray) -> np.ndarray:
     """Which samples (N,) belong to a spike: they jump from the straight line between the good samples around them."""
     bend = np.abs(np.diff(y, 2))
-    usual = 1.4826 * np.median(bend)
+    usual = normal_scale(bend)
     step = _step(y)
     limit = max(SPIKE * max(usual, step), SPIKE_RANGE * float(np.subtract(*np.percentile(y, [99.5, 0.5]))))
     out = np.zeros(y.size, bool)

@@ -21,11 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.scale import normal_scale
 
 LINEAR, HUBER, SOFT_L1, CAUCHY = "linear", "huber", "soft_l1", "cauchy"
 LOSSES = (LINEAR, HUBER, SOFT_L1, CAUCHY)
 TUNING = {HUBER: 1.345, SOFT_L1: 1.287, CAUCHY: 2.385}
-NORMAL = 1.4826  # standard deviation over median of |r|, normal distribution
 FAR = 4.0  # standard deviations: a sample further off is counted as held back
 ROUNDS = 20
 CLOSE = 0.01  # standard errors: a smaller change of every coefficient ends the search
@@ -50,7 +50,7 @@ def tamed(measured: Sequence[np.ndarray], fitted: Sequence[np.ndarray], believed
         raise FitError(f"the loss is one of {', '.join(LOSSES)}, not {loss!r}")
     left = [y - f for y, f in zip(measured, fitted, strict=True)]
     some = np.concatenate([e[b] for e, b in zip(left, believed, strict=True)])
-    scale = NORMAL * float(np.median(np.abs(some)))
+    scale = normal_scale(some)
     limit = TUNING[loss] * scale
     if limit == 0.0:  # exact data: nothing to weigh against
         return Tamed(list(measured), 1.0, 0.0, 0)

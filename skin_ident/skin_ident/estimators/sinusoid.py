@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.scale import normal_scale
 from skin_ident.recordings.recording import Recording
 from skin_models.signals import Motion
 
@@ -45,7 +46,7 @@ def fit_sinusoid(t: np.ndarray, x: np.ndarray) -> Sinusoid:
         linear, omega = _gauss_newton(t[first:], x[first:])
         error = x - _design(t, omega) @ linear
         later = error[first + (t.size - first) // 4 :]
-        scale = 1.4826 * np.median(np.abs(later - np.median(later))) + 1e-12
+        scale = normal_scale(later - np.median(later)) + 1e-12
         wrong = np.flatnonzero(np.abs(error[: t.size // 4]) > OUTSIDE * scale)
         new = int(wrong[-1]) + 1 if wrong.size else 0
         if new == first:

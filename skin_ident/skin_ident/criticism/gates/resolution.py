@@ -8,9 +8,9 @@ from scipy.ndimage import uniform_filter1d
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import MUCH, Gain
-from skin_ident.criticism.sessions.band import NORMAL
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.quantization import step_of
+from skin_ident.estimators.scale import normal_scale
 from skin_models.effect import Effect, Place
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
@@ -69,7 +69,7 @@ def _driven(s: Session) -> np.ndarray:
     """Where the force that drives a test changes by more than its noise does, (n,) in the common band."""
     speed = _speed(s)
     even = _even(speed, s)
-    return np.abs(even) > CLEARLY * np.median(np.abs(speed - even)) / NORMAL
+    return np.abs(even) > CLEARLY * normal_scale(speed - even)
 
 
 def unread_depth(sessions: list[Session], encoder_step: float, part: Part | None = None) -> float:

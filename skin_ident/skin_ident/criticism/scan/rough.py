@@ -9,6 +9,7 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Member, fit
 from skin_ident.criticism.scan.start import plain_start
 from skin_ident.criticism.scan.whitening import Whitener
+from skin_ident.estimators.scale import normal_scale
 
 ROUNDS = 6
 TUKEY = 4.7
@@ -53,7 +54,7 @@ def rough(cells: Cells, floor: float) -> Rough:
     for _ in range(ROUNDS):
         m = fit(m, believed, Whitener(1.0 / np.sqrt(weight)), 15, 1e-4).member
         e = believed.y - m.predict(believed)
-        sigma = max(1.4826 * float(np.median(np.abs(e))), floor, 1e-9)
+        sigma = max(normal_scale(e), floor, 1e-9)
         allowed = np.hypot(sigma, 0.03 * np.abs(m.through(believed)))
         weight = np.maximum(1.0 - (e / (TUKEY * allowed)) ** 2, 0.0) ** 2 + 1e-6
     return Rough(m, m.predict(cells), sigma, floor=floor)

@@ -13,6 +13,7 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import fit
 from skin_ident.criticism.scan.rough import ROUNDS, TUKEY, Rough
 from skin_ident.criticism.scan.whitening import Whitener
+from skin_ident.estimators.scale import normal_scale
 
 SPARE = 3  # cells per unknown, below which the fit follows single readings and their scatter says nothing
 
@@ -36,7 +37,7 @@ def _scatter(e: np.ndarray, expected: np.ndarray, floor: float, unknowns: int) -
     """Standard deviation (N) of residuals (N,) whatever the force, and what grows with it, relative."""
     size = np.abs(expected)
     large = size > np.median(size)
-    inflated = 1.4826 * np.sqrt(e.size / (e.size - unknowns))
-    sigma = max(inflated * float(np.median(np.abs(e[~large]))), floor, 1e-9)
-    above = inflated * float(np.median(np.abs(e[large]))) if large.any() else 0.0
+    inflated = np.sqrt(e.size / (e.size - unknowns))
+    sigma = max(inflated * normal_scale(e[~large]), floor, 1e-9)
+    above = inflated * normal_scale(e[large]) if large.any() else 0.0
     return sigma, float(np.sqrt(max(above**2 - sigma**2, 0.0)) / max(np.median(size[large]), 1e-12)) if large.any() else 0.0

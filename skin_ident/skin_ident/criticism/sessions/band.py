@@ -10,6 +10,8 @@ from functools import cached_property
 import numpy as np
 from scipy.signal import firwin, oaconvolve
 
+from skin_ident.estimators.scale import normal_scale
+
 CUTOFF_HZ = 8.0  # above the thesis's motions and below what the encoder's steps disturb
 WIDER = 2.5  # the depth itself, which effects look at, keeps this many times the band
 
@@ -17,7 +19,7 @@ WIDER = 2.5  # the depth itself, which effects look at, keeps this many times th
 # depth, whose ripple would pass into every force.
 SHORT, SHARP = (1.5, 5.0), (3.0, 8.0)
 
-NORMAL, THIRD = 0.6745, 20.0  # standard deviations, the median size of normal noise; times its variance, that of its third differences
+THIRD = 20.0  # times the variance of white noise, that of its third differences
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ class Band:
 
     def white(self, y: np.ndarray) -> float:
         """RMS in the band of the white noise of `y` (N,): its third differences hold nothing else, where samples are dense."""
-        each = np.median(np.abs(np.diff(y, 3))) / (NORMAL * np.sqrt(THIRD)) if y.size > 3 else 0.0
+        each = normal_scale(np.diff(y, 3)) / np.sqrt(THIRD) if y.size > 3 else 0.0
         return float(each * np.sqrt(np.sum(self.kernel**2)))
 
     def times(self, t: np.ndarray) -> np.ndarray:

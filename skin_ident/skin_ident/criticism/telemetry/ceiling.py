@@ -13,6 +13,7 @@ skin that gives way, leaves none that is sharp, and the second shows in the taxe
 import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.estimators.scale import normal_scale
 from skin_ident.stretches import runs
 
 GREATEST = 8  # samples of the greatest simulated force that give a first guess at the level
@@ -65,7 +66,7 @@ def _ceiling(y: np.ndarray, model: np.ndarray, unseen: np.ndarray, c: int) -> tu
     loaded = (said > HALF * guess) & (said < guess)
     if loaded.sum() < FEWEST:
         return None
-    width = 1.4826 * float(np.median(np.abs((own - said)[loaded])))
+    width = normal_scale((own - said)[loaded])
     beyond = said > guess + FAR * width
     below = loaded & unseen & (said < guess - FAR * width)
     enough = min(beyond.sum(), below.sum()) >= FEWEST and runs(beyond)[0].size >= VISITS and np.mean(unseen[beyond]) >= UNSEEN

@@ -11,6 +11,7 @@ from skin_ident.criticism.telemetry.excursions import fill_clusters, held, paire
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.criticism.telemetry.tails import smallest_step
+from skin_ident.estimators.scale import normal_scale
 from skin_ident.stretches import runs
 
 TREND = 9  # samples of the running median that is taken for the true speed
@@ -83,7 +84,7 @@ def _unseen(recording, departed: np.ndarray, stiffness: dict[str, float]) -> np.
     for channel, y in recording.channels.items():
         dy = _detrended(y)
         expected = abs(stiffness[channel]) * np.abs(departed)
-        clear = expected > CLEAR * max(1.4826 * float(np.median(np.abs(dy))), smallest_step(y))
+        clear = expected > CLEAR * max(normal_scale(dy), smallest_step(y))
         would |= clear
         did |= clear & (maximum_filter1d(np.abs(dy), 2 * NEAR + 1) > SEEN * expected)
     return touching & would & ~did

@@ -15,6 +15,7 @@ from skin_ident.criticism.telemetry.peaks import Piece, clipped_peaks
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import smallest_step
+from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
 from skin_models.signals import Motion
 
@@ -101,7 +102,7 @@ def _one_kick(own: list[Piece], sessions: list[Session], rest: list[np.ndarray])
 def _memory(rows: list[np.ndarray]) -> float:
     """Samples in which noise fades to 1 / e where nothing jumps: by covariances some samples apart, where a converter's own is gone."""
     y = np.concatenate(rows or [np.zeros(1)])
-    y = np.clip(y, *(np.array([-3.0, 3.0]) * 1.4826 * float(np.median(np.abs(y)))))
+    y = np.clip(y, *(np.array([-3.0, 3.0]) * normal_scale(y)))
     near, far = (float(y[:-lag] @ y[lag:]) if y.size > lag else 0.0 for lag in (APART, 2 * APART))
     return APART / max(-np.log(far / near), 1e-3) if near > 0.0 and far > 0.0 else 0.0
 

@@ -4,6 +4,7 @@ the noise that it has elsewhere is gone: a first model may be bent by what clips
 import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.estimators.scale import normal_scale
 
 FEWEST_VISITS = 2  # separate times at the level
 FEWEST_SAMPLES = 10
@@ -20,7 +21,7 @@ def find_saturation(
     for c, channel in enumerate(channels):
         y, model = np.concatenate([r[c] for r in raw]), np.concatenate([m[c] for m in simulated])
         level, at = _pile(y)
-        width = 1.4826 * float(np.median(np.abs(y - model - np.median(y - model))))
+        width = normal_scale(y - model - np.median(y - model))
         if level is None or _visits(at) < FEWEST_VISITS:
             continue
         if np.median(model[at] - y[at]) < BEYOND * max(width, 1e-9) and not _stands(y, model, at):
@@ -46,7 +47,7 @@ def _stands(y: np.ndarray, model: np.ndarray, at: np.ndarray) -> bool:
     off = ~at[:-2] & ~at[1:-1] & ~at[2:]
     if not off.any():
         return False
-    noise = 1.4826 * float(np.median(np.abs(np.diff(y - model, 2))[off])) / np.sqrt(6.0)
+    noise = normal_scale(np.diff(y - model, 2)[off]) / np.sqrt(6.0)
     visits = np.split(model[at], np.flatnonzero(np.diff(np.flatnonzero(at)) > 1) + 1)
     moved = np.sqrt(np.mean(np.concatenate([(v - v.mean()) ** 2 for v in visits])))
     return min(noise, moved) > NOISY * float(np.median(np.diff(np.unique(y)))) and moved > noise

@@ -15,6 +15,7 @@ from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.faults import UNLIKE, effect_of
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
 
 BEFORE_S, AFTER_S = 0.25, 0.4  # about the moment when the model says that the plunger leaves
@@ -41,7 +42,7 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
         return []
     rest = [s.raw - simulated(model, s) for s in sessions]
     step = [max(step_of(s.raw[c]) or 0.0 for s in sessions) for c in range(len(rest[0]))]
-    width = np.maximum(1.4826 * np.median(np.abs(np.concatenate(rest, axis=1)), axis=1), step)
+    width = np.maximum(normal_scale(np.concatenate(rest, axis=1), axis=1), step)
     leavings = [one for s, e in zip(sessions, rest, strict=True) for one in _leavings(model, s, e)]
     if len(leavings) < FEWEST:
         return []

@@ -13,6 +13,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.stats import binom, chi2
 
+from skin_ident.estimators.scale import normal_scale
+
 LEAST = 7.0  # robust standard deviations: no limit is lower
 HEAVIEST = 2.45  # degrees of freedom: noise of three, somewhat uneven
 CHANCE = 1e-5  # of so many far ones, in a tail like that
@@ -28,7 +30,7 @@ def reach(d: np.ndarray, smallest: float = 0.0) -> float:
     From the median and the upper fifth of |d|, whichever says more: readings of a coarse converter stand still half of the time.
     """
     size = np.abs(d)
-    return LEAST * max(1.4826 * float(np.median(size)), float(np.percentile(size, 80.0)) / 1.2816, smallest, 1e-12)
+    return LEAST * max(normal_scale(size), float(np.percentile(size, 80.0)) / 1.2816, smallest, 1e-12)
 
 
 def stands_apart(start: float, count: Callable[[float], int], step: float = 0.0, nearest: float = 0.0) -> float | None:
