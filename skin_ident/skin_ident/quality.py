@@ -4,6 +4,7 @@ Spikes (up to three samples that jump away and back) are bridged. A channel that
 frozen or saturated, and those samples are ruled out. Sizes that only a wrong unit gives, and a plunger that hardly moves, are said.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,7 +72,7 @@ def inspected(r: Recording) -> tuple[Recording, np.ndarray, Quality]:
         frozen=frozen,
         delays={f"taxel_{i}": apparent_delay(mended.force, y, r.dt) for i, y in enumerate(mended.taxels)} if r.force is not None else {},
         warnings=(*_counts(spikes, frozen), *_sizes(mended)),
-        impossible=_impossible(mended),
+        impossible=impossible(mended) or far_too_little(mended),
     )
     return mended, good, q
 
@@ -219,20 +220,51 @@ def _sizes(r: Recording) -> list[str]:
     return notes + _proportions(r)
 
 
-def _impossible(r: Recording) -> str:
-    if r.depth is None:
+def impossible(r: Recording, asked: Sequence[int] | None = None) -> str:
+    """What no skin can do, so that a unit must be wrong, in a sentence without the recording's name; empty where there is nothing of it.
+
+    `asked` are the taxels that are to be compared; left out, all in newtons. What follows neither depth nor force proves nothing.
+    """
+    return _more_than_applied(r, _in_newtons(r) if asked is None else asked) or _as_no_skin(r)
+
+
+def far_too_little(r: Recording, asked: Sequence[int] | None = None) -> str:
+    """The same for taxels that feel hardly anything of the force: their unit may be wrong, or the plunger far away from all of them."""
+    if r.depth is None or r.force is None:
         return ""
-    applied = None if r.force is None else _slope(r.force, r.depth)
-    if applied is not None and not SOFT <= applied <= HARD:
-        return f"force changes by {applied:.3g} N per m of depth, which no skin does: check the units of depth and force"
-    felt = [_slope(y, r.depth) or 0.0 for y, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"]
-    if max(felt, default=0.0) > (HARD if applied is None else FAR_TOO_MUCH * applied):
-        against = "per m of depth" if applied is None else f"while the applied force changes by {applied:.3g} N per m of depth"
-        return f"a taxel changes by {max(felt):.3g} N {against}: check the units and calibrations"
-    if applied is not None and 0.0 < max(felt, default=0.0) < FAR_TOO_LITTLE * applied:
-        share = f"{100 * max(felt) / applied:.2g} % of the applied force"
-        return f"the strongest taxel feels {share}: its unit is wrong, or the plunger is nowhere near a taxel"
-    return ""
+    applied = _slope(r.force, r.depth)
+    felt = max((_slope(r.taxels[i], r.depth) or 0.0 for i in (_in_newtons(r) if asked is None else asked)), default=0.0)
+    if applied is None or not 0.0 < felt < FAR_TOO_LITTLE * applied:
+        return ""
+    share = f"{100 * felt / applied:.2g} % of the applied force"
+    return f"the strongest taxel feels {share}: its unit is wrong, or the plunger is nowhere near a taxel"
+
+
+def _in_newtons(r: Recording) -> list[int]:
+    return [i for i, unit in enumerate(r.taxel_units) if unit == "N"]
+
+
+def _more_than_applied(r: Recording, asked: Sequence[int]) -> str:
+    """A taxel that feels far more than what presses; without a load cell, more than any skin that is pressed so deep."""
+    against = r.depth if r.force is None else r.force
+    if against is None or not len(asked):
+        return ""
+    slope, i = max((_slope(r.taxels[i], against) or 0.0, -i) for i in asked)
+    if slope <= (HARD if r.force is None else FAR_TOO_MUCH):
+        return ""
+    if r.force is None:
+        return f"taxel_{-i} changes by {slope:.3g} N per m of depth, which no skin does: check its unit and calibration"
+    return (
+        f"taxel_{-i} changes by {slope:.3g} N per newton of applied force, and no taxel feels more than is applied: check the units (is "
+        "the force in N, not in mN?), the calibrations, and which column is which"
+    )
+
+
+def _as_no_skin(r: Recording) -> str:
+    applied = None if r.depth is None or r.force is None else _slope(r.force, r.depth)
+    if applied is None or SOFT <= applied <= HARD:
+        return ""
+    return f"force changes by {applied:.3g} N per m of depth, which no skin does: check the units of depth and force"
 
 
 def _proportions(r: Recording) -> list[str]:

@@ -121,6 +121,17 @@ def test_nothing_of_somebody_elses_is_overwritten(command, base, tmp_path):
     assert [p.read_text() for p in own.iterdir()] == ["sample_rate_hz: 100  # precious\n"]
 
 
+@pytest.mark.parametrize("size", [0.5, 3.0])
+def test_what_leaks_from_taxel_to_taxel_adds_to_it_and_is_the_smaller_part(on, size):
+    shares = [hide(BASE, "crosstalk", size=size, seed=seed, on=on)[1].effect.share for seed in range(6)]
+    assert all(0.0 < share <= 0.5 for share in shares)
+
+
+def test_more_than_can_leak_is_refused(on):
+    with pytest.raises(HidingError, match=r"crosstalk cannot be made 3000 times .* physically possible"):
+        hide(BASE, "crosstalk", size=3000.0, on=on)
+
+
 @pytest.mark.parametrize(("where", "seed"), [(w, s) for w in ("taxel", "load_cell", "skin") for s in range(3)])
 def test_a_place_alone_draws_a_cause_that_can_sit_there(where, seed):
     assert draw(prepare(BASE[0]), "any", where, np.random.default_rng(seed)).where == where

@@ -75,7 +75,9 @@ def test_checksums_are_the_same_with_and_without_zlib_ng(tmp_path, library):
     assert done.stdout.startswith("[0, ") and not done.stdout.startswith("[0, 0]"), done.stderr
 
 
-@pytest.mark.parametrize(("content", "says"), [(b"", "empty"), (b"\x89MCAP0\r\n", "no force"), (b"hello, I am no bag", "not an MCAP file")])
+@pytest.mark.parametrize(
+    ("content", "says"), [(b"", "empty"), (b"\x89MCAP0\r\n", "damaged, or cut off"), (b"hello, I am no bag", "not an MCAP file")]
+)
 def test_file_that_is_no_mcap(tmp_path, content, says):
     (tmp_path / "a.mcap").write_bytes(content)
     with pytest.raises(RecordingError, match=says):

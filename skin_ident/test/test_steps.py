@@ -45,3 +45,13 @@ def test_a_step_smaller_than_the_noise_is_found_to_the_sample(seed):
     r = noise.apply(plain + 0.8 * carrier * (t >= at), session)
     moments = sharpest(carrier, r, session, noise, most=3)
     assert np.min(np.abs(moments - at)) <= 1.0 / 25.0
+
+
+def test_a_step_is_found_where_the_noise_is_white_and_there_is_no_filter():
+    rng = np.random.default_rng(7)
+    t = np.arange(300) / 25.0
+    plain, carrier = rng.standard_normal((2, 300)), np.ones((2, 300))
+    session = seen(np.ones(plain.shape), t=t)
+    noise = fit_whitener([plain], [session], order=0)
+    moments = sharpest(carrier, noise.apply(plain + 3.0 * (t >= 6.0), session), session, noise, most=1)
+    assert moments == pytest.approx([6.0], abs=0.1)

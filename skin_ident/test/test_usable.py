@@ -13,7 +13,7 @@ from skin_ident.criticism.telemetry.quantization import find_buried, find_quanti
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.criticism.telemetry.units import find_unit_faults
-from skin_ident.criticism.usable import belong_together, doubted, something_moves
+from skin_ident.criticism.usable import belong_together, doubted, in_sound_units, something_moves
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
@@ -60,6 +60,36 @@ def test_sound_presses_are_used():
 )
 def test_what_says_nothing_is_refused(changed, said):
     assert said in refused([presses(0, **changed), presses(1, **changed)])
+
+
+def test_sizes_that_only_a_wrong_unit_gives_are_refused_with_depth_or_without():
+    for changed in ({}, {"depth": None}, {"force": None}):
+        sound = presses(0, **changed)
+        assert in_sound_units([sound])[0].warnings == ()
+        with pytest.raises(DiagnosisError, match=r"check (the units|its unit)"):
+            in_sound_units([replace(sound, force=None if sound.force is None else 1e-3 * sound.force, taxels=1e4 * sound.taxels)])
+
+
+def test_units_are_not_doubted_where_a_share_is_small_or_a_taxel_counts():
+    small = presses(0, taxels=0.01 * presses().taxels + np.random.default_rng(5).normal(0.0, 0.003, T.size))
+    assert in_sound_units([small])[0].warnings == ()
+    counts = presses(0, taxels=np.round(400.0 * presses().taxels))
+    assert in_sound_units([counts])[0].warnings == ()
+    (faint,) = in_sound_units([presses(0, taxels=1e-3 * presses().taxels)])
+    assert "0.07 % of the applied force" in faint.warnings[0]
+
+
+def test_a_twin_of_the_same_size_vouches_for_it():
+    soft = presses(0, force=0.01 * presses().force, taxels=0.01 * presses().taxels)
+    with pytest.raises(DiagnosisError, match="units of depth and force"):
+        in_sound_units([soft], twins=[presses(1)])
+    assert in_sound_units([soft], twins=[replace(soft, name="twin")])[0] is soft
+
+
+def test_seconds_between_samples_are_asked_about_unless_the_rate_is_declared():
+    slow = [replace(presses(i), t=1e3 * T) for i in (0, 1)]
+    assert "is the time in milliseconds?" in refused(slow) and "sample_rate_hz" in refused(slow)
+    belong_together([replace(r, declared=Declared(sample_rate_hz=0.2)) for r in slow])
 
 
 def test_volts_that_may_be_the_load_cell_are_asked_for():

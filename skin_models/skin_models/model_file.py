@@ -87,8 +87,13 @@ def model_to_dict(model: Model, std: Mapping[str, float] | None = None) -> dict[
 def model_from_dict(content: Any) -> Model:
     """The model that `model_to_dict` describes. Raises `ModelError` for a missing, unknown or wrongly typed entry."""
     content = _mapping(content, "a model")
-    if content.get("schema") != SCHEMA:
-        raise ModelError(f"schema is {content.get('schema')!r}; this version reads schema {SCHEMA}")
+    if "schema" not in content:
+        raise ModelError(
+            f"it does not say schema: {SCHEMA}, with which a model begins; dispersion, shares and effects follow, as the README of "
+            "skin_models shows"
+        )
+    if content["schema"] != SCHEMA:
+        raise ModelError(f"schema is {content['schema']!r}; this version reads schema {SCHEMA}")
     _only(content, {"schema", "name", "source", "dispersion", "shares", "positions", "effects", "notes"}, "a model")
     shares = content.get("shares", [1.0])
     if not isinstance(shares, list) or not all(_is_number(share) for share in shares):

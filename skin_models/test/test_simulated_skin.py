@@ -16,6 +16,7 @@ from skin_models.errors import ModelError
 from skin_models.layout import grid, row
 from skin_models.materials import material
 from skin_models.model import Model
+from skin_models.model_file import load_model
 from skin_models.signals import motion
 from skin_models.simulated_skin import MEMORY, Presses, SimulatedSkin, spread_width
 
@@ -180,6 +181,13 @@ def test_width_comes_from_the_models_notes():
     assert spread_width(SILICONE.notes) == 5.25e-3 and spread_width({}) == 5.25e-3
     with pytest.raises(ModelError, match="spread_width"):
         spread_width({"spread_width": {"value": 5.25, "unit": "mm"}})
+
+
+def test_the_model_file_of_the_readme_loads(tmp_path):
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    (tmp_path / "model.yaml").write_text(text.split("```yaml")[1].split("```")[0], encoding="utf-8")
+    model = load_model(tmp_path / "model.yaml")
+    assert model.dispersion == SILICONE.dispersion and model.shares == (1.0, 0.4) and [e.cause for e in model.effects] == ["lag"]
 
 
 def test_the_example_of_the_readme_runs():

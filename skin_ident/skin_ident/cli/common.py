@@ -3,12 +3,15 @@
 import argparse
 import json
 import os
+import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from skin_ident.recordings.bag import by_role
 from skin_ident.recordings.errors import RecordingError
 from skin_models.errors import SkinError
 from skin_models.whole_file import whole_file
@@ -16,18 +19,23 @@ from skin_models.whole_file import whole_file
 UNUSABLE = 2
 INTERRUPTED = 130
 
+_given: dict[Path, bool] = {}  # folders to write into, and those around them, outermost first; whether this command made them
+
 
 def run(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> int:
     """Call `main`; a `SkinError`, or what the system refuses, becomes one line on stderr and status 2, Ctrl-C status 130."""
+    _given.clear()
     try:
         status = main(arguments)
         sys.stdout.flush()  # here, where a full disk can still be told of
         return status
     except SkinError as error:
+        _without_empty_folders()
         print(f"error: {error}", file=sys.stderr)
         return UNUSABLE
     except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
+        left = _without_empty_folders()
+        print(f"interrupted; {f'what was written until then is in {left[-1]}' if left else 'nothing was written'}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output went away, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -53,7 +61,7 @@ def add_recordings(parser: argparse.ArgumentParser) -> None:
 
 
 def topics_of(pairs: Sequence[str]) -> dict[str, str]:
-    """`["force=/ft"]` as a mapping. Raises `RecordingError`."""
+    """`["force=/ft"]` as a mapping. Raises `RecordingError`, also for a role that no recording has."""
     broken = [pair for pair in pairs if not all(pair.partition("="))]
     if broken:
         raise RecordingError(f"--topics takes pairs such as force=/ft, not {broken[0]!r}")
@@ -61,7 +69,9 @@ def topics_of(pairs: Sequence[str]) -> dict[str, str]:
     twice = [role for role in roles if roles.count(role) > 1]
     if twice:
         raise RecordingError(f"--topics names {twice[0]} twice")
-    return dict(pair.split("=", 1) for pair in pairs)
+    topics = dict(pair.split("=", 1) for pair in pairs)
+    by_role(topics)  # here, for tables do not ask
+    return topics
 
 
 def check_output(path: str) -> None:
@@ -83,11 +93,34 @@ def output_folder(path: str) -> Path:
     """The folder to write into, made if it is missing. Raises `RecordingError` where that is not possible."""
     check_output(path)
     folder = Path(path)
+    missing = [p for p in reversed(folder.absolute().parents) if not p.exists()]
+    _given.update(dict.fromkeys(missing, True) | {folder.absolute(): not folder.exists()})
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RecordingError(f"cannot write into {path}: {error.strerror}") from error
     return folder
+
+
+@contextmanager
+def whole_folder(path: str) -> Iterator[Path]:
+    """As `output_folder`; where writing fails or is stopped, a folder that was made for it goes again, with all that is in it."""
+    new = not Path(path).exists()
+    folder = output_folder(path)
+    try:
+        yield folder
+    except BaseException:
+        if new:
+            shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _without_empty_folders() -> list[Path]:
+    """Remove the folders that this command made and put nothing into; what is left of all it was given to write into, outermost first."""
+    for folder in reversed([folder for folder, new in _given.items() if new]):
+        with suppress(OSError):  # something is in it
+            folder.rmdir()
+    return [folder for folder in _given if folder.exists()]
 
 
 def check_seed(seed: int, most: int | None = None) -> None:

@@ -38,17 +38,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
     topics = common.topics_of(chosen.topics)
+    common.check_output(chosen.out)
     model = load_model(chosen.model) if chosen.model else None
     say = progress_line()
     say("reading recordings")
     files, kept = apart(chosen.recordings, chosen.hold_out)
     recordings, held, twins = (_loaded(paths, topics, chosen.taxels) for paths in (files, kept, [(p, "") for p in chosen.twin]))
-    folder = common.output_folder(chosen.out)
     outcome = diagnose(recordings, held, model, say, twins)
     if chosen.taxels:
         outcome.findings["taxels"] = {f"taxel_{i}": name for i, name in enumerate(recordings[0].taxel_names)}
     say("writing the report")
-    write(outcome, folder)
+    with common.whole_folder(chosen.out) as folder:
+        write(outcome, folder)
     print(summary(outcome.findings))
     print(f"\nreport: {folder / 'report.html'}")
     return 0

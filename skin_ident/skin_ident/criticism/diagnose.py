@@ -47,7 +47,7 @@ from skin_ident.criticism.telling.judging import judge
 from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import believed, tell
-from skin_ident.criticism.usable import belong_together, doubted, named_apart, something_moves
+from skin_ident.criticism.usable import belong_together, doubted, in_sound_units, named_apart, something_moves
 from skin_ident.criticism.vocabulary import verdict_of
 from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.choose import separating_experiments
@@ -83,6 +83,7 @@ def diagnose(
     belong_together(every, model)
     something_moves(every[: len(recordings)])
     every, odd = put_right([doubted(r) for r in every])
+    every = in_sound_units(every, model, twins)
     layout = layout_of(every, model)
     every, exchanged = columns_put_right(every, layout)
     odd, every = (*odd, *exchanged), with_spread(every, layout)

@@ -10,7 +10,10 @@ import numpy as np
 
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.sessions.band import Band
+from skin_ident.criticism.telemetry.more_than_applied import in_newtons
 from skin_ident.criticism.telemetry.still import is_still
+from skin_ident.quality import FAR_TOO_MUCH, HARD, SOFT, far_too_little, impossible
+from skin_ident.recordings.assemble import slow
 from skin_models.model import Model
 
 IN_CONTACT = 0.05  # of the samples, at least
@@ -39,11 +42,30 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")
     slowest = max(r.dt for r in recordings)
     for r in recordings:
+        _counts_seconds(r)
         _says_what_is_what(r)
         _has_both_sides(r)
         _is_long_enough(r, slowest)
         _touches(r)
         _has_its_zero_at_the_surface(r)
+
+
+def in_sound_units(recordings: list, model: Model | None = None, twins: list | None = None) -> list:
+    """The recordings, with a warning where all taxels feel next to nothing. Raise `DiagnosisError` for sizes that only a wrong unit gives.
+
+    Taxels in counts have no unit to be wrong. Where the given model, or a twin, is of such a size itself, somebody knows better.
+    """
+    known = (model is not None and _is_of_no_skin(model)) or any(impossible(twin) for twin in twins or ())
+    asked = [i for i in range(len(recordings[0].taxels)) if in_newtons(recordings, i)]
+    for r in () if known else recordings:
+        if said := impossible(r, asked):
+            raise DiagnosisError(f"{r.name}: {said}")
+    return [r.warned(said) if (said := far_too_little(r, asked)) else r for r in recordings]
+
+
+def _is_of_no_skin(model: Model) -> bool:
+    whole = model.dispersion.k1 + model.dispersion.k2
+    return not SOFT <= whole <= HARD or model.dispersion.k1 * max(model.shares, default=0.0) > FAR_TOO_MUCH * whole
 
 
 def enough_is_compared(train: list, held: list) -> None:
@@ -69,6 +91,11 @@ def something_moves(recordings: list) -> None:
         raise DiagnosisError(f"no taxel answers the depth {where}, and there is no load cell: check wiring and channels, and record again")
     if what == "depth" and recordings[0].force is not None and all(is_still(r.force) for r in recordings):
         raise DiagnosisError(f"the force does not answer the depth {where}: mend the load cell, or leave its column out")
+
+
+def _counts_seconds(r) -> None:
+    if doubt := slow(r):
+        raise DiagnosisError(f"{r.name}: {doubt} If it is not, declare sample_rate_hz in rig.yaml")
 
 
 def _says_what_is_what(r) -> None:

@@ -1,6 +1,5 @@
 """Which effect to hide: the cause, its place and its form, drawn by a seed where they are left open."""
 
-
 import numpy as np
 
 from skin_ident.criticism.search.proposals import places_of
@@ -9,11 +8,12 @@ from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.hiding.errors import HidingError
 from skin_models.catalogue import effects
 from skin_models.effect import Effect
-from skin_models.parameter import AMPLITUDE, parameters_of
+from skin_models.parameter import AMPLITUDE, Parameter, parameters_of
 
 ANYTHING = "any"
 APART = {"time_shift": ("delay", "skew")}  # amplitudes of which only one is hidden at a time
 ARRAY = ("crosstalk",)  # causes that one taxel cannot show
+POSSIBLE = {("crosstalk", "share"): (0.0, 0.5)}  # where a fit may look beyond: what leaks adds, and the larger part stays where it is
 KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that stay at their typical value
 
 
@@ -65,12 +65,15 @@ def _drawn(cls: type[Effect], place: str, session: Session, rng: np.random.Gener
 
 
 def scaled(effect: Effect, times: float) -> Effect:
-    """The effect with its amplitudes multiplied, as far as their bounds allow."""
+    """The effect with its amplitudes multiplied, as far as their bounds, and what is possible, allow."""
     free = [p for p in parameters_of(effect) if p.role == AMPLITUDE and p.name not in KEPT.get(effect.cause, ())]
-    return effect.with_values(**{p.name: float(np.clip(times * p.value, p.lower, p.upper)) for p in free})
+    return effect.with_values(**{p.name: float(np.clip(times * p.value, *_limits(effect, p))) for p in free})
 
 
 def _either_sign(effect: Effect) -> bool:
-    return all(p.lower < 0.0 for p in parameters_of(effect) if p.role == AMPLITUDE)
+    return all(_limits(effect, p)[0] < 0.0 for p in parameters_of(effect) if p.role == AMPLITUDE)
 
 
+def _limits(effect: Effect, p: Parameter) -> tuple[float, float]:
+    """Between which a parameter is hidden."""
+    return POSSIBLE.get((effect.cause, p.name), (p.lower, p.upper))

@@ -78,7 +78,8 @@ def hide(
         if found is not None:
             pairs = zip(on.recordings, on.sessions, strict=True)
             return [applied(found.effect, r, s, on.model, seed + i) for i, (r, s) in enumerate(pairs)], found
-    raise HidingError(f"{cause} in {where} cannot be made {size:g} times as large as the noise of these recordings")
+    what = "none of the causes drawn can" if cause == ANYTHING else f"{cause}{'' if where == ANYTHING else f' in {where}'} cannot"
+    raise HidingError(f"{what} be made {size:g} times as large as the noise of these recordings, within what is physically possible")
 
 
 def _sized(effect: Effect, size: float, seed: int, on: Ground) -> Hidden | None:

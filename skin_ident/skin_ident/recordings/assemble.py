@@ -134,14 +134,21 @@ def _plausible(r: Recording) -> Recording:
     """Refuse sizes that only a wrong unit can give; turn round a force whose compression was counted negative, and say so."""
     if r.depth is not None:
         check_span(r.name, np.ptp(r.depth))
-    if r.dt > SLOWEST and r.t[-1] - r.t[0] > LONGEST:
-        r = r.warned(f"one sample in {r.dt:.3g} s for {r.t[-1] - r.t[0]:.3g} s: is the time in milliseconds?")
+    if doubt := slow(r):
+        r = r.warned(doubt)
     if r.depth is not None and r.depth.max() <= 0.0 and r.force is not None:
         r = r.warned("the plunger never goes below the surface (depth > 0): a dispersion model has nothing to be fitted to")
     for names, rows in ((("force",), r.force), (r.taxel_names, r.taxels)):
         if rows is not None and rows.size:
             r = _sized(r, names, *extremes(np.atleast_2d(rows)))
     return _turned(r)
+
+
+def slow(r: Recording) -> str:
+    """The question whether milliseconds are taken for seconds; empty where they seem not to be, or `rig.yaml` declares the rate."""
+    if r.dt <= SLOWEST or r.t[-1] - r.t[0] <= LONGEST or r.declared.sample_rate_hz is not None:
+        return ""
+    return f"one sample in {r.dt:.3g} s for {r.t[-1] - r.t[0]:.3g} s: is the time in milliseconds?"
 
 
 def _sized(r: Recording, names: Sequence[str], low: np.ndarray, high: np.ndarray) -> Recording:

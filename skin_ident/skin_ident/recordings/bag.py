@@ -40,7 +40,9 @@ def read_bag(
     Raises `RecordingError`.
     """
     with Storage(path) as bag:
-        wishes = _wishes(topics or {})
+        wishes = by_role(topics or {})
+        if bag.cut_off and not bag.topics:
+            raise RecordingError(f"{path.name} is damaged, or cut off before its first topic: no message can be read from it; record again")
         chosen, empty = choose(path.name, bag.topics, wishes)
         if not wishes:
             _as_meant(path.name, chosen, empty, bag.cut_off)
@@ -73,7 +75,8 @@ def _read(bag: Storage, chosen: Chosen, log_time: bool) -> tuple[dict[str, Decod
     return found, names, positions, warnings + [w for d in found.values() for w in d.warnings]
 
 
-def _wishes(topics: Mapping[str, str]) -> dict[str, str]:
+def by_role(topics: Mapping[str, str]) -> dict[str, str]:
+    """Names of topics by force, encoder and taxels, of which some have other names, too. Raises `RecordingError` for any other."""
     unknown = [role for role in topics if role not in ALIASES]
     if unknown:
         raise RecordingError(f"--topics knows force, encoder and taxels, not {unknown[0]!r}")

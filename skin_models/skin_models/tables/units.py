@@ -30,8 +30,7 @@ class Column:
 
 def column(header: str) -> Column:
     """What a header says. Raises `TableError` where the unit is missing or not one of that quantity."""
-    text = header.strip().strip('"').lower().replace("μ", "µ")
-    name, unit = _split(text)
+    name, unit = _split(_plain(header))
     kind = _kind(name)
     if unit in VOLTAGE and kind in ("force", "taxel"):
         return Column(kind, name, "V", VOLTAGE[unit])
@@ -42,6 +41,15 @@ def column(header: str) -> Column:
         what = f"has no unit: write it into the header, as in {name}_{_example(kind)}" if not unit else f"is in {unit!r}"
         raise TableError(f"column {header.strip()!r} {what}; known for {kind} are {', '.join(UNITS[kind])}")
     return Column(kind, name, {"time": "s", "depth": "m"}.get(kind, "N"), UNITS[kind][unit])
+
+
+def kind_of(header: str) -> str:
+    """What a header is of (time, depth, force, taxel) by its name alone, whatever its unit; all that is none of the others is a taxel."""
+    return _kind(_split(_plain(header))[0])
+
+
+def _plain(header: str) -> str:
+    return header.strip().strip('"').lower().replace("μ", "µ")
 
 
 def _split(text: str) -> tuple[str, str]:

@@ -32,6 +32,8 @@ def sharpest(carrier: np.ndarray, r: np.ndarray, s: Session, noise: Whitener, mo
 def _energy(carrier: np.ndarray, s: Session, noise: Whitener) -> np.ndarray:
     order = noise.order
     whole = _from_here_on(np.sum(noise.apply(carrier, s) ** 2, axis=0))
+    if not order:  # no filter, and so no start of one
+        return np.maximum(whole, 1e-12 * (1.0 + whole[0]))
     settled = np.append(whole[order:], np.zeros(order))
     alike = np.ones(order)
     begun = np.array([noise.innovation(alike, alike > 0.0, c) for c in range(len(carrier))])  # what becomes of a step, sample by sample

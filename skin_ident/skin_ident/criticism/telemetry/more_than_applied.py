@@ -45,12 +45,13 @@ def find_more_than_applied(recordings: list, known: tuple[str, ...] = ()) -> lis
     first = recordings[0]
     if first.force is None or "force" in known:
         return []
-    asked = [i for i in range(len(first.taxels)) if f"taxel_{i}" not in known and _in_newtons(recordings, i)]
+    asked = [i for i in range(len(first.taxels)) if f"taxel_{i}" not in known and in_newtons(recordings, i)]
     found = [(worst.value, i, worst) for i in asked if (worst := _worst([(r, _ratio(r, i)) for r in recordings]))]
     return [_symptom(recordings, *max(found)[1:])] if found else []
 
 
-def _in_newtons(recordings: list, i: int) -> bool:
+def in_newtons(recordings: list, i: int) -> bool:
+    """Whether a taxel's numbers are newtons as far as one can see: neither volts nor counts."""
     seen = (step_of(r.taxels[i]) for r in recordings)
     step = declared_step(recordings[0], f"taxel_{i}") or next(filter(None, seen), 0.0)
     counts = step >= 1.0 and abs(step / round(step) - 1.0) < WHOLE

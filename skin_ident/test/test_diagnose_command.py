@@ -1,0 +1,89 @@
+"""`diagnose` as a user meets it: what cannot be right is asked about in one sentence, and who interrupts it finds nothing left behind."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from making import recording, write_bag, write_table
+
+from skin_ident.cli import diagnose
+from skin_models.materials import material
+from skin_models.model_file import save_model
+
+R = recording(n=1500, shares=(1.0, 0.4))
+SCAN = "depth_mm,a_n,b_mm\n0.1,0.6,12\n0.2,1.5,12\n"
+
+
+@pytest.fixture
+def command(capsys, tmp_path):
+    """Run the command into tmp_path/out; status and what it said."""
+
+    def run(*arguments, out=tmp_path / "out"):
+        status = diagnose.main([*(str(a) for a in arguments), "--out", str(out)])
+        return SimpleNamespace(status=status, said=capsys.readouterr().err.splitlines()[-1])
+
+    return run
+
+
+def written(path, content):
+    path.write_bytes(content)
+    return path
+
+
+BAD = {
+    "milliseconds as seconds": (lambda d: [write_table(d / "a.csv", replace(R, t=1e3 * R.t))], "is the time in milliseconds?"),
+    "metres as millimetres": (lambda d: [write_table(d / "a.csv", replace(R, depth=1e-3 * R.depth))], "check the units of depth and force"),
+    "newtons as millinewtons": (lambda d: [write_table(d / "a.csv", replace(R, force=1e-3 * R.force))], "is the force in N, not in mN?"),
+    "a role that nothing has": (lambda d: [write_table(d / "a.csv", R), "--topics", "foo=/bar"], "not 'foo'"),
+    "the same of a bag": (lambda d: [write_bag(d / "a", R), "--topics", "foo=/bar"], "not 'foo'"),
+    "zeros as a bag": (lambda d: [written(d / "a.mcap", b"\x89MCAP0\r\n" + bytes(5000))], "a.mcap is damaged"),
+    "a table of something else": (lambda d: [written(d / "a.csv", SCAN.encode())], "static spread scan"),
+    "a file as folder": (lambda d: [write_table(d / "a.csv", R), "--model", written(d / "m.yaml", b"k1: 3\n")], "does not say schema: 1"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_cannot_be_right_is_one_sentence(command, tmp_path, case):
+    arguments, sentence = BAD[case]
+    done = command(*arguments(tmp_path))
+    assert done.status == 2 and done.said.startswith("error: ") and sentence in done.said
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_misread_header_is_told_of_scans_only_where_it_may_be_one(command, tmp_path):
+    lost = written(tmp_path / "a.csv", b"t_s,depth_mm,b_mm\n0,1,2\n1,1,2\n")
+    assert "scan" not in command(lost).said and "'b_mm' is not known" in command(lost).said
+
+
+@pytest.mark.parametrize("where", ["diagnose", "write"])
+def test_an_interrupted_diagnosis_leaves_nothing(command, tmp_path, monkeypatch, where):
+    """Neither before the answer is there nor while it is written; folders that were there before stay, with what is in them."""
+
+    def interrupted(*given):
+        if where == "write":
+            (given[1] / "report.html").write_text("half of it")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(diagnose, "diagnose", lambda *given: SimpleNamespace(findings={}))
+    monkeypatch.setattr(diagnose, where, interrupted)
+    table, own = write_table(tmp_path / "a.csv", R), tmp_path / "own"
+    own.mkdir()
+    done = command(table, out=own / "deeper" / "still")
+    assert done.status == 130 and done.said.endswith("interrupted; nothing was written") and list(own.iterdir()) == []
+    (own / "kept.txt").write_text("mine")
+    assert command(table, out=own).status == 130 and (own / "kept.txt").read_text() == "mine"
+
+
+def test_a_model_of_another_kind_of_skin_is_no_wrong_unit(command, tmp_path, monkeypatch):
+    """Who gives a model as stiff as that knows more than the usual bounds."""
+    skin = material("silicone_4mm").model
+    stiff = replace(skin, dispersion=replace(skin.dispersion, k1=1e3 * skin.dispersion.k1), shares=(1.0, 0.4))
+    save_model(stiff, tmp_path / "stiff.yaml")
+    table = write_table(tmp_path / "a.csv", replace(R, force=1e3 * R.force, taxels=1e3 * R.taxels, name="a"))
+    assert "check the units" in command(table).said
+
+    def far_enough(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("skin_ident.criticism.diagnose.layout_of", far_enough)
+    assert command(table, "--model", tmp_path / "stiff.yaml").status == 130
