@@ -14,13 +14,15 @@ from skin_ident.criticism.many import renamed
 from skin_ident.criticism.search.growing import grow
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
-from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.search.rivals import REACH, Rival
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
 from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.candidates import candidates
-from skin_ident.separating.choose import Experiment, separating_experiment
+from skin_ident.separating.choose import Experiment, as_criticised, separating_experiment
+from skin_ident.separating.contest import Contest
+from skin_ident.separating.unrecorded import holds, unrecorded
 from skin_models.catalogue import effect_class
 from skin_models.materials import material
 from skin_models.model import Model
@@ -131,3 +133,28 @@ def test_what_an_experiment_decides_is_said_in_words_and_its_numbers_are_for_pro
     unsure = replace(found, together=(("lag", "time shift"),), unasked=()).sentence("a.yaml")
     assert "does most to tell lag from time shift, though it may leave lag with time shift" in unsure
     assert renamed(found.sentence("a.yaml"), [4, 7]).endswith("drift in taxel 7")
+
+
+def test_a_motion_that_was_recorded_is_not_proposed_again():
+    every = {k.name: k for k in candidates(1e-3, 0.01)}
+    (stair, *_), (ramps, *_) = ([k for name, k in every.items() if begins in name] for begins in ("triangles to 1 mm at 3", "random ramps"))
+    model = material("silicone_4mm").model
+    sessions = [prepare(SimulatedRig().record(model, entry_from_text(k.text), i)) for i, k in enumerate((stair, ramps))]
+    left = {k.name: k for k in unrecorded(1e-3, 0.01, sessions)}
+    assert set(every) - set(left) == {stair.name}
+    assert [name for name, k in left.items() if k.text != every[name].text] == [ramps.name] and "seed: 1" in left[ramps.name].text
+    assert not holds(sessions[0].motion, ramps.motion) and holds(sessions[1].motion, ramps.motion)
+
+
+def test_what_the_criticism_left_together_is_not_counted_as_told_apart():
+    gain = Gain("force", ("force",), 1.0, 1.0, (0.0, 0.0), 0.0, 0.0, "")
+    model = material("silicone_4mm").model
+    named = Named("lag", "load_cell", gain, 1000.0, (Rival("stress_relaxation", "skin", 20.0, model),), model, model)
+    seen = as_criticised(Contest(np.array([[0.0, 7e4], [6e4, 0.0]]), np.array([5e4, 4e4])), named)
+    assert np.allclose(seen.distance, [[0.0, 1e3], [8e2, 0.0]]) and seen.margin(100.0, REACH)[0, 1] < 1.0
+
+
+def test_where_no_motion_helps_none_is_proposed():
+    none = Experiment("", "", 0.0, 2.0, 1.0, ("lag", "time shift"), (("lag", "time shift"),), apart=False)
+    assert none.sentence("") == "no motion that was tried in simulation tells them apart clearly better than what was recorded"
+    assert "another skin" in replace(none, apart=True).sentence("")

@@ -1,8 +1,12 @@
 """Experiment and criticism by turns: one name is left in the end, and the rig's time is counted."""
 
 import json
+from types import SimpleNamespace
+
+import numpy as np
 
 from skin_ident.cli.identify import main
+from skin_ident.separating import loop
 
 TRIANGLES = (
     "{type: battery, profiles: [{type: free_air, duration_s: 1}, "
@@ -19,6 +23,14 @@ def test_goes_on_until_one_name_is_left(tmp_path, capsys):
     assert all(len(names) == 1 for names in told["course"][-1]["left"])
     for name in ("findings.json", "model.yaml", "report.html", "specimen.yaml", "recordings/session_1.csv"):
         assert (tmp_path / name).exists(), name
+
+
+def test_no_battery_is_recorded_twice_and_the_rich_one_stands_in(monkeypatch):
+    finding = {"cause": "lag", "where": "skin", "alternatives": [{"cause": "drift", "where": "skin"}]}
+    same = SimpleNamespace(findings={"findings": [finding], "verdict": "explained"}, batteries={"separating.yaml": "again"})
+    monkeypatch.setattr(loop, "diagnose", lambda *arguments: same)
+    course = loop.until_named(lambda battery, name: SimpleNamespace(t=np.arange(3.0)), "first", "rich", 100.0)
+    assert [s.battery for s in course.steps] == ["first", "again", "rich"] and course.seconds == 12.0
 
 
 def test_bad_calls(tmp_path, capsys):

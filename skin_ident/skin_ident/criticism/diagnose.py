@@ -134,7 +134,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     rest = systematic_rest(c.last, list(c.train), list(c.held), step)
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = verdict_of(bool(c.named or symptoms), rest.is_systematic(explained))
-    experiments = separating_experiments(c, train, progress)
+    experiments = separating_experiments(c, progress)
     progress("judging what it is worth")
     whole = _split(looked.whole, training)
     judged = judge(c, symptoms, whole, model, mass)
@@ -244,7 +244,7 @@ def _trace(c: Criticism, shown: Model, s: Session, own: Session, held: bool) -> 
 
 
 def _batteries(experiments: Experiments) -> Iterator[tuple[str, str]]:
-    yield from ((file, e.text) for file, e in experiments.values())
+    yield from ((file, e.text) for file, e in experiments.values() if file)
 
 
 def _rounds(c: Criticism) -> tuple[Round, ...]:

@@ -12,6 +12,8 @@ from skin_ident.report.view import View
 from skin_ident.report.words import capital, effect_words, meaning, sentence
 
 MOST_ROWS = 15  # of a table, before it is folded
+GIVEN = {False: "that was given", True: "that was recorded as a twin"}  # by whether it is one
+GIVEN_NUMBERS = {False: "were given", True: "are those of the recorded twin, as a model of it has them"}
 
 
 def parameters(v: View) -> Safe | None:
@@ -22,7 +24,13 @@ def parameters(v: View) -> Safe | None:
         "When an effect is missing, the fit bends the other parameters to make up for it. Those that moved by more than three "
         "standard errors (and 5 %) are where it was hiding: their old values were wrong."
     )
-    if [(a.name, a.value) for a in v.before] == [(a.name, a.value) for a in v.after]:
+    if v.given:
+        note = (
+            f"The first numbers {GIVEN_NUMBERS[v.is_twin]}; nobody fitted them to these data, so they have no standard error. After are "
+            "those that these data ask for, or the same where they ask for no other. Those that differ by more than three standard errors "
+            "(and 5 %) are marked."
+        )
+    elif [(a.name, a.value) for a in v.before] == [(a.name, a.value) for a in v.after]:
         note = "Nothing was added to the model, so its parameters stay as they were."
     held = [el("p", sentence(said), class_="note") for said in held_at(v)]
     return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v), held)
@@ -145,10 +153,17 @@ def _facts(r: dict) -> Iterator[str]:
     yield from (f"{spoken(k)} {text(x)}" for k, x in r.items() if k not in known and x not in (None, "", [], {}))
 
 
-def reading(folder: str) -> Safe:
+def _before_after(v: View) -> str:
+    """What the two simulations are that are compared."""
+    if v.given:
+        return f"before: the simulation {GIVEN[v.is_twin]}, not fitted to these data; after: with what is named here, fitted to them"
+    return "the simulation without and with the causes named here, both fitted to the same data"
+
+
+def reading(v: View, folder: str) -> Safe:
     """A glossary, and where the other files are: beside the page, or what belongs to the diagnosis in its `folder`."""
     words = (
-        ("before, after", "the simulation without and with the causes named here, both fitted to the same data"),
+        ("before, after", _before_after(v)),
         ("measured − simulated", "what the simulation misses; zero is perfect"),
         ("typical error", "root mean square of measured − simulated"),
         ("data not used for fitting", "a session kept aside: a model that merely memorised the other sessions would fail on it"),

@@ -5,6 +5,7 @@ from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.gains import fall
 from skin_ident.report.markup import Safe, el, table
 from skin_ident.report.numbers import UNKNOWN, amount, percent, plain, span
+from skin_ident.report.sizes import as_given, moved, step
 from skin_ident.report.story import explaining, named_cause
 from skin_ident.report.view import Amount, ChannelError, View
 from skin_ident.report.words import capital, channel
@@ -68,27 +69,29 @@ def ranking(round_: Round, number: int) -> Safe:
 
 
 def parameter_table(v: View) -> Safe:
-    """The model's parameters before and after; a change beyond three standard errors and 5 % is marked as where the error was hiding."""
+    """The model's parameters before and after; a change beyond three standard errors and 5 % is marked as where the error was hiding, or,
+    of numbers that were given, as another one."""
     before, after = {a.name: a for a in v.before}, {a.name: a for a in v.after}
-    rows = [_parameter_row(before.get(name), after.get(name)) for name in dict.fromkeys([*before, *after])]
-    return table(["parameter", "name", "before", "after", "change", ""], rows, numeric=(2, 3, 4), class_="params")
+    rows = [_parameter_row(before.get(name), after.get(name), v) for name in dict.fromkeys([*before, *after])]
+    head = ["parameter", "name", v.begun, "after", "change", ""]
+    return table(head, rows, numeric=(2, 3, 4), class_="params")
 
 
-def _parameter_row(before: Amount | None, after: Amount | None) -> list:
+def _parameter_row(before: Amount | None, after: Amount | None, v: View) -> list:
     known = before or after
     like = [a.value for a in (before, after) if a]
-    cells = [amount(a.value, a.unit, a.std, like=like) if a else UNKNOWN for a in (before, after)]
+    cells = [_number(a, like, v.given and before is not None) if a else UNKNOWN for a in (before, after)]
     if not before:
         return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, "new", el("b", "added", class_="tag new")]
-    change, moved = _moved(before, after)
-    tag = el("b", "was hiding the missing effect", class_="tag hid") if moved else None
+    change, has_moved = _change(before, after), moved(before, after)
+    tag = el("b", f"not {v.begun}" if v.given else "was hiding the missing effect", class_="tag hid") if has_moved else None
     return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, change, tag]
 
 
-def _moved(before: Amount, after: Amount | None) -> tuple[str, bool]:
-    if after is None or before.value is None or after.value is None or before.value == 0.0:
-        return UNKNOWN, False
-    step = after.value - before.value
-    spread = ((before.std or 0.0) ** 2 + (after.std or 0.0) ** 2) ** 0.5
-    share = step / abs(before.value)
-    return ("+" if share >= 5e-4 else "") + percent(share), abs(share) > 0.05 and abs(step) > 3.0 * spread
+def _number(a: Amount, like: list, given: bool) -> str:
+    return as_given(a, like) if given and a.std is None else amount(a.value, a.unit, a.std, like=like)
+
+
+def _change(before: Amount, after: Amount | None) -> str:
+    share = step(before, after)
+    return UNKNOWN if share is None else ("+" if share >= 5e-4 else "") + percent(share)

@@ -14,6 +14,8 @@ from skin_ident.report.view import View, unit_of
 from skin_ident.report.words import channel
 from skin_ident.stretches import runs
 
+CUT = 0.1  # of an axis, from which it is said that something goes beyond it
+
 
 def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], ...]:
     """(kind, name, curves) of each simulation to draw: one where the extended model is the baseline."""
@@ -45,7 +47,9 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
     below = [Line(*thinned(t, small * r, buckets), kind, name) for kind, name, r in left]
     y_top = axis([line.y for line in top], f"{channel(trace.channels[row])}, {printed}")
     judged = trace.compared[cut]
-    y_below = axis([small * r[judged] for _, _, r in left], f"measured − simulated{below_band(v)}, {small_printed}", zero=True)
+    cut_at = " (axis cut)" if cut_off(trace, row, v, cut) else ""
+    label = f"measured − simulated{below_band(v)}, {small_printed}{cut_at}"
+    y_below = axis([small * r[judged] for _, _, r in left], label, zero=True)
     grey = _not_compared(t, judged)
     return el(
         "div",
@@ -53,6 +57,17 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
         plot([*grey(y_below), *below], x, y_below, "low"),
         class_="pair",
     )
+
+
+def cut_off(trace: Trace, row: int, v: View, cut: slice) -> bool:
+    """Whether what is left leaves the lower picture, whose axis holds what was compared."""
+    left = np.stack([smooth(trace.t, trace.measured[row] - curves[row], v.band_hz)[cut] for _, _, curves in simulations(trace)])
+    inside = left[:, trace.compared[cut]]
+    if not np.isfinite(inside).any():
+        return False
+    low, high = min(0.0, float(np.nanmin(inside))), max(0.0, float(np.nanmax(inside)))
+    beyond = max(float(np.nanmax(left)) - high, low - float(np.nanmin(left)))
+    return beyond > CUT * (high - low)
 
 
 def _not_compared(t: np.ndarray, judged: np.ndarray) -> Callable[[Axis], list[Line]]:

@@ -7,7 +7,7 @@ from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.bars import ranking
 from skin_ident.report.markup import Safe, el, join, section
 from skin_ident.report.numbers import amount, percent, span
-from skin_ident.report.story import amounts_line
+from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
 from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, meaning, sentence, signal
@@ -17,7 +17,7 @@ UNTOLD = ("why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "s
 
 def evidence(outcome: Outcome, v: View) -> Safe | None:
     """Each finding on a card, then the ranking of every round."""
-    cards = [_card(f, i + 1) for i, f in enumerate(v.findings)]
+    cards = [_card(f, v, i + 1) for i, f in enumerate(v.findings)]
     rounds = [ranking(r, i + 1) for i, r in enumerate(outcome.rounds)]
     if not cards and not rounds:
         return None
@@ -29,11 +29,11 @@ def evidence(outcome: Outcome, v: View) -> Safe | None:
     return section("evidence", "The evidence", el("div", cards, class_="cards"), ranks)
 
 
-def _card(f: Finding, number: int) -> Safe:
+def _card(f: Finding, v: View, number: int) -> Safe:
     rows = [
         ("What it means", sentence(meaning(f.cause))),
         ("Seen in", ", ".join(channel(c) for c in f.channels)),
-        ("Size", [el("div", line) for line in amounts_line(f.amounts, 12).split("; ") if line]),
+        ("Size", [el("div", line) for line in sizes(f, v, 12)]),
         ("Why", sentence(f.why)),
         *_gain_rows(f),
         ("Had been hiding in", [el("div", _bent(*pair)) for pair in f.hid_in]),

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 from skin_ident.criticism.above import NEAR
+from skin_ident.criticism.vocabulary import spoken
 from skin_ident.report.counsel import PARTLY, TESTED, UNEXPLAINED
 from skin_ident.report.numbers import amount, percent, span
 from skin_ident.report.view import IN_TURN, ChannelError, View
-from skin_ident.report.words import signal
+from skin_ident.report.words import capital, signal
 
 ALIKE = 1.02  # times the floor: the same number to a reader
 LEAST = 0.05  # relative fall of a channel's error that is worth saying
@@ -73,10 +74,12 @@ def _floor(e: ChannelError) -> str:
 def _gain(e: ChannelError, v: View) -> Figure:
     before, after = pair = _tested_pair(e, v)
     share = 1.0 - after / before
-    caption = f"{'less' if share >= 0 else 'more'} error in the {signal(e.channel)}, on {TESTED[v.tested]}"
+    together = "" if len(v.findings) == 1 else " with everything named here together"
+    caption = f"{'less' if share >= 0 else 'more'} error in the {signal(e.channel)}{together}, on {TESTED[v.tested]}"
     said = [
         f"Typical error: {amount(before, e.unit, like=pair)} before, {amount(after, e.unit, like=pair)} after.",
         _interval(v, e),
+        _where_it_lies(e, v),
         _bound(e, after, v),
     ]
     return Figure(percent(abs(share)), caption, tuple(s for s in said if s))
@@ -96,6 +99,15 @@ def _interval(v: View, e: ChannelError) -> str:
         return ""
     step = "The fall is" if len(v.judged) == 1 else "The first cause alone is worth"
     return f"{step} {span(gains[0].low, gains[0].high, gains[0].unit)} with 95 % confidence."
+
+
+def _where_it_lies(e: ChannelError, v: View) -> str:
+    """The gain in the taxel in which the first finding lies, where the number that stands out is of another channel."""
+    own = next((o for o in v.errors if v.findings and o.channel == v.findings[0].where), None)
+    if own is None or own.channel == e.channel or own.channel in v.silent or None in own.pair or not own.pair[0]:
+        return ""
+    both = " before, ".join(amount(x, own.unit, like=own.pair) for x in own.pair)
+    return f"{capital(spoken(own.channel))}, in which the first of them lies: {both} after."
 
 
 def _bound(e: ChannelError, after: float, v: View) -> str:

@@ -68,11 +68,11 @@ def _parameters(v: View) -> list[str]:
     before, after = {a.name: a for a in v.before}, {a.name: a for a in v.after}
 
     def cell(a: Amount | None) -> str:
-        return amount(a.value, a.unit, a.std) if a else UNKNOWN
+        return amount(a.value, a.unit, a.std, digits=4 if v.given and a.name in before else 3) if a else UNKNOWN
 
     names = dict.fromkeys([*before, *after])
     rows = [[capital((before.get(n) or after[n]).words), f"`{n}`", cell(before.get(n)), cell(after.get(n))] for n in names]
-    table = _rows("Parameters before and after", ["parameter", "name", "before", "after"], rows)
+    table = _rows("Parameters before and after", ["parameter", "name", v.begun, "after"], rows)
     return [*table, *(line for said in held_at(v) for line in ("", sentence(said)))] if table else []
 
 

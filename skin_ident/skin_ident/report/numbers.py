@@ -72,13 +72,13 @@ def scale(values: Any, unit: str) -> tuple[float, str]:
     return next(((factor, name) for least, factor, name in steps if largest >= least), steps[-1][1:])
 
 
-def amount(value: Any, unit: str, std: Any = None, like: Any = None) -> str:
+def amount(value: Any, unit: str, std: Any = None, like: Any = None, digits: int = 3) -> str:
     """`value` (SI, in `unit`) with its unit and, where known, its standard error. `like` are values whose scale it shares."""
     number, spread = finite(value), finite(std)
     if number is None:
         return UNKNOWN
     factor, name = scale(like if like is not None else number, unit)
-    text = _with_spread(number * factor, spread * factor) if spread else plain(number * factor)
+    text = _with_spread(number * factor, spread * factor) if spread else plain(number * factor, digits)
     return f"{text}{_SPACE}{name}" if name else text
 
 

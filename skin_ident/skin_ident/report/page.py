@@ -4,7 +4,7 @@ from importlib.resources import files
 
 from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.report import appendix, sections
-from skin_ident.report.charts import key, overlay, scan_picture
+from skin_ident.report.charts import cut_off, key, overlay, scan_picture
 from skin_ident.report.evidence import evidence
 from skin_ident.report.focus import Focus
 from skin_ident.report.markup import Safe, el
@@ -27,7 +27,7 @@ def page(told: Told) -> str:
         appendix.excluded(v),
         appendix.untestable(v),
         appendix.recordings(v),
-        appendix.reading(told.folder),
+        appendix.reading(v, told.folder),
     ]
     main = el("main", _first_screen(told.story, _picture(outcome, v, seen)), _contents([p for p in parts if p]), [p for p in parts if p])
     head = el(
@@ -92,8 +92,10 @@ def _picture(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     if seen is None:
         return el("div", key(outcome.scans[0]), scan_picture(outcome.scans[0]), class_="picture") if outcome.scans else None
     role = "not used for fitting" if seen.trace.held_out else "used for fitting"
-    caption = f"{seen.words} of {short(seen.trace.session)} ({role}); below, what is left"
-    chart = overlay(seen.trace, seen.row, v, slice(seen.start, seen.stop), 900)
+    cut = slice(seen.start, seen.stop)
+    beyond = "; its axis is cut: samples that were not compared (shaded) go beyond it" if cut_off(seen.trace, seen.row, v, cut) else ""
+    caption = f"{seen.words} of {short(seen.trace.session)} ({role}); below, what is left{beyond}"
+    chart = overlay(seen.trace, seen.row, v, cut, 900)
     return el("div", key(seen.trace), chart, el("p", capital(caption), class_="note"), class_="picture")
 
 

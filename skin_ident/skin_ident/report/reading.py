@@ -26,6 +26,7 @@ _KNOWN = {
     "gain_by_channel",
 }
 IN_TURN = "each session in turn"
+CHANCE = 10.0  # squared whitened units, within which two causes explain as much
 
 
 def view(findings: dict[str, Any]) -> View:
@@ -52,6 +53,7 @@ def view(findings: dict[str, Any]) -> View:
         other={k: v for k, v in findings.items() if k not in _KNOWN},
         held=tuple(_held(str(name), mapping(h)) for name, h in mapping(baseline.get("held")).items()),
         above=above_noise(findings),
+        given=baseline.get("given") is True,
     )
 
 
@@ -132,6 +134,7 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
         text(f.get("battery")),
         text(f.get("advice")) or advice(cause),
+        tuple(_behind(a, mapping(f.get("evidence"))) for a in sequence(f.get("alternatives"))),
     )
 
 
@@ -159,10 +162,21 @@ def _gain(g: dict[str, Any], channels: tuple[str, ...], baseline: dict[str, Any]
 def _alternative(a: Any) -> tuple[str, str, str]:
     if not isinstance(a, dict):
         return text(a), "", ""
-    less = finite(a.get("explains_less_by", a.get("short_by")))
+    less = finite(_short_by(a))
     rest = {k: v for k, v in a.items() if k not in ("cause", "where", "explains_less_by", "short_by")}
     said = [f"explains {plain(less)} less, in units of the noise"] if less is not None else []
     return text(a.get("cause")), text(a.get("where")), "; ".join([*said, *([text(rest)] if rest else [])])
+
+
+def _behind(a: Any, evidence: dict[str, Any]) -> float | None:
+    """By which share of what the named cause explains an alternative explains less; None where that may be chance, or is not known."""
+    less, whole = (finite(x) for x in (_short_by(a), evidence.get("likelihood_gain")))
+    return less / whole if less is not None and whole and less > CHANCE and less < whole else None
+
+
+def _short_by(a: Any) -> Any:
+    entry = mapping(a)
+    return entry.get("explains_less_by", entry.get("short_by"))
 
 
 def _errors(before: dict, after: dict, floor: dict, gains: dict) -> tuple[ChannelError, ...]:

@@ -14,12 +14,12 @@ from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, percent, plain
 from skin_ident.report.reading import LONE, view
 from skin_ident.report.shapes import residuals, smooth
+from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import text
-from skin_ident.report.view import DIRECT, Amount, Finding, View, unit_of
+from skin_ident.report.view import DIRECT, Finding, View, unit_of
 from skin_ident.report.words import capital, meaning, sentence, signal
 
-MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
-MOST_SIZES = 3  # findings whose sizes fit on the first screen
+MOST_SIZES = 3  # findings whose sizes fit on the first screen in full
 
 
 @dataclass(frozen=True)
@@ -134,10 +134,10 @@ def _names(v: View) -> str:
 def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     """Each finding, then what they amount to in newtons."""
     for f in v.findings:
-        size = amounts_line(f.amounts) if len(v.findings) <= MOST_SIZES else ""
+        size = "; ".join(sizes(f, v, brief=len(v.findings) > MOST_SIZES))
         yield Wrong(capital(cause_at(f.cause, f.where)), sentence(meaning(f.cause)), size)
-        for cause, where, _ in f.alternatives[:3]:
-            yield Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)) + " It fits these data almost as well.")
+        for (cause, where, _), behind in zip(f.alternatives[:3], f.behind, strict=False):
+            yield Wrong(f"Or {cause_at(cause, where)}", f"{sentence(meaning(cause))} {_as_well(behind)}")
     if v.judged and seen is not None and seen.changes:
         yield Wrong("", _in_newtons(seen, v))
     elif v.verdict == UNEXPLAINED and seen is not None:
@@ -149,17 +149,17 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         yield Wrong("", "No departure from the model could be named with confidence.")
 
 
+def _as_well(behind: float | None) -> str:
+    """How well a rival fits that was kept, where it explains less by the share `behind`."""
+    if behind is None:
+        return "It fits these data almost as well."
+    return f"It explains {percent(behind)} less of the mismatch: more than chance, yet too little to rule it out, since no model is exact."
+
+
 def _unsettled(v: View) -> Iterator[str]:
     """What was seen, and leaves several causes open: a reason that they share and that tells of a difference."""
     shared = [re.sub(r"taxel_(\d)", r"taxel \1", text(e.get("because"))) for e in v.untestable]
     yield from dict.fromkeys(said for said in shared if shared.count(said) > 1 and " differ " in said)
-
-
-def amounts_line(amounts: tuple[Amount, ...], most: int = MOST_AMOUNTS) -> str:
-    """Sizes in words: `relaxation time 0.800 s; …`; parameters that are zero are left out."""
-    shown = [a for a in amounts if a.value]
-    more = f"; and {len(shown) - most} more" if len(shown) > most else ""
-    return "; ".join(f"{a.words} {amount(a.value, a.unit, a.std)}" for a in shown[:most]) + more
 
 
 def _in_newtons(seen: Focus, v: View) -> str:
@@ -168,6 +168,7 @@ def _in_newtons(seen: Focus, v: View) -> str:
     top = float(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0))
     unit, name = unit_of(v, seen.channel), signal(seen.channel)
     adding = "Adding it changes" if len(v.findings) == 1 else "Adding them changes"
+    adding = "Putting them right changes" if all(f.cause == "parameters" for f in v.findings) else adding
     return (
         f"{adding} the simulated {name} by up to {amount(peak, unit, like=[top])}, typically {amount(rms(change), unit, like=[top])}, "
         f"where the measurement reaches {amount(top, unit)}."
@@ -206,9 +207,10 @@ def _in_the_picture(seen: Focus, v: View) -> str:
     worst = [float(np.nanpercentile(np.abs(smooth(seen.trace.t, r, v.band_hz)[cut]), 99.0)) for r in residuals(seen.trace, seen.row)]
     unit = unit_of(v, seen.channel)
     few = "this" if len(v.findings) == 1 else "these"
+    beside = ", in moments that were not compared" if seen.beside else ""
     return (
         f"The picture: without {few} the simulated {signal(seen.channel)} strays from the measured one by up to "
-        f"{amount(worst[0], unit, like=worst)}, with {few} by up to {amount(worst[1], unit, like=worst)}."
+        f"{amount(worst[0], unit, like=worst)}, with {few} by up to {amount(worst[1], unit, like=worst)}{beside}."
     )
 
 

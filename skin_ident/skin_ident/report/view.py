@@ -54,6 +54,7 @@ class Finding:
     hid_in: tuple[tuple[Amount, Amount], ...] = ()  # parameters of the baseline that it had bent, before and after
     battery: str = ""  # file of the experiment that `separating` speaks of, where one was computed
     act: str = ""  # what to do about it, where the finding says more than its cause does
+    behind: tuple[float | None, ...] = ()  # of the alternatives: the share by which each explains less, clearly and yet too little
 
     @property
     def names(self) -> tuple[tuple[str, str], ...]:
@@ -120,6 +121,7 @@ class View:
     other: dict[str, Any]
     held: tuple[tuple[Amount, str], ...] = ()  # parameters that were not fitted, and where their values are from
     above: tuple[str, float] | None = None  # the channel whose error is clearly above its noise, and how many times
+    given: bool = False  # the model before was given, not fitted
 
     @property
     def tested(self) -> str:
@@ -134,6 +136,16 @@ class View:
     def is_scan(self) -> bool:
         """Whether this is about a static spread scan."""
         return any(f.cause.startswith("spread_") or f.cause == "anisotropy" for f in self.findings) or "gauss" in self.model.lower()
+
+    @property
+    def is_twin(self) -> bool:
+        """Whether what was given is what a simulator recorded."""
+        return self.given and self.model == "twin"
+
+    @property
+    def begun(self) -> str:
+        """What the column of numbers is called that the model began with."""
+        return "in the twin" if self.is_twin else "as given" if self.given else "before"
 
     @property
     def silent(self) -> tuple[str, ...]:

@@ -40,10 +40,10 @@ class Candidate:
         return len(self.motion) * self.motion.dt
 
 
-def candidates(deepest: float, dt: float) -> list[Candidate]:
-    """Every motion that goes no deeper than `deepest` (m) and that the rig can make, sampled every `dt` s."""
+def candidates(deepest: float, dt: float, seed: int = 0) -> list[Candidate]:
+    """Every motion that goes no deeper than `deepest` (m) and that the rig can make, sampled every `dt` s; `seed` is of random ones."""
     found = []
-    for name, content, rich in _described(_rounded(deepest * 1e3)):
+    for name, content, rich in _described(_rounded(deepest * 1e3), seed):
         try:
             entry = entry_from_dict(content)
             motion = planned(entry, dt, within(deepest + 2e-6))
@@ -59,10 +59,10 @@ def _rounded(d: float) -> float:
     return floor(d * 100.0 + 0.2) / 100.0 if d > 0.1 else d
 
 
-def _described(d: float) -> Iterator[tuple[str, dict[str, Any], bool]]:
+def _described(d: float, seed: int) -> Iterator[tuple[str, dict[str, Any], bool]]:
     """Name and content of every candidate for a depth of `d` mm, and whether it is rich."""
     air = {"type": "free_air", "duration_s": 1.5}
-    for profiles, rich in (((*_sines(d), *_loops(d), *_rests(d)), False), (_rich(d), True)):
+    for profiles, rich in (((*_sines(d), *_loops(d), *_rests(d)), False), (_rich(d, seed), True)):
         for name, profile in profiles:
             yield name, {"type": "battery", "profiles": [air, profile, air]}, rich
     for name in sorted(set(BATTERIES) & set(battery_names())):
@@ -106,12 +106,10 @@ def _rests(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
     yield "a long wait in the air", {"type": "free_air", "duration_s": 12.0}
 
 
-def _rich(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
+def _rich(d: float, seed: int) -> Iterator[tuple[str, dict[str, Any]]]:
+    sines = {"type": "multisine", "seed": seed, "offset_mm": 0.5 * d, "base_frequency_hz": 0.25, "highest_hz": 8}
     for share in (0.15, 0.4):
-        yield (
-            f"a multisine of {share * d:.2g} mm up to 8 Hz",
-            {"type": "multisine", "seed": 0, "amplitude_mm": share * d, "offset_mm": 0.5 * d, "base_frequency_hz": 0.25, "highest_hz": 8},
-        )
+        yield f"a multisine of {share * d:.2g} mm up to 8 Hz", {**sines, "amplitude_mm": share * d}
     for fastest in (2, 8):
-        ramps = {"type": "random_ramps", "seed": 0, "deepest_mm": d, "slowest_mm_s": 0.2, "fastest_mm_s": fastest, "count": 16}
+        ramps = {"type": "random_ramps", "seed": seed, "deepest_mm": d, "slowest_mm_s": 0.2, "fastest_mm_s": fastest, "count": 16}
         yield f"random ramps at 0.2 to {fastest} mm/s", {**ramps, "acceleration_mm_s2": BRISK}

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, count
 
 import numpy as np
 import yaml
@@ -14,14 +14,16 @@ from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.rivals import REACH
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import cause_at, spoken
-from skin_ident.separating.candidates import Candidate, candidates
+from skin_ident.separating.candidates import Candidate
 from skin_ident.separating.contest import Contender, Contest, contest, rehearsed
+from skin_ident.separating.unrecorded import unrecorded
 
 FLOOR = 100.0  # squared whitened units, ten times the criticism's: causes that nobody thinks of now must not stand between the two
 SHORTEST = 20.0  # s: held-out data are judged by blocks of 2 s, and a few of them say nothing
 MARGIN = 1.5  # times the criticism's own bound: real skins are not quite of the forms that were fitted
 PATIENCE = 75.0  # s of recording, for an experiment that is not sure to decide
 TELLS_NOTHING = 1.0  # expected log likelihood ratio: names for one and the same signal are not worth an experiment
+HELPS = 0.1  # of what is missing to `MARGIN`, which an experiment that does not decide must bring
 MOST_RUNS = 3
 PERIOD = 0.01  # s, at which candidates are simulated
 
@@ -31,7 +33,8 @@ class Experiment:
     """A battery to record, and why: the expected log likelihood ratio it adds, beside that of what was recorded.
 
     Both are of the pair, among those expected to be told apart, for which it adds least. `together` are pairs of rivals that are expected
-    to stay together even so; `rivals` are the names it was chosen for, the named cause first, and `unasked` the others.
+    to stay together even so; `rivals` are the names it was chosen for, the named cause first, and `unasked` the others. Where even the
+    best motion is of no help there is no `name` and no `text`. `apart` says whether the rivals are in skin and rig.
     """
 
     name: str
@@ -42,6 +45,12 @@ class Experiment:
     rivals: tuple[str, ...]
     together: tuple[tuple[str, str], ...]
     unasked: tuple[str, ...] = ()
+    apart: bool = False
+
+    @property
+    def helps(self) -> bool:
+        """Whether there is anything to record."""
+        return bool(self.name)
 
     @property
     def decides(self) -> bool:
@@ -50,6 +59,10 @@ class Experiment:
 
     def sentence(self, file: str) -> str:
         """What findings.json says of it, where `file` is the battery's name."""
+        if not self.helps:
+            other = "; press another skin with the same rig and sensors: what is in these stays, and what is in the skin goes with it"
+            none = "no motion that was tried in simulation tells them apart clearly better than what was recorded"
+            return none + (other if self.apart else "")
         left = " and ".join(" with ".join(pair) for pair in self.together)
         hope = f"though it may leave {left}" if left else "which what was recorded cannot"
         rest = f"; it says nothing of {' or '.join(self.unasked)}" if self.unasked else ""
@@ -100,27 +113,42 @@ def separating_experiment(
     def judged(sessions: list[Session]) -> Contest:
         return contest(rivals, named.before, sessions, noise, which)
 
-    known = judged(train)
+    known = as_criticised(judged(train), named)
     deepest = max(float(s.motion.x.max()) for s in train)
-    tried = candidates(deepest, max(PERIOD, train[0].band.dt))
+    tried = unrecorded(deepest, max(PERIOD, train[0].band.dt), train)
     singles = [_Option((k,), judged([rehearsed(k.motion, train[0], rivals[0].model)])) for k in tried]
-    best = min(filter(_usable, _options(singles)), key=lambda o: _cost(known, o))
-    return replace(_experiment(rivals, known, best), unasked=unasked)
+    best = min(filter(_usable, _options(singles)), key=lambda o: _cost(known, o), default=None)
+    return best and replace(_experiment(rivals, known, best), unasked=unasked)
 
 
 def separating_experiments(
-    c: Criticism, train: list[Session], progress: Callable[[str], None] = lambda stage: None
+    c: Criticism, progress: Callable[[str], None] = lambda stage: None
 ) -> dict[tuple[str, str], tuple[str, Experiment]]:
-    """The best experiment for every finding that has rivals, by its cause and place, with the name of the file it goes to."""
+    """The best experiment for every finding that has rivals, by its cause and place, with the name of the file it goes to; no file where
+    it is of no help. Judged on the samples that the criticism compares: in those that it leaves out rivals may differ as much as they
+    will, and are not told apart."""
+    train = list(c.train)
     each = {(n.cause, n.where): separating_experiment(n, train, c.last.noise, c.last.projected.which, progress) for n in c.named}
     wanted = {key: e for key, e in each.items() if e is not None and e.evidence > TELLS_NOTHING}
-    return {key: (f"separating{f'_{i}' if i > 1 else ''}.yaml", e) for i, (key, e) in enumerate(wanted.items(), 1)}
+    files = (f"separating{f'_{i}' if i > 1 else ''}.yaml" for i in count(1))
+    return {key: (next(files) if e.helps else "", e) for key, e in wanted.items()}
 
 
 def contenders(named: Named) -> tuple[Contender, ...]:
     """The named cause and its rivals, each with the model fitted with it."""
     every = [c for c in (named, *named.alternatives) if c.model is not None]
     return tuple(Contender(c.cause, c.where, c.model) for c in every)
+
+
+def as_criticised(known: Contest, named: Named) -> Contest:
+    """What was recorded, saying no more than the criticism took from it: by so little it explains more with the named cause, and it kept
+    the rival. What the contest sees beyond that is in forms that are free in a criticism and were held here."""
+    short = [a.short_by for a in named.alternatives if a.model is not None]
+    share = np.clip(np.array(short) / max(named.explained, 1e-300), 0.0, REACH)
+    distance = known.distance.copy()
+    distance[0, 1:] = np.minimum(distance[0, 1:], share * known.explained[0])
+    distance[1:, 0] = np.minimum(distance[1:, 0], share * known.explained[1:])
+    return replace(known, distance=distance)
 
 
 def _options(singles: list[_Option]) -> Iterator[_Option]:
@@ -159,9 +187,17 @@ def _experiment(rivals: tuple[Contender, ...], known: Contest, best: _Option) ->
     together, pairs = _together(known, best), _pairs(known)
     added, recorded = best.new.evidence[pairs], known.evidence[pairs]
     worst = int(np.argmin(np.where(together & ~together.all(), np.inf, added)))
-    words = _words(rivals)
+    words, places = _words(rivals), {r.where for r in rivals}
     left = tuple((words[i], words[j]) for i, j, t in zip(*pairs, together, strict=True) if t)
-    return Experiment(best.name, _text(best), best.seconds, float(added[worst]), float(recorded[worst]), words, left)
+    said = (best.name, _text(best), best.seconds) if _helps(known, best) else ("", "", 0.0)
+    apart = "skin" in places and len(places) > 1
+    return Experiment(*said, float(added[worst]), float(recorded[worst]), words, left, apart=apart)
+
+
+def _helps(known: Contest, o: _Option) -> bool:
+    """Whether it tells a pair apart, or brings one clearly nearer to that."""
+    before, after = (c.margin(FLOOR, REACH)[_pairs(known)] for c in (known, known + o.new))
+    return bool(np.any((after >= MARGIN) | (after - before > HELPS * (MARGIN - before))))
 
 
 def _text(o: _Option) -> str:

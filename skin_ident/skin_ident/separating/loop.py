@@ -53,7 +53,7 @@ def until_named(record: Record, first: str, rich: str, budget: float, progress: 
     """Begin with the battery `first` and go on until one name is left, `budget` (s of recording) is spent, or nothing would help.
 
     Where nothing is named there are no rivals to separate, and the first battery may have been too poor to show anything: then the battery
-    `rich` is next, once.
+    `rich` is next, once. So it is where no motion would tell the rivals apart: what else it shows may change the names.
     """
     train, held, steps, battery = [], [], [], first
     while True:
@@ -65,7 +65,7 @@ def until_named(record: Record, first: str, rich: str, budget: float, progress: 
             Step(battery, sum(float(r.t[-1] - r.t[0]) for r in (train[-1], held[-1])), _left(outcome), outcome.findings["verdict"])
         )
         progress(f"left: {steps[-1].words}")
-        battery = next(iter(outcome.batteries.values()), rich if rich not in [s.battery for s in steps] else "")
+        battery = next((b for b in (*outcome.batteries.values(), rich) if b not in [s.battery for s in steps]), "")
         if steps[-1].decided or not battery or sum(s.seconds for s in steps) >= budget:
             return Course(tuple(steps), outcome, (*train, *held))
 

@@ -1,5 +1,7 @@
 """Words that numbers ask for: what is above the noise, what a comparison leaves out, what is ruled out in part."""
 
+import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,9 +11,10 @@ import report_examples as examples
 from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.said import Said
-from skin_ident.criticism.telling.findings import advice_on
+from skin_ident.criticism.telling.findings import advice_on, found
 from skin_ident.criticism.telling.outcome import Round, Trace
-from skin_ident.report.appendix import size_ruled_out, why_untestable
+from skin_ident.report.appendix import parameters, reading, size_ruled_out, why_untestable
+from skin_ident.report.charts import cut_off, overlay
 from skin_ident.report.counsel import rebuild_answer
 from skin_ident.report.focus import focus
 from skin_ident.report.gains import better
@@ -141,6 +144,70 @@ def test_an_experiment_speaks_for_itself_and_words_without_one_are_said_for_whom
     assert any(w.means.endswith("It fits these data almost as well.") for w in first.wrong)
     elsewhere = tell(examples.Outcome(findings("explained", entries=[battery])), "/there").story.next
     assert "Record /there/separating.yaml (x" in elsewhere[0] and any("model.yaml, in /there," in s for s in elsewhere)
+
+
+def test_a_rival_that_explains_clearly_less_is_not_said_to_fit_as_well():
+    entry = rivals(("lag", "load_cell"), ("stress_relaxation", "skin"), evidence={"likelihood_gain": 51184.0})
+    entry["alternatives"][0]["explains_less_by"] = 1168.0
+    (said,) = [w.means for w in tell(examples.Outcome(findings("explained", entries=[entry]))).story.wrong if w.name.startswith("Or ")]
+    assert "explains 2.3\u00a0% less of the mismatch" in said and "almost as well" not in said
+
+
+def given(**more) -> dict:
+    """A given model whose k1 is wrong; its mass is held, and k2 is hardly another."""
+
+    def numbers(k1: float, k2: float, std: float | None) -> dict:
+        return {"k1": {"value": k1, "unit": "N/m", "std": std}, "k2": {"value": k2, "unit": "N/m", "std": std}}
+
+    content = findings("explained", entries=[rivals(("parameters", "skin"), parameters=numbers(8526.0, 2629.0, 1.0))])
+    before = content["baseline"] | {"given": True, "parameters": numbers(11087.0, 2622.7, None)} | more
+    return content | {"baseline": before, "extended": content["extended"] | {"parameters": numbers(8526.0, 2629.0, 1.0)}}
+
+
+def test_given_numbers_are_not_said_to_be_fitted_nor_to_hide_anything():
+    told = tell(examples.Outcome(given()))
+    (wrong, *_), v = told.story.wrong, told.view
+    assert re.sub(r"\s", " ", wrong.size) == "k1 8526 ± 1 N/m instead of 11 090 N/m (−23 %)"
+    table, read = str(parameters(v)), str(reading(v, ""))
+    assert "not as given" in table and "hiding" not in table and "nobody fitted them" in table and table.count("±") == 2
+    assert "that was given, not fitted" in read and "both fitted" not in read
+    assert "recorded as a twin" in str(reading(view(given(model="twin")), ""))
+    assert "both fitted" in str(reading(view(findings()), "")) and "| as given |" in markdown(told)
+
+
+def test_what_is_held_is_no_wrong_number():
+    gain = SimpleNamespace(carried=("force",), relative=0.9, held_out="b", entry={})
+    wrong = SimpleNamespace(cause="parameters", where="skin", gain=gain, explained=1.0, alternatives=(), courses={})
+    assert set(found(wrong, examples.Model(examples.SILICONE), {"k1": 1.0, "k2": 2.0}, {})["parameters"]) == {"k1", "k2"}
+
+
+def test_many_findings_keep_their_main_size_on_the_first_screen():
+    sizes = {"frequency": {"value": 5.63, "unit": "Hz"}, "amplitude": {"value": 0.34, "unit": "N"}, "phase": {"value": 1.0, "unit": "1"}}
+    own = rivals(("drift", "taxel_1"), evidence={"of_each_session": {"a": "+0.06 N", "b": "-0.03 N", "c": "+0.01 N"}})
+    entries = [rivals(("interference", "taxel_0"), parameters=sizes), own, rivals(("lag", "taxel_1")), rivals(("lag", "load_cell"))]
+    said = [w.size for w in tell(examples.Outcome(findings("explained", entries=entries))).story.wrong]
+    assert "5.63\u00a0Hz" in said[0] and "0.340\u00a0N" in said[0] and "phase" not in said[0] and "more" not in said[0]
+    assert said[1] == "a: +0.06 N; b: -0.03 N"
+
+
+def test_a_gain_says_that_it_is_of_all_findings_and_what_became_of_the_channel_of_the_first():
+    entries = [rivals(("lag", "taxel_0"), gain={"channel": "force"}), rivals(("drift", "skin"))]
+    content = findings("explained", entries=entries)
+    after = {c: {"train": 0.01, "held_out": 0.01, "unit": "N"} for c in ("force", "taxel_0")}
+    told = better(view(content | {"extended": {"rmse": after}}))
+    assert told.caption.startswith("less error in the force with everything named here together")
+    assert any(s == "Taxel 0, in which the first of them lies: 20.0\u00a0mN before, 10.0\u00a0mN after." for s in told.sentences)
+
+
+def test_it_is_said_where_the_picture_leaves_out_what_was_not_compared():
+    whole = trace("one", True, 1)
+    measured = whole.measured + 2.0 * (np.arange(whole.t.size) == 1500)
+    left_out = (np.abs(np.arange(whole.t.size) - 1500) < 50).astype(float)
+    v = view(findings())
+    cut = replace(whole, measured=measured, left_out=left_out)
+    assert cut_off(cut, 0, v, slice(None))
+    assert "(axis cut)" in overlay(cut, 0, v, slice(None), 100)
+    assert not cut_off(whole, 0, v, slice(None)) and not cut_off(cut, 0, v, slice(0, 1000))
 
 
 def test_names_stay_as_they_are_and_no_space_is_left_before_a_full_stop():

@@ -49,7 +49,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for."""
     effects = instances(model, named.cause, named.where)
-    parameters: dict[str, Any] = _dispersion(model, std) if named.cause == "parameters" else {}
+    parameters: dict[str, Any] = _refitted(model, std) if named.cause == "parameters" else {}
     for i, e in enumerate(model.effects):
         for p in parameters_of(e) if e in effects else ():
             label = model.listed_as(i, p.name)
@@ -101,8 +101,9 @@ def _alternatives(named: Named) -> list[dict[str, Any]]:
     return [{"cause": c, "where": w, "explains_less_by": short} for (c, w), short in reversed(unique.items())]
 
 
-def _dispersion(model: Model, std: dict[str, float]) -> dict[str, Any]:
-    return {p.name: {"value": p.value, "unit": p.unit, "std": std.get(p.name)} for p in parameters_of(model.dispersion)}
+def _refitted(model: Model, std: dict[str, float]) -> dict[str, Any]:
+    """The numbers of the dispersion model that were fitted: what is held is as it was given."""
+    return {p.name: {"value": p.value, "unit": p.unit, "std": std[p.name]} for p in parameters_of(model.dispersion) if p.name in std}
 
 
 def seen(symptom: Symptom) -> dict[str, Any]:
@@ -127,7 +128,8 @@ def _separating(named: Named, experiments: Experiments) -> dict[str, Any]:
         return {"separating_experiment": ""}
     if (named.cause, named.where) in experiments:
         file, experiment = experiments[named.cause, named.where]
-        return {"separating_experiment": experiment.sentence(file), "battery": file, "separating_evidence": experiment.numbers}
+        said = {"separating_experiment": experiment.sentence(file), "separating_evidence": experiment.numbers}
+        return said | ({"battery": file} if file else {})
     rivals = dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)])
     return {"separating_experiment": "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))}
 
@@ -175,7 +177,8 @@ def as_findings(
 ) -> dict[str, Any]:
     """The whole of findings.json."""
     before = [[replace(own, beyond=s.beyond) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
-    baseline = described(c.baseline.model, c.baseline.unknowns, c.baseline.std, *before)
+    baseline = described(c.baseline.model, c.baseline.unknowns, {} if given else c.baseline.std, *before)
+    baseline |= {"given": True} if given else {}
     entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
     named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
     known = telemetry_words(recordings, given)
@@ -198,7 +201,7 @@ def as_findings(
         "findings": entries,
         "excluded": excluded,
         "untestable": untestable,
-        "extended": described(c.extended.model, c.extended.unknowns, c.extended.std, list(c.train), list(c.held)),
+        "extended": described(c.extended.model, _all_of(c) if given else c.extended.unknowns, c.extended.std, list(c.train), list(c.held)),
         "systematic_rest": {
             "fall_of_mean_square": rest.fall,
             "lower_bound": rest.lower,
@@ -209,6 +212,12 @@ def as_findings(
         "verdict": verdict,
         "warnings": _warnings(recordings),
     }
+
+
+def _all_of(c: Criticism) -> tuple[Unknown, ...]:
+    """What the baseline has, too, where given numbers that are not wrong stay as they are, and only effects are fitted."""
+    fitted = {u.label for u in c.extended.unknowns}
+    return (*(u for u in c.baseline.unknowns if u.label not in fitted), *c.extended.unknowns)
 
 
 def _warnings(recordings: list) -> list[str]:

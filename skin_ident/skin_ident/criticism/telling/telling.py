@@ -28,7 +28,7 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     floor = floor_of_all(c, noise_floor(c.last, list(c.train)), left)
     certain = left_beside(c, floor, left)
     above = beyond_noise(c, floor, certain, symptoms, encoder_step)
-    entries = findings["findings"]
+    entries, given = findings["findings"], findings["baseline"].get("given")  # given numbers are bent by nothing
     for entry, symptom, gain in zip(entries, symptoms, judged.symptoms, strict=False):
         entry["gain"] |= gain
         entry["evidence"] |= _simulated(symptom, bool(gain))
@@ -36,10 +36,10 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
             entry["advice"] = (
                 f"{entry['advice'].partition(', or ')[0]}; the extended model does not do this, so do not rely on it near contact"
             )
-        if gain:
+        if gain and not given:
             entry["hid_in"] = moved(judged.naive, c.baseline.model, c)
     for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):
-        entry["hid_in"] = hid_in(named, c)
+        entry["hid_in"] = {} if given else hid_in(named, c)
         entry["gain"] = gain_at_the_end(named, judged) or entry["gain"]
     entries = _once_each(entries, len(symptoms))
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}

@@ -1,0 +1,59 @@
+"""How large what was found is, in words: the parameters of a finding, and given numbers beside those that are right."""
+
+from skin_ident.report.numbers import amount, percent
+from skin_ident.report.tolerant import mapping, text
+from skin_ident.report.view import Amount, Finding, View
+
+MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
+BRIEFLY = 2  # where many findings share the first screen
+MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is another one
+
+
+def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) -> list[str]:
+    """The sizes of a finding, `relaxation time 0.800 s`, that which matters most first; parameters that are zero are left out. With
+    `brief` only what says how large it is, and that there are more is not said."""
+    said = put_right(v) if f.cause == "parameters" and v.given else []
+    said = said or [f"{a.words} {amount(a.value, a.unit, a.std)}" for a in f.amounts if a.value] or _of_each_session(f)
+    more = [] if brief or len(said) <= most else [f"and {len(said) - most} more"]
+    return said[: BRIEFLY if brief else most] + more
+
+
+def put_right(v: View) -> list[str]:
+    """Given numbers that are others, those that are furthest off first; where none is by much, all that were fitted."""
+    before = {a.name: a for a in v.before}
+    pairs = [(before[a.name], a) for a in v.after if a.name in before and a.value != before[a.name].value]
+    pairs.sort(key=lambda pair: -abs(step(*pair) or 0.0))
+    return [_instead(*pair) for pair in [p for p in pairs if moved(*p)] or pairs]
+
+
+def _instead(given: Amount, found: Amount) -> str:
+    name = found.name.rpartition(".")[2]
+    share = step(given, found)
+    off = "" if share is None else f" ({'+' if share > 0 else ''}{percent(share)})"
+    return f"{name} {amount(found.value, found.unit, found.std)} instead of {as_given(given, [found.value])}{off}"
+
+
+def as_given(a: Amount, like: list) -> str:
+    """A number that somebody gave, with a digit more than is measured: it has no error that would say how many count."""
+    return amount(a.value, a.unit, like=like, digits=4)
+
+
+def _of_each_session(f: Finding) -> list[str]:
+    """What each session has of its own."""
+    return [f"{session}: {text(course)}" for session, course in mapping(dict(f.evidence).get("of_each_session")).items()]
+
+
+def step(before: Amount, after: Amount | None) -> float | None:
+    """The relative change of a parameter; None where it is not known."""
+    if after is None or before.value is None or after.value is None or before.value == 0.0:
+        return None
+    return (after.value - before.value) / abs(before.value)
+
+
+def moved(before: Amount, after: Amount | None) -> bool:
+    """Whether a parameter is clearly another one: by more than three standard errors, and 5 %."""
+    share = step(before, after)
+    if share is None:
+        return False
+    spread = ((before.std or 0.0) ** 2 + (after.std or 0.0) ** 2) ** 0.5
+    return abs(share) > MOVED and abs(after.value - before.value) > SURE * spread

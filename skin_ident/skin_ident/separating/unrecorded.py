@@ -1,0 +1,44 @@
+"""Which candidates are news: a motion that was recorded, and did not tell the rivals apart, will not do so when it is recorded again."""
+
+import numpy as np
+
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.separating.candidates import Candidate, candidates
+from skin_models.signals import Motion
+
+DRAWS = 4  # seeds of random motions that are tried, the first that was not recorded being taken
+SAME = 0.1  # rms of the difference from a recorded motion, as a share of how much the motion varies, below which it is the same
+FEWEST = 20  # samples under load, without which a motion is not looked for
+
+
+def unrecorded(deepest: float, dt: float, sessions: list[Session]) -> list[Candidate]:
+    """Every candidate (see `candidates`) whose motion under load no session holds; random ones are drawn anew where one does."""
+    found: dict[str, Candidate] = {}
+    for seed in range(DRAWS):
+        for k in candidates(deepest, dt, seed):
+            if k.name not in found and not any(holds(s.motion, k.motion) for s in sessions):
+                found[k.name] = k
+    return list(found.values())
+
+
+def holds(recorded: Motion, motion: Motion) -> bool:
+    """Whether a recorded motion has in it, at any time, what `motion` does between its first and its last contact. Where the surface lies
+    is not compared: the one is recorded, the other commanded."""
+    under = np.flatnonzero(motion.x > 0.0)
+    if under.size < FEWEST:
+        return False
+    wanted = motion.x[under[0] : under[-1] + 1]
+    t = np.arange(recorded.t[0], recorded.t[-1], motion.dt)
+    if t.size < wanted.size:
+        return False
+    return _least_difference(np.interp(t, recorded.t, recorded.x), wanted) < SAME**2 * float(np.var(wanted))
+
+
+def _least_difference(x: np.ndarray, wanted: np.ndarray) -> float:
+    """The least variance of x - wanted over all places of `wanted` in `x`."""
+    n, wanted = wanted.size, wanted - wanted.mean()
+    total, squares = (np.concatenate([[0.0], np.cumsum(y)]) for y in (x, x**2))
+    mean, square = ((y[n:] - y[:-n]) / n for y in (total, squares))
+    size = 1 << int(x.size - 1).bit_length()
+    matched = np.fft.irfft(np.fft.rfft(x, 2 * size) * np.conj(np.fft.rfft(wanted, 2 * size)), 2 * size)[: mean.size] / n
+    return float(np.min(square - mean**2 + np.var(wanted) - 2.0 * matched))
