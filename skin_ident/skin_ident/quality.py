@@ -247,15 +247,16 @@ def _in_newtons(r: Recording) -> list[int]:
 def _more_than_applied(r: Recording, asked: Sequence[int]) -> str:
     """A taxel that feels far more than what presses; without a load cell, more than any skin that is pressed so deep."""
     against = r.depth if r.force is None else r.force
-    if against is None or not len(asked):
+    if against is None or not asked:
         return ""
-    slope, i = max((_slope(r.taxels[i], against) or 0.0, -i) for i in asked)
+    slopes = {i: _slope(r.taxels[i], against) or 0.0 for i in asked}
+    i, slope = max(slopes.items(), key=lambda entry: entry[1])
     if slope <= (HARD if r.force is None else FAR_TOO_MUCH):
         return ""
     if r.force is None:
-        return f"taxel_{-i} changes by {slope:.3g} N per m of depth, which no skin does: check its unit and calibration"
+        return f"taxel_{i} changes by {slope:.3g} N per m of depth, which no skin does: check its unit and calibration"
     return (
-        f"taxel_{-i} changes by {slope:.3g} N per newton of applied force, and no taxel feels more than is applied: check the units (is "
+        f"taxel_{i} changes by {slope:.3g} N per newton of applied force, and no taxel feels more than is applied: check the units (is "
         "the force in N, not in mN?), the calibrations, and which column is which"
     )
 

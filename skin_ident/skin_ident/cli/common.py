@@ -105,12 +105,11 @@ def output_folder(path: str) -> Path:
 @contextmanager
 def whole_folder(path: str) -> Iterator[Path]:
     """As `output_folder`; where writing fails or is stopped, a folder that was made for it goes again, with all that is in it."""
-    new = not Path(path).exists()
     folder = output_folder(path)
     try:
         yield folder
     except BaseException:
-        if new:
+        if _given[folder.absolute()]:
             shutil.rmtree(folder, ignore_errors=True)
         raise
 

@@ -5,7 +5,7 @@ from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.gains import fall
 from skin_ident.report.markup import Safe, el, table
 from skin_ident.report.numbers import UNKNOWN, amount, percent, plain, span
-from skin_ident.report.sizes import as_given, moved, step
+from skin_ident.report.sizes import moved, number, step
 from skin_ident.report.story import explaining, named_cause
 from skin_ident.report.view import Amount, ChannelError, View
 from skin_ident.report.words import capital, channel
@@ -80,16 +80,12 @@ def parameter_table(v: View) -> Safe:
 def _parameter_row(before: Amount | None, after: Amount | None, v: View) -> list:
     known = before or after
     like = [a.value for a in (before, after) if a]
-    cells = [_number(a, like, v.given and before is not None) if a else UNKNOWN for a in (before, after)]
+    cells = [number(a, v, like) if a else UNKNOWN for a in (before, after)]
     if not before:
         return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, "new", el("b", "added", class_="tag new")]
     change, has_moved = _change(before, after), moved(before, after)
     tag = el("b", f"not {v.begun}" if v.given else "was hiding the missing effect", class_="tag hid") if has_moved else None
     return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, change, tag]
-
-
-def _number(a: Amount, like: list, given: bool) -> str:
-    return as_given(a, like) if given and a.std is None else amount(a.value, a.unit, a.std, like=like)
 
 
 def _change(before: Amount, after: Amount | None) -> str:

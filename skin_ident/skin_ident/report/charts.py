@@ -40,14 +40,14 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
     t, y, unit = trace.t[cut], trace.measured[row], unit_of(v, trace.channels[row])
     x = Axis(float(t[0]), float(t[-1]), "time, s")
     both = [(kind, name, curves[row]) for kind, name, curves in simulations(trace)]
-    left = [(kind, _briefly(name), smooth(trace.t, y - s, v.band_hz)[cut]) for kind, name, s in both]
+    left = _left_in_band(trace, row, v, cut)
     factor, printed = scale(np.nanmax(np.abs(y[cut]), initial=0.0), unit)
     small, small_printed = scale(max(float(np.nanmax(np.abs(r[trace.compared[cut]]), initial=0.0)) for _, _, r in left), unit)
     top = [Line(*thinned(t, factor * s[cut], buckets), kind, name) for kind, name, s in (("measured", "measured", y), *both)]
-    below = [Line(*thinned(t, small * r, buckets), kind, name) for kind, name, r in left]
+    below = [Line(*thinned(t, small * r, buckets), kind, _briefly(name)) for kind, name, r in left]
     y_top = axis([line.y for line in top], f"{channel(trace.channels[row])}, {printed}")
     judged = trace.compared[cut]
-    cut_at = " (axis cut)" if cut_off(trace, row, v, cut) else ""
+    cut_at = " (axis cut)" if _goes_beyond(left, judged) else ""
     label = f"measured − simulated{below_band(v)}, {small_printed}{cut_at}"
     y_below = axis([small * r[judged] for _, _, r in left], label, zero=True)
     grey = _not_compared(t, judged)
@@ -61,12 +61,22 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
 
 def cut_off(trace: Trace, row: int, v: View, cut: slice) -> bool:
     """Whether what is left leaves the lower picture, whose axis holds what was compared."""
-    left = np.stack([smooth(trace.t, trace.measured[row] - curves[row], v.band_hz)[cut] for _, _, curves in simulations(trace)])
-    inside = left[:, trace.compared[cut]]
+    return _goes_beyond(_left_in_band(trace, row, v, cut), trace.compared[cut])
+
+
+def _left_in_band(trace: Trace, row: int, v: View, cut: slice) -> list[tuple[str, str, np.ndarray]]:
+    """(kind, name, what is left in the band of errors) of each simulation."""
+    y = trace.measured[row]
+    return [(kind, name, smooth(trace.t, y - curves[row], v.band_hz)[cut]) for kind, name, curves in simulations(trace)]
+
+
+def _goes_beyond(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> bool:
+    every = np.stack([r for _, _, r in left])
+    inside = every[:, judged]
     if not np.isfinite(inside).any():
         return False
     low, high = min(0.0, float(np.nanmin(inside))), max(0.0, float(np.nanmax(inside)))
-    beyond = max(float(np.nanmax(left)) - high, low - float(np.nanmin(left)))
+    beyond = max(float(np.nanmax(every)) - high, low - float(np.nanmin(every)))
     return beyond > CUT * (high - low)
 
 

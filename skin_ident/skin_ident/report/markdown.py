@@ -5,6 +5,7 @@ from skin_ident.report.appendix import held_at, size_ruled_out, why_untestable
 from skin_ident.report.gains import fall
 from skin_ident.report.numbers import UNKNOWN, amount, percent
 from skin_ident.report.reading import recording_name, warning_sentences
+from skin_ident.report.sizes import number
 from skin_ident.report.story import Told, Wrong
 from skin_ident.report.tolerant import text
 from skin_ident.report.view import Amount, View
@@ -68,7 +69,7 @@ def _parameters(v: View) -> list[str]:
     before, after = {a.name: a for a in v.before}, {a.name: a for a in v.after}
 
     def cell(a: Amount | None) -> str:
-        return amount(a.value, a.unit, a.std, digits=4 if v.given and a.name in before else 3) if a else UNKNOWN
+        return number(a, v) if a else UNKNOWN
 
     names = dict.fromkeys([*before, *after])
     rows = [[capital((before.get(n) or after[n]).words), f"`{n}`", cell(before.get(n)), cell(after.get(n))] for n in names]

@@ -3,6 +3,7 @@
 from typing import Any
 
 from skin_ident.criticism.above import above_noise
+from skin_ident.criticism.search.rivals import CHANCE
 from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, plain
 from skin_ident.report.tolerant import mapping, sequence, text
@@ -26,7 +27,6 @@ _KNOWN = {
     "gain_by_channel",
 }
 IN_TURN = "each session in turn"
-CHANCE = 10.0  # squared whitened units, within which two causes explain as much
 
 
 def view(findings: dict[str, Any]) -> View:

@@ -6,6 +6,7 @@ from skin_ident.report.view import Amount, Finding, View
 
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
 BRIEFLY = 2  # where many findings share the first screen
+GIVEN, MEASURED = 4, 3  # digits of a number without an error
 MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is another one
 
 
@@ -30,12 +31,14 @@ def _instead(given: Amount, found: Amount) -> str:
     name = found.name.rpartition(".")[2]
     share = step(given, found)
     off = "" if share is None else f" ({'+' if share > 0 else ''}{percent(share)})"
-    return f"{name} {amount(found.value, found.unit, found.std)} instead of {as_given(given, [found.value])}{off}"
+    was = amount(given.value, given.unit, like=[found.value], digits=GIVEN)
+    return f"{name} {amount(found.value, found.unit, found.std)} instead of {was}{off}"
 
 
-def as_given(a: Amount, like: list) -> str:
-    """A number that somebody gave, with a digit more than is measured: it has no error that would say how many count."""
-    return amount(a.value, a.unit, like=like, digits=4)
+def number(a: Amount, v: View, like: list | None = None) -> str:
+    """A parameter of the model; one that somebody gave with a digit more: it has no error that would say how many count."""
+    given = v.given and any(b.name == a.name for b in v.before)
+    return amount(a.value, a.unit, a.std, like, GIVEN if given else MEASURED)
 
 
 def _of_each_session(f: Finding) -> list[str]:

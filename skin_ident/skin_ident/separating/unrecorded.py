@@ -15,9 +15,10 @@ def unrecorded(deepest: float, dt: float, sessions: list[Session]) -> list[Candi
     """Every candidate (see `candidates`) whose motion under load no session holds; random ones are drawn anew where one does."""
     found: dict[str, Candidate] = {}
     for seed in range(DRAWS):
-        for k in candidates(deepest, dt, seed):
-            if k.name not in found and not any(holds(s.motion, k.motion) for s in sessions):
-                found[k.name] = k
+        missing = [k for k in candidates(deepest, dt, seed) if k.name not in found]
+        found |= {k.name: k for k in missing if not any(holds(s.motion, k.motion) for s in sessions)}
+        if all(k.name in found for k in missing):
+            break
     return list(found.values())
 
 

@@ -7,6 +7,7 @@ from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_models.model import Model
 
 EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift
+CHANCE = 10.0  # twice nats, within which two causes explain as much
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
 
@@ -27,7 +28,7 @@ class Rival:
 
 def reach(score: float) -> float:
     """The score from which a rival cannot be told from a cause that scores `score`."""
-    return score - max(10.0, REACH * score)
+    return score - max(CHANCE, REACH * score)
 
 
 def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tuple[Rival, ...]:
@@ -45,4 +46,4 @@ def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tup
 def plainest_first(runs: list[Run]) -> list[Run]:
     """The courses, zeros before all others that explain no more."""
     best = runs[0].score if runs else 0.0
-    return sorted(runs, key=lambda r: (r.course.shape != CONSTANT or r.score < best - max(10.0, EQUAL * best), -r.score))
+    return sorted(runs, key=lambda r: (r.course.shape != CONSTANT or r.score < best - max(CHANCE, EQUAL * best), -r.score))
