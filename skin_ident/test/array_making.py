@@ -16,7 +16,8 @@ from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import fit_whitener
-from skin_ident.criticism.sessions.session import prepare, without_parting
+from skin_ident.criticism.sessions.parting import without_parting
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.load import load
 from skin_ident.recordings.mass import known_mass
 

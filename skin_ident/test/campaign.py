@@ -29,7 +29,7 @@ from world.hidden import NEEDS_ARRAY, PLACES, Hide
 from world.lookalikes import lookalikes
 
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.sessions.session import meeting
+from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.recordings.load import load
 from skin_models.signals import motion
 

@@ -14,7 +14,8 @@ from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.ranking import signed_pursuit
 from skin_ident.criticism.sessions.band import Band
-from skin_ident.criticism.sessions.session import impacts, motion_under, parted, prepare
+from skin_ident.criticism.sessions.parting import impacts, parted
+from skin_ident.criticism.sessions.session import motion_under, prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion

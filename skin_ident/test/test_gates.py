@@ -101,7 +101,7 @@ def test_what_good_hardware_does_is_said_and_not_named():
     key = ("backlash", "rig")
     said = encoder_does(key, gain, PLAIN, after.model, [session], encoder_step=1e-6)
     length = float(re.search(r"it would be ([\d.]+) µm", said.because)[1])
-    assert length == pytest.approx(0.5, rel=0.05) and "reads in steps of 1 µm" in said.because
+    assert length == pytest.approx(0.5, rel=0.05) and "reads no finer than 1 µm" in said.because
     assert encoder_does(key, gain, PLAIN, after.model, [session], encoder_step=1e-7) is None
 
 

@@ -13,7 +13,8 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.courses.carriers import ZERO
 from skin_ident.criticism.courses.waves import EXCESS, LOW, _line, find_wave, run_of
 from skin_ident.criticism.noise.whitening import white
-from skin_ident.criticism.sessions.session import prepare, with_reference, without_parting
+from skin_ident.criticism.sessions.parting import without_parting
+from skin_ident.criticism.sessions.session import prepare, with_reference
 from skin_ident.recordings.load import load
 
 HIGH = 50

@@ -33,14 +33,15 @@ from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.search.criticise import criticise
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.weighing import said_of
-from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, meeting, motion_under, with_reference
+from skin_ident.criticism.sessions.parting import meeting
+from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, motion_under, with_reference
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
 from skin_ident.criticism.telemetry.lines import remains
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
-from skin_ident.criticism.telemetry.quantization import depth_step, find_buried
+from skin_ident.criticism.telemetry.quantization import depth_resolution, find_buried
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import Experiments, as_findings
 from skin_ident.criticism.telling.judging import judge
@@ -121,7 +122,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
         every[0] = every[0].warned(*twin.warnings) if twin.warnings else every[0]
     every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
     train, held = _split(looked.sessions, training)
-    step = depth_step(every)
+    step = depth_resolution(every)
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
     if c.train[0].free_mass:
@@ -167,7 +168,7 @@ def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model
         return _split(sessions, training)
 
     c = part.criticism
-    rest = rest_of(c, every, chosen, layout, split, depth_step(every), progress)
+    rest = rest_of(c, every, chosen, layout, split, depth_resolution(every), progress)
     seen = (*(symptom_of_all(s, chosen) for s in part.seen), *rest.symptoms)
     extended = model_of_all(c.extended.model, chosen, rest.shares, rest.effects, layout)
     progress("judging the ratios of all taxels")

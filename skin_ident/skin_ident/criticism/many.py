@@ -24,7 +24,8 @@ from skin_ident.criticism.search.search import Search
 from skin_ident.criticism.search.size import affordable
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.cutoff import common_to
-from skin_ident.criticism.sessions.session import Session, longest, prepare, without_parting
+from skin_ident.criticism.sessions.parting import without_parting
+from skin_ident.criticism.sessions.session import Session, longest, prepare
 from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import found, seen

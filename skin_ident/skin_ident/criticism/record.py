@@ -11,7 +11,8 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.search.weighing import weighed
 from skin_ident.criticism.sessions.cutoff import common_to
-from skin_ident.criticism.sessions.session import Session, meeting, prepare
+from skin_ident.criticism.sessions.parting import meeting
+from skin_ident.criticism.sessions.session import Session, prepare
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.copied import copies_among, emptied, find_copies

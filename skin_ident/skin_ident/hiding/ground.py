@@ -9,7 +9,8 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.baseline.unknowns import unknowns
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
-from skin_ident.criticism.sessions.session import Session, prepare, without_parting
+from skin_ident.criticism.sessions.parting import without_parting
+from skin_ident.criticism.sessions.session import Session, prepare
 from skin_ident.recordings.mass import known_mass
 from skin_ident.recordings.recording import Recording
 from skin_models.model import Model

@@ -5,7 +5,8 @@ from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
-from skin_ident.criticism.sessions.session import prepare, without_parting
+from skin_ident.criticism.sessions.parting import without_parting
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.hide import Hidden
 from skin_ident.recordings.mass import known_mass
 from skin_ident.recordings.recording import Recording

@@ -20,7 +20,8 @@ from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.search.proposals import Direction, bank
 from skin_ident.criticism.search.ranking import project, rank
 from skin_ident.criticism.sessions.band import Band
-from skin_ident.criticism.sessions.session import Session, meeting, without_parting
+from skin_ident.criticism.sessions.parting import meeting, without_parting
+from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 from skin_models.signals import Motion
 
@@ -109,6 +110,7 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
         motion,
         like.channels,
         np.zeros((shape[0], len(motion))),
+        np.zeros((shape[0], len(motion))),
         band,
         t,
         np.zeros(shape),
@@ -118,4 +120,5 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
         like.spread,
         like.contact,
     )
-    return without_parting(replace(blank, measured=band.thin(simulated(model, blank))), model.dispersion)
+    said = simulated(model, blank)
+    return without_parting(replace(blank, bridged=said, measured=band.thin(said)), model.dispersion)

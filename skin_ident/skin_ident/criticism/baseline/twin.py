@@ -65,7 +65,7 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
     raw = np.array([np.interp(session.motion.t, t, twin.channels[c]) for c in session.channels])
     known = (session.t >= t[0]) & (session.t <= t[-1])
     weight = np.tile(known.astype(float), (len(raw), 1))
-    return replace(session, raw=raw, measured=session.band.thin(raw), weight=weight, stuck={}), warnings
+    return replace(session, raw=raw, bridged=raw, measured=session.band.thin(raw), weight=weight, stuck={}), warnings
 
 
 def _clock(recording, twin) -> tuple[np.ndarray, list[str]]:

@@ -35,11 +35,12 @@ def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
     return cause in OF_READING and gain.squares <= (INTEGRAL * converter_step(train, gain.channel)) ** 2
 
 
-def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float) -> bool:
+def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float, strict: bool = False) -> bool:
     """Whether the gain is more than what steps leave open, in all or where the stage moves. Those of the encoder leave a force, the same
     one wherever the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not
     carry the readings across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed
-    what steps beat against samples in any session, and those speeds, too, unless the likelihood gains much by it. A stage that trembles at
+    what steps beat against samples in any session, and those speeds, too, unless the likelihood gains much by it and
+    nobody is `strict`. A stage that trembles at
     rest does so no more while it moves: a fall there may be smaller."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
@@ -47,7 +48,7 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     if cause in OF_SPEED:
         beats = OPEN * max((damping(before, gain.channel) * _beat([s], encoder_step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
-        if gain.relative < MUCH:
+        if strict or gain.relative < MUCH:
             resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
             still, moving = still + max(resting, passing), moving + passing
     if gain.squares > still:

@@ -10,7 +10,8 @@ from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import Progress, Search
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.weighing import weighed
-from skin_ident.criticism.sessions.session import Session, longest, without_parting
+from skin_ident.criticism.sessions.parting import without_parting
+from skin_ident.criticism.sessions.session import Session, longest
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
 from skin_models.model import Model

@@ -13,7 +13,7 @@ from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
-FINER = "an encoder, and converters, with finer steps"
+FINER = "an encoder, and converters, with finer steps and less noise"
 TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
 KINDS = {DEPTH: ("the zero of depth", 1e6, "µm"), DELAY: ("the delay", 1e3, "ms")}
 
@@ -44,7 +44,7 @@ def encoder_does(key: tuple[str, str], gain: Gain, before: Model, after: Model, 
         return Seen(np.inf, why, "a depth beside the force, or a load cell with less noise")
     length, step = unreadable(instances(after, *key), encoder_step), _micrometres(encoder_step)
     if length:
-        return Seen(np.inf, f"it would be {_micrometres(length)} and {_worth(gain)}, but the encoder reads in steps of {step}", FINER)
+        return Seen(np.inf, f"it would be {_micrometres(length)} and {_worth(gain)}, but the encoder reads no finer than {step}", FINER)
     return steps_do(key[0], gain, before, after, train, encoder_step)
 
 
@@ -53,7 +53,7 @@ def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Se
     if resolved(gain, cause, before, after, train, encoder_step):
         return None
     step = _micrometres(encoder_step)
-    return Seen(np.inf, f"it would {_worth(gain)}, which the steps of encoder ({step}) and converters may leave open", FINER)
+    return Seen(np.inf, f"it would {_worth(gain)}, which encoder (no finer than {step}) and converters may leave open", FINER)
 
 
 def stage_does(run: Run, encoder_step: float) -> Seen:
@@ -62,7 +62,7 @@ def stage_does(run: Run, encoder_step: float) -> Seen:
     found, least = (f"{scale * x:.3g} {unit}" for x in (run.largest, run.least(encoder_step)))
     why = f"within single sessions {what} would step by {found}"
     if run.course.carrier == DEPTH and encoder_step >= AT_REST:
-        return Seen(np.inf, f"{why}, but the encoder reads in steps of {least}", FINER)
+        return Seen(np.inf, f"{why}, but the encoder reads no finer than {least}", FINER)
     return Seen(np.inf, f"{why}, and good hardware does up to {least} by itself")
 
 

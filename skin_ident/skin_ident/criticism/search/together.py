@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.course import Run
-from skin_ident.criticism.gates.gate import MATERIAL
+from skin_ident.criticism.gates.gate import MATERIAL, MUCH, Gain
+from skin_ident.criticism.gates.resolution import resolved
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.trial import Trial, sized
+from skin_models.model import Model
 
 if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
@@ -42,6 +44,13 @@ def two_at_once(search: "Search", trials: list[Trial], runs: list[Run]) -> Pair 
     return (alone, replace(first, alternatives=rivals)), second
 
 
+def _no_steps(search: "Search", after: Model, both: Gain, causes: set[str]) -> bool:
+    """Whether two causes gain more than the steps of an encoder leave open, and much where one of them may smooth those."""
+    steps = search.encoder_step
+    much = both.relative > MUCH or not (steps and causes & set(FILTERS))
+    return much and all(resolved(both, cause, search.present.model, after, search.train, steps, strict=True) for cause in causes)
+
+
 def lasts(search: "Search") -> bool:
     """Whether training sessions are long enough to speak of several causes beside each other."""
     return sum(float(s.motion.t[-1] - s.motion.t[0]) for s in search.train) >= LASTS_S
@@ -55,14 +64,15 @@ def _beside(search: "Search", first: Trial) -> Pair | None:
     """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together."""
     ahead = search.ahead(first.fit)
     second = ahead.first_believed(ahead.trials(ahead.look()), [])
-    if second is None or (second[1].cause, second[1].where) == first.key or {first.key[0], second[1].cause} <= set(FILTERS):
+    causes = {first.key[0], second[1].cause} if second else set()
+    if second is None or (second[1].cause, second[1].where) == first.key or causes <= set(FILTERS):
         return None
     after, train = second[0], ahead.train
     without = fit(lacking(after.model, *first.key), train, ahead.noise).model
     gain = ahead.gain(without, after.model, first.key[1])
     seen = encoder_does(first.key, gain, without, after.model, train, ahead.encoder_step) is None
     both = search.gain(search.present.model, after.model, "skin")
-    if not (gain.passed and seen and gain.shows_at(first.key[1]) and both.passed):
+    if not (gain.passed and seen and gain.shows_at(first.key[1]) and both.passed and _no_steps(search, after.model, both, causes)):
         return None
     finding = Named(*first.key, gain, first.score, (), without, after.model)
     return (first.fit, finding), second

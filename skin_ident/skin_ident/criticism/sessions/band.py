@@ -4,7 +4,7 @@ An encoder of a few micrometres makes its derivative noisy; filtering only one s
 The filter is a linear-phase FIR, centred, so that it shifts nothing; the samples its edges touch are dropped.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,13 +22,18 @@ SHORT, SHARP = (1.5, 5.0), (3.0, 8.0)
 THIRD = 20.0  # times the variance of white noise, that of its third differences
 
 
+LEAST = 0.5  # of a kernel, by which what is left of it is made up for
+
+
 @dataclass(frozen=True)
 class Band:
-    """The common low-pass for data sampled every `dt` seconds, beside others that are sampled every `slowest` seconds or faster."""
+    """The common low-pass for data sampled every `dt` seconds, beside others that are sampled every `slowest` seconds or faster. Samples
+    that are not `seen` (N,) do not pass: an average is that of the others."""
 
     dt: float
     cutoff: float = CUTOFF_HZ
     slowest: float = 0.0
+    seen: np.ndarray | None = field(default=None, compare=False)
 
     @property
     def edge(self) -> float:
@@ -77,8 +82,22 @@ class Band:
     def _wide(self) -> np.ndarray:
         return _low_pass(self._wide_edge, self.dt, shape=SHARP)
 
+    def blind(self, left_out: np.ndarray) -> "Band":
+        """The same band, to which samples `left_out` (N,) are nothing."""
+        seen = ~left_out if self.seen is None else self.seen & ~left_out
+        return self if seen.all() else replace(self, seen=seen)
+
+    @cached_property
+    def sees(self) -> np.ndarray | float:
+        """What share of the kernel falls on samples that are seen, at each sample that is kept (n,)."""
+        return 1.0 if self.seen is None else self._thinned(self.seen.astype(float))
+
     def thin(self, y: np.ndarray) -> np.ndarray:
-        """Low-pass the rows of `y` (..., N), drop the edges and decimate; only the samples that are kept are worked out.
+        """Low-pass the rows of `y` (..., N), drop the edges and decimate."""
+        return self._thinned(y) if self.seen is None else self._thinned(y * self.seen) / np.maximum(self.sees, LEAST)
+
+    def _thinned(self, y: np.ndarray) -> np.ndarray:
+        """Of every sample; only those that are kept are worked out.
 
         Rows are cut into pieces of `every` samples, as the kernel is: one matrix product holds every piece of one times every piece of the
         other, and a sample that is kept is the sum along a diagonal.

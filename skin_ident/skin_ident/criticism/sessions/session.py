@@ -15,20 +15,15 @@ from skin_models.operators.lagging import lagged
 from skin_models.signals import Motion, motion
 
 NOMINAL = 1e4  # N/m, scale of a skin that is known by ratios alone
-JUMP = 0.03  # of the greatest force
-RECOVERED = 0.003  # of the greatest depth
-RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s
-SHALLOW = 0.1  # of the greatest depth
 FITTED, KEPT = " (two blocks in three)", " (every third block)"  # what the names of the two parts of a lone session end in
-NOTHING = 0.4  # of what recovering skin would press on its taxels
-PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
 
 
 @dataclass(frozen=True)
 class Session:
     """One recording as the criticism sees it.
 
-    `channels` names the rows of `measured` (C, n), newtons, low-passed and thinned out; `raw` (C, N) is as recorded.
+    `channels` names the rows of `measured` (C, n), newtons, low-passed and thinned out; `raw` (C, N) is as recorded, `bridged` the same
+    with straight lines in the place of bad samples.
     `weight` (C, n) is 1 where a sample may be believed and 0 where telemetry has ruled it out. `drive` (N,) is the applied force of a
     force-to-force test, which has no depth: `motion` is then only a first idea of it (see `motion_under`).
     """
@@ -37,6 +32,7 @@ class Session:
     motion: Motion
     channels: tuple[str, ...]
     raw: np.ndarray
+    bridged: np.ndarray
     band: Band
     t: np.ndarray
     measured: np.ndarray
@@ -76,11 +72,11 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     s = motion(recording.t, band.smooth(moved), band.speed(moved))
     channels, raw = stacked(recording)
     bad = np.zeros(raw.shape, bool) if bad is None else bad
-    measured = band.thin(np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)]))
+    bridged = np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)])
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
-    driven = drive, drive_noise
-    return Session(recording.name, s, channels, raw, band, band.times(recording.t), measured, weight, *driven, recording.spread, contact)
+    rows, kept, driven = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight), (drive, drive_noise)
+    return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact)
 
 
 def with_reference(sessions: list[Session]) -> list[Session]:
@@ -117,66 +113,6 @@ def motion_under(session: Session, skin: Dispersion) -> Motion:
         return replace(motion(session.motion.t, target), pressed=True)
     x = lagged(target, tau, dt)
     return replace(motion(session.motion.t, x, (target - x) / tau), pressed=True)
-
-
-def without_parting(session: Session, skin: Dispersion) -> Session:
-    """The session less the moments when the plunger may have left the skin behind it, or met it so fast that the force jumps.
-
-    Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin, and a jump between two samples cannot be
-    known to better than a sample: neither says anything about the rest of the model. Nor does, in a test that force drives, skin which
-    recovers under no force, where taxels read nothing of it.
-    """
-    if session.drive is None:
-        left_out = parted(session.motion, skin) | impacts(session.motion, skin)
-    else:
-        left_out = _recovering(session, skin, JUMP, RECOVERED) & _reads_nothing(session)
-    kept = session.band.thin(left_out.astype(float)) < 0.02
-    return replace(session, weight=session.weight * kept)
-
-
-def _recovering(session: Session, skin: Dispersion, force: float, depth: float) -> np.ndarray:
-    """Mask (N,) of samples at which skin is deeper than its force would keep it, by a share `depth` of the greatest depth, under less than
-    a share `force` of the greatest force."""
-    x = motion_under(session, skin).x
-    return (session.drive < force * session.drive.max()) & (x - session.drive / (skin.k1 + skin.k2) > depth * x.max())
-
-
-def _reads_nothing(session: Session) -> bool:
-    """Whether taxels under skin that nothing presses read less than a share `NOTHING` of what recovering skin would press on them: a linear
-    function of its depth and speed, of the recovery time that explains best what they read under load."""
-    pressed = session.drive > JUMP * session.drive.max()
-    fits = []
-    for tau in RECOVERIES:
-        skin = Dispersion(m=0.0, b1=0.0, k1=0.0, b2=tau * NOMINAL, k2=NOMINAL)
-        moved = motion_under(session, skin)
-        under = np.array([moved.x, moved.v])
-        told = np.linalg.lstsq(under[:, pressed].T, session.raw[:, pressed].T, rcond=None)[0].T @ under
-        fits.append((float(np.sum((session.raw - told)[:, pressed] ** 2)), told, skin))
-    _, told, skin = min(fits, key=lambda fit: fit[0])
-    free = _recovering(session, skin, 0.01, 0.02)
-    return bool(np.sum((session.raw * told)[:, free]) < NOTHING * np.sum(told[:, free] ** 2))
-
-
-def parted(s: Motion, skin: Dispersion) -> np.ndarray:
-    """Mask (N,) of samples below the surface at which skin that recovers a little slower than the fitted one would not be touched."""
-    slow = replace(skin, b1=PARTING * max(skin.b1, 0.0), b2=PARTING * max(skin.b2, 0.0))
-    return (s.x > 0.0) & ~slow.contact(s)
-
-
-def impacts(s: Motion, skin: Dispersion) -> np.ndarray:
-    """Mask (N,) of samples beside a contact made or lost at a speed whose damping force alone is more than `JUMP` of the greatest force."""
-    greatest = (skin.k1 + skin.k2) * max(float(s.x.max()), 1e-9)
-    fast = np.abs((skin.b1 + skin.b2) * s.v) > JUMP * greatest
-    touching = (s.x > 0.0) & ~parted(s, skin)
-    edges = np.diff(touching.astype(int), prepend=int(touching[0])) != 0
-    return np.convolve(edges & fast, np.ones(5), mode="same") > 0.5
-
-
-def meeting(s: Motion, skin: Dispersion, around: int = 8) -> np.ndarray:
-    """Mask (N,) of samples within `around` of shallow or parted contact, where a force may really jump."""
-    slow = replace(skin, b1=2.0 * max(skin.b1, 0.0), b2=2.0 * max(skin.b2, 0.0))
-    shallow = (s.x > -SHALLOW * s.x.max()) & (s.x < SHALLOW * s.x.max())
-    return np.convolve(shallow | parted(s, slow), np.ones(2 * around + 1), mode="same") > 0.5
 
 
 def stacked(recording) -> tuple[tuple[str, ...], np.ndarray]:

@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
-from skin_ident.criticism.sessions.session import Session, meeting, motion_under
+from skin_ident.criticism.sessions.parting import meeting
+from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.peaks import Piece, clipped_peaks
 from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity

@@ -8,11 +8,13 @@ than the noise s beneath, they bury it, and that can be seen in what a model lea
 """
 
 from dataclasses import replace
+from math import comb
 
 import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import declared_step
+from skin_ident.estimators.scale import normal_scale
 
 COARSER = 1.5  # times the declared step
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
@@ -22,6 +24,7 @@ FEW = 0.01  # of the samples, the most levels of a converter whose steps are une
 OFTEN = 0.9  # of the samples on levels that occur again and again
 AGAIN = 5
 BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
+ORDERS = (3, 5, 7)  # of differences that motion of a few hertz hardly passes
 MANY = 0.5  # share of samples that are levels of their own: then nothing is quantized
 
 
@@ -111,6 +114,19 @@ def _declared(recording) -> dict[str, float | None]:
 
 def _rows(recordings: list, channel: str) -> list[np.ndarray]:
     return [row for r in recordings for name, row in [*r.channels.items(), ("depth", r.depth)] if name == channel and row is not None]
+
+
+def depth_resolution(recordings: list) -> float:
+    """How finely the depth is read, m: its steps, or those which would be as loud as its white noise, sqrt(12) standard deviations."""
+    noises = [white_noise(r.depth) for r in recordings if r.depth is not None]
+    return max(depth_step(recordings), np.sqrt(12.0) * max(noises, default=0.0))
+
+
+def white_noise(y: np.ndarray) -> float:
+    """Standard deviation of the white noise of `y` (N,), in its unit: by its differences of the order at which that is least. Of motion
+    high ones hold next to nothing, of such noise all as much, for the squares of binomials add up to (2 m over m)."""
+    orders = [m for m in ORDERS if y.size > 2 * m]
+    return min((normal_scale(np.diff(y, m)) / np.sqrt(comb(2 * m, m)) for m in orders), default=0.0)
 
 
 def depth_step(recordings: list) -> float:

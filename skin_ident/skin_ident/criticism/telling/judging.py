@@ -16,7 +16,8 @@ from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.gates.gate import FOLD_ITERATIONS, rmse_fall
 from skin_ident.criticism.search.named import Criticism
-from skin_ident.criticism.sessions.session import Session, with_reference, without_parting
+from skin_ident.criticism.sessions.parting import without_parting
+from skin_ident.criticism.sessions.session import Session, with_reference
 from skin_ident.criticism.telemetry.faults import PREDICTS, effect_of, effects_of, with_effects
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.model import Model
