@@ -5,7 +5,9 @@ import pytest
 from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.telemetry.grid import factor_of
 from skin_ident.criticism.telemetry.outliers import find_outliers
+from skin_ident.criticism.telemetry.units import FACTORS
 from skin_ident.recordings.load import load
 
 FAULTS = [
@@ -72,3 +74,16 @@ def test_heavy_tails_in_coarse_steps_are_no_outliers(tmp_path):
     sessions, _ = make_sessions([], seed=1013840389, n_taxels=3, protocol="full", encoder_step_um=10.0)
     write_case(sessions, tmp_path)
     assert not inspect(load(tmp_path)).symptoms
+
+
+def test_samples_that_were_lost_are_no_other_unit():
+    """Interpolated ones lie between levels, as may a median; and what was worked out differs in its last digits."""
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        step = 10.0 ** rng.uniform(-4.0, -1.0)
+        y = step * np.round(np.cumsum(rng.standard_normal(2000)))
+        lost = rng.integers(1, 1999, 8)
+        y[lost] = 0.5 * (y[lost - 1] + y[lost + 1])
+        y = np.append(y * (1.0 + 1e-15 * rng.standard_normal(y.size)), 0.5 * step + np.median(np.round(y / step) * step))
+        assert factor_of(y, step, FACTORS) == 1.0
+        assert factor_of(1e-3 * y, step, FACTORS) == 1e-3

@@ -9,20 +9,25 @@ import numpy as np
 TOLERANCE = 2e-3  # of a step, plus what six written digits round away,
 ROUNDED, MOST = 6e-6, 0.1  # up to so much of a step: beyond, a grid of finer steps would fit as well
 FEWEST_LEVELS = 8
+DUST = 4  # digits of a step, beyond which levels differ by how they were worked out
 CLOSE = 2.5  # steps between neighbouring levels, in a record that dwells on many of them
 
 
 def sits_on(y: np.ndarray, step: float) -> bool:
     """Whether the samples in y (N,) are a whole number of `step` apart, and their levels mostly just one or two."""
-    levels = np.unique(y[y != 0.0])
-    if levels.size < FEWEST_LEVELS or not step or np.ptp(levels) < FEWEST_LEVELS * step:
+    if not step:
         return False
-    return float(np.median(np.diff(levels))) < CLOSE * step and _on(y, step)
+    levels = np.unique(np.round(y[y != 0.0] / step, DUST))
+    if levels.size < FEWEST_LEVELS or np.ptp(levels) < FEWEST_LEVELS:
+        return False
+    return float(np.median(np.diff(levels))) < CLOSE and _on(y, step)
 
 
 def _on(y: np.ndarray, step: float) -> bool:
     """Whether nearly all samples are whole steps apart. Where they begin is a matter of the tare; a few may have been interpolated."""
-    z = (y - np.median(y)) / step
+    z = y / step
+    levels, often = np.unique(np.round(z, DUST), return_counts=True)
+    z = z - levels[np.argmax(often)]  # a median may lie between two of them
     off = np.abs(z - np.round(z))
     return bool(np.mean(off < TOLERANCE + np.minimum(ROUNDED * np.abs(y / step), MOST)) > 0.97)
 

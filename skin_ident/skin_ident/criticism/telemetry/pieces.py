@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
+from skin_ident.criticism.baseline.residual import stiffness
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.peaks import Piece, clipped_peaks
@@ -23,6 +24,7 @@ from skin_models.signals import Motion
 LASTING_S = 0.1
 FAR, NEAR = 10.0, 5.0  # widths of what the model leaves: for the channel itself, and for the others
 MOST, FEW = 0.6, 0.3  # of a lasting window's samples that must be far, and that may not be near in others
+SHARED = 0.5  # of what is left of a channel, in proportion, by which the others are with it and not with the model
 FEWEST, LONG_S = 3, 1.0  # pieces, or one that is so long: a lone short one may be a touch of another kind
 SELDOM = 0.05  # of the time: what is there more often is no accident
 APART_S = 0.5  # pieces nearer than that are one
@@ -58,12 +60,24 @@ def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> It
     n = max(round(LASTING_S / moved.dt), 8)
     far, near = (uniform_filter1d((np.abs(rest) > limit * width).astype(float), n, axis=1) for limit in (FAR, NEAR))
     met, jolted = meeting(moved, model.dispersion), _jolted(moved)
+    k = np.array([stiffness(model, channel) for channel in s.channels])
     for c, channel in enumerate(s.channels):
         alone = (far[c] >= MOST) & (np.delete(near, c, axis=0).max(axis=0) <= FEW) & (channel not in s.stuck)
         for i, j in _runs(alone, round(APART_S / moved.dt)):
+            if _shared(rest[:, i:j], c, width[:, 0], k) > SHARED:
+                continue
             size = float(np.sqrt(np.mean(rest[c, i:j] ** 2)))
             hit = channel == "force" and (j - i) * moved.dt < BRIEF_S and jolted[i:j].any()
             yield Piece(s.name, channel, float(moved.t[i]), (j - i) * moved.dt, size, bool(hit or met[i:j].mean() > MEETING))
+
+
+def _shared(rest: np.ndarray, c: int, width: np.ndarray, k: np.ndarray) -> float:
+    """How much of what the model leaves of channel `c`, in proportion to the stiffness `k` (C,), the others are left with, too, (C, n): 1
+    where the skin does it, though noise may hide it in each of them; 0 where the channel does."""
+    others = np.arange(len(k)) != c
+    weight = (k / width)[others] ** 2
+    alike = (rest[others] @ rest[c]) / np.where(k[others] != 0.0, k[others], np.inf) * k[c]
+    return float(weight @ alike) / max(float(weight.sum()) * float(rest[c] @ rest[c]), 1e-300)
 
 
 def _jolted(moved: Motion) -> np.ndarray:
