@@ -35,7 +35,7 @@ class Lag(Dynamic):
     places: ClassVar = {"taxel": Place.TAXEL, "load_cell": Place.LOAD_CELL}
     source: ClassVar[str] = "Franklin, Powell and Workman 1998, section 6.3.2"
 
-    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, scan=(0.005, 0.2), doc="time constant")
+    tau: float = quantity("s", 0.0, lower=0.0, upper=100.0, typical=0.05, scan=(0.005, 0.05, 0.2), doc="time constant")
 
     def initial(self, rng=None) -> None:
         """None: the first sample is taken as rest. From then on the state is z[n-1] and y[n-1], N."""
