@@ -7,7 +7,8 @@ The method, in the order in which `diagnose` runs it:
     `telemetry.odd_session` puts a session right that differs from all others in whole (columns in another order, a unit, a sign).
 2.  `sessions` puts measured and simulated channels through one and the same low-pass, at full rate, then thins them out. A depth in coarse
     steps is drawn again first (`recordings.staircase`), and the band ends where its steps would be more of the motion than the motion
-    (`sessions.cutoff`). Moments when the plunger may have left the skin are not compared.
+    (`sessions.cutoff`). Moments when the plunger may have left the skin are not compared, and do not pass the filter either
+    (`sessions.parting`): a jump's tail is louder than the noise.
 3.  `baseline` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error; damping is not below
     nothing. Sessions that press at different places have shares of their own for every taxel, fitted with whatever model stands beside
     them.
@@ -24,8 +25,8 @@ The method, in the order in which `diagnose` runs it:
     reported beside it (`search.rivals`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
     Where none is believed alone, and hardware does nothing of the kind, two that hide each other are asked (`search.together`).
 8.  `gates` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves uncertain, by more than steps
-    of encoder and converters leave open, and that noise of another colour is no shorter account of the record. What is there, and such as
-    good hardware does, is said and not named (`search.hardware`).
+    of encoder and converters, or a depth as noisy, leave open, and that noise of another colour is no shorter account of the record. What
+    is there, and such as good hardware does, is said and not named (`search.hardware`).
 9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
     during it. Where such courses explain most and predict nothing, the noise wanders more than its model knows, and nothing is named. Last,
     what is wrong in held-out sessions alone.
