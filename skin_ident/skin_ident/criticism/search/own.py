@@ -48,6 +48,7 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
     told = score - _at_once(run, search) > SEARCHED * search.least(after.count) or not searched
+    told = told and score > search.form_of_others(*run.course.key)
     stood = stands(run, gain, search.present.model, search.train)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood and search.resolved(run.course.key, gain, after.model)):

@@ -223,7 +223,7 @@ class Search:
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > self.least(trial.fit.count) * gain.breadth and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
-            much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self._form_of_others(*trial.key)
+            much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self.form_of_others(*trial.key)
             if not (told and much and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)):
                 continue
             encoder = encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
@@ -245,7 +245,7 @@ class Search:
         band that was narrowed, and its noise no less."""
         return MATERIAL * count * self.train[0].band.narrowed
 
-    def _form_of_others(self, cause: str, where: str) -> float:
+    def form_of_others(self, cause: str, where: str) -> float:
         """The likelihood gain that imperfect forms of other causes, named in the same sensor, may leave to this one."""
         if not where.startswith(SENSORS):  # skin and rig have many causes, each in its own right
             return 0.0
