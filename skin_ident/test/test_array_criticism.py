@@ -22,6 +22,13 @@ def test_a_contact_that_leans_with_depth_is_off_centre_and_no_saturation(tmp_pat
     assert names(findings) == [("off_centre", "rig")]
 
 
+def test_a_lean_that_steps_may_feign_is_said_and_not_excluded(tmp_path):
+    findings = found(record(tmp_path, "off_centre", "lean", size=0.5, seed=0, layout="row_5mm", noise="white"))
+    reasons = [u["because"] for u in findings["untestable"] if (u["cause"], u.get("where")) == ("off_centre", "rig")]
+    assert not names(findings) and len(reasons) == 1 and "it would explain" in reasons[0]
+    assert "off_centre" not in {e["cause"] for e in findings["excluded"]}
+
+
 def test_sessions_at_several_places_name_the_contact_and_the_written_model_says_the_same(tmp_path):
     recordings = record_at(tmp_path, ALONG, "off_centre", "shift", size=8.0, seed=0, **SHORT)
     outcome = diagnose(recordings[:-1], recordings[-1:])

@@ -148,7 +148,8 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
 
 def _outcome(part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, model: Model, first: Session, symptoms) -> Outcome:
     """`model` is the extended one, `first` the first session, with all their taxels."""
-    c, findings = part.criticism, joined(findings, array, model)
+    c = part.criticism
+    findings = joined(findings, array, model, c.usual)
     if findings["findings"] and findings["verdict"] == "unexplained":  # until the array had its say
         findings["verdict"] = "partly_explained"
     kept, whole = {s.name for s in part.held}, part.looked.whole

@@ -1,5 +1,6 @@
 """The analysis of an array joined to the rest of a diagnosis."""
 
+from collections.abc import Container
 from typing import Any
 
 from skin_ident.criticism.array.analysis import ArrayCriticism, analyse, doubted_taxels
@@ -33,20 +34,21 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
     return analyse(c.extended.model, layout, sessions, indices, c.last.noise, doubted_taxels(c.named), thickness_mm)
 
 
-def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model) -> dict[str, Any]:
+def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen: Container[tuple[str, str]] = ()) -> dict[str, Any]:
     """findings.json with what the array says: a finding more, or bounds and reasons in place of those that know nothing of layouts.
 
-    `model` is the extended one, whose effects of the array are put into words.
+    `model` is the extended one, whose effects of the array are put into words; `seen` are causes and places of which the search has seen
+    something that is no finding: ratios on the whole bound no form of them that comes and goes.
     """
     findings = {**findings, "findings": [_in_words(e, model) for e in findings["findings"]]}
     entries = _with(findings["findings"], entry(a)) if not isinstance(a, str) and a.named else findings["findings"]
     named = {f["cause"] for f in entries} | {r["cause"] for f in entries for r in f["alternatives"]}
     reasons = [u for u in untestable(a) if u["cause"] not in named]
-    bounds = [] if isinstance(a, str) else [e for e in excluded(a) if e["cause"] not in named]
+    bounds = [] if isinstance(a, str) else [e for e in excluded(a) if e["cause"] not in named and (e["cause"], e["where"]) not in seen]
     open_to = {u["cause"] for u in reasons}  # here, for a search that knows no layout has excluded forms of it that are no shift or leak
     able = [e for e in findings["excluded"] if e["cause"] not in named | open_to] + bounds
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
-    kept = [u for u in findings["untestable"] if u["cause"] not in named and _about(u) not in decided]
+    kept = [u for u in findings["untestable"] if u["cause"] not in named and (_about(u) in seen or _about(u) not in decided)]
     verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
     if not isinstance(a, str) and a.unexplained:
         verdict = "partly_explained" if entries else "unexplained"

@@ -39,9 +39,8 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     """Whether the gain is more than what steps leave open, in all or where the stage moves. Those of the encoder leave a force, the same
     one wherever the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not
     carry the readings across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed
-    what steps beat against samples in any session, and those speeds, too, unless the likelihood gains much by it and
-    nobody is `strict`. A stage that trembles at
-    rest does so no more while it moves: a fall there may be smaller."""
+    what steps beat against samples in any session, and those speeds, too, unless the likelihood gains much by it and nobody is `strict`. A
+    stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, _moves))

@@ -3,6 +3,9 @@
 A search that only goes forward keeps what it took first, and of two effects the first to be named was chosen to explain some of the other
 as well. So each cause is taken out once the others are known, and everything is asked again what explains the rest (P. Pudil, J.
 Novovičová, J. Kittler, Floating search methods in feature selection, Pattern Recognition Letters 15 (1994) 1119-1125).
+
+Of two names for the same the one that explains a little more may leave what no other cause explains well, while beside its rival one does.
+So where much is left that is not believed, the rivals are asked, each in the place of its finding.
 """
 
 from dataclasses import replace
@@ -11,22 +14,33 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
-from skin_ident.criticism.search.growing import lacking
+from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
+from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.together import lasts
+from skin_models.model import Model
 
 if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
+MUCH = 4.0  # times what makes a cause worth naming, which one must explain that is not believed, for rivals to be asked
 PROMISING = 0.8  # of what a cause explains, or seems to at first glance, from which another one may explain more once it is fitted
 
 
 def exchange(search: "Search") -> bool:
     """Put the better account in the place of the first finding that has one, and say whether there was one; where the same cause is found
     again, its rivals are those it has now. Not asked of short records. `search` is the state of `criticise`."""
-    several = len(search.named) > 1 and lasts(search)
-    return several and any(_exchanged(search, finding) for finding in tuple(search.named) if not finding.courses)
+    if not lasts(search):
+        return False
+    if len(search.named) > 1 and any(_exchanged(search, finding) for finding in _shared(search)):
+        return True
+    return search.refused > MUCH * search.least(search.present.count) and any(_for_rival(search, finding) for finding in _shared(search))
+
+
+def _shared(search: "Search") -> list[Named]:
+    """What was named that all sessions share."""
+    return [n for n in search.named if not n.courses]
 
 
 def _exchanged(search: "Search", finding: Named) -> bool:
@@ -45,14 +59,14 @@ def _exchanged(search: "Search", finding: Named) -> bool:
     if not (own or shared):
         return False
     other = (own or shared)[1]
-    if (other.cause, other.where) == key:
-        known = {(n.cause, n.where) for n in ahead.named}
-        again = replace(finding, alternatives=tuple(a for a in other.alternatives if a.key not in known))
+    near = (Rival(other.cause, other.where, 0.0), *other.alternatives)
+    if other.cause == finding.cause and key in {a.key for a in near}:
+        known = {key, *((n.cause, n.where) for n in ahead.named)}
+        again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
         search.named = [again if n is finding else n for n in search.named]
     if other.cause == finding.cause or other.explained <= explained:
         return False
-    search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
-    search.befores.pop(key, None)
+    _become(search, ahead, finding)
     if own:
         take_course(search, *own)
     else:
@@ -60,10 +74,43 @@ def _exchanged(search: "Search", finding: Named) -> bool:
     return True
 
 
+def _for_rival(search: "Search", finding: Named) -> bool:
+    """Put that rival in the place of `finding` beside which another cause is believed, where both explain more than there is now."""
+    for rival in (r for r in finding.alternatives if r.model is not None):
+        search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
+        rest = lacking(search.present.model, finding.cause, finding.where)
+        ahead = _ahead(search, finding, rest.extended(*instances(rival.model, *rival.key)))
+        alone = ahead.present
+        shared = ahead.first_believed(ahead.trials(ahead.look()), [])
+        if shared is None or shared[1].cause in (finding.cause, rival.cause):
+            continue
+        after = shared[0].model
+        gain = ahead.gain(lacking(after, *rival.key), after, rival.where)
+        more = cost_of(search.present.model, ahead.train, ahead.noise) - shared[0].cost
+        if not (gain.passed and gain.shows_at(rival.where) and more > MUCH * search.least(shared[0].count)):
+            continue
+        taken = Named(*rival.key, gain, finding.explained - rival.short_by, (), finding.before, rival.model)
+        _become(search, ahead, finding)
+        search.accept(alone, taken)
+        search.accept(*shared)
+        return True
+    return False
+
+
+def _become(search: "Search", ahead: "Search", finding: Named) -> None:
+    """The state of `search` is that of `ahead` now, without `finding`."""
+    search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
+    search.befores.pop((finding.cause, finding.where), None)
+
+
 def _without(search: "Search", finding: Named) -> "Search":
     """The state in which everything but `finding` has been named."""
-    rest = lacking(search.present.model, finding.cause, finding.where)
-    ahead = search.ahead(fit(rest, search.train, search.noise))
+    return _ahead(search, finding, lacking(search.present.model, finding.cause, finding.where))
+
+
+def _ahead(search: "Search", finding: Named, model: Model) -> "Search":
+    """The state in which everything but `finding` has been named, and `model` is fitted."""
+    ahead = search.ahead(fit(model, search.train, search.noise))
     ahead.named = [n for n in search.named if n is not finding]
     return ahead
 

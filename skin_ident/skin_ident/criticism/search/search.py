@@ -70,6 +70,7 @@ class Search:
         self.suspected: set[tuple[str, str]] = set()
         self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
         self.most = MOST_FINDINGS  # rounds
+        self.refused = 0.0  # what the best cause would explain that was not believed in the last round
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
         self.befores: dict[tuple[str, str], Model] = {}
@@ -98,6 +99,7 @@ class Search:
             pair = () if taken or self.named or self.usual else two_at_once(self, trials, runs)
             alone = alone or (not (taken or pair) and take_wave(self))
             new = taken or (pair[0] if pair else None)
+            self.refused = 0.0 if new or alone else max((t.score for t in trials), default=0.0)
             self.rounds.append((last, new[1].cause if new else self.named[-1].cause if alone else None))
             if own:
                 take_course(self, *own)
