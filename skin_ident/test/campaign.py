@@ -138,11 +138,12 @@ def _word(hidden, findings, alike: list, meant: set[str]) -> str:
 
 
 def _about(reason, hidden) -> bool:
-    """Whether a reason speaks of what is hidden: one with a place speaks of a constant form there, or of what good hardware may do."""
+    """Whether a reason speaks of what is hidden: one with a place speaks of a constant form there, or of what was seen and is in
+    doubt, or such as good hardware does."""
     if "where" not in reason:
         return True
-    of_hardware = any(word in reason["because"] for word in ("converter", "encoder", "good hardware"))
-    return (hidden.form == "static" or of_hardware) and _same_place(reason["where"], hidden.where)
+    of_this = any(word in reason["because"] for word in ("converter", "encoder", "good hardware", "hardly better", "noise that wanders"))
+    return (hidden.form == "static" or of_this) and _same_place(reason["where"], hidden.where)
 
 
 def _passes_for(findings, alike: list) -> bool:

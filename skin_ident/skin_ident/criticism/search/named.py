@@ -45,4 +45,4 @@ class Criticism:
     rounds: tuple[tuple[Survey, str | None], ...] = ()
     train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
     held: tuple[Session, ...] = ()
-    usual: dict[tuple[str, str], Seen] = field(default_factory=dict)  # by cause and place: seen, and not named since good hardware does it
+    usual: dict[tuple[str, str], Seen] = field(default_factory=dict)  # by cause and place: seen, and in doubt or what hardware does

@@ -12,6 +12,7 @@ from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_r
 from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.gates.uncertain import left_open
+from skin_ident.criticism.search.doubt import wandering
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.trial import Trial
@@ -53,6 +54,8 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood and search.resolved(run.course.key, gain, after.model)):
         search.wandering = max(search.wandering, run.score)
+        if score > SEARCHED * search.least(after.count) and not stood:
+            search.doubts[run.course.key] = wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
 

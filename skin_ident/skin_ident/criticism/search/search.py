@@ -16,6 +16,7 @@ from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
 from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.search.doubt import unproven
 from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does, stage_is_off, steps_do
 from skin_ident.criticism.search.named import Named, Seen
@@ -69,6 +70,7 @@ class Search:
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
         self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
+        self.doubts: dict[tuple[str, str], Seen] = {}  # what training speaks for, and others leave in doubt
         self.most = MOST_FINDINGS  # rounds
         self.refused = 0.0  # what the best cause would explain that was not believed in the last round
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
@@ -80,7 +82,7 @@ class Search:
         """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
         self.present = fitted
         while len(self.rounds) < self.most:
-            self.usual = {}
+            self.usual, self.doubts = {}, {}
             last = self.look()
             trials = self.trials(last)
             runs = self.own_courses()
@@ -151,7 +153,7 @@ class Search:
     def ahead(self, present: Fit) -> "Search":
         """The same state with another fit, from which to look further; what is found there is not found here."""
         other = copy(self)
-        other.present, other.usual, other.doubting = present, dict(self.usual), True
+        other.present, other.usual, other.doubts, other.doubting = present, dict(self.usual), {}, True
         return other
 
     def own_courses(self) -> list[Run]:
@@ -226,6 +228,8 @@ class Search:
             told = trial.score > self.least(trial.fit.count) * gain.breadth and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self.form_of_others(*trial.key)
+            if self._in_doubt(trial, trials[0], gain):
+                self.doubts[trial.key] = unproven()
             if not (told and much and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)):
                 continue
             encoder = encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
@@ -233,6 +237,11 @@ class Search:
                 return trial.fit, finding
             self.usual[trial.key] = encoder
         return None
+
+    def _in_doubt(self, trial: Trial, best: Trial, gain: Gain) -> bool:
+        """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""
+        able = trial.score > max(reach(best.score), DOUBTLESS * self.least(trial.fit.count) * gain.breadth) and sized(trial)
+        return bool(able and self.held and not gain.passed and not gain.spoilt and gain.relative > 0.0 and self._shorter(trial.fit))
 
     def _gain_of(self, trial: Trial, best: float) -> Gain:
         """What a trial gains; of one as good as the `best` that explains very much of training a second opinion is asked."""
