@@ -8,7 +8,7 @@ from skin_ident.criticism.diagnose import diagnose
 from skin_ident.recordings.load import load
 
 CASES = [
-    (Hide("saturation", "taxel_0", None, 0.5), 37713738, 3, "saturation", "held-out ones"),  # a ceiling that few held-out samples reach
+    (Hide("saturation", "taxel_0", None, 0.5), 37713738, 3, "saturation", "what is held out"),  # a ceiling that few held-out samples reach
     (Hide("drift", "taxel_0", None, 0.5), 1589392155, 1, "drift", "noise that wanders"),  # a random walk, and noise of its kind
 ]
 

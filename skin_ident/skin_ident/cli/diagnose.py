@@ -111,6 +111,8 @@ def summary(findings: dict[str, Any]) -> str:
         lines += [f"\n  {f['cause']} in the {f['where']}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
         lines += [f"    cannot be told from: {a['cause']} in the {a['where']}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
+    doubts = (u for u in findings.get("untestable", ()) if u.get("in_doubt"))
+    lines += [f"\n  in doubt: {u['cause']} in the {u['where']}: {u['because']}" for u in doubts]
     held = findings["baseline"].get("held", {})
     lines += [f"\n  {name} held at {h['value']:.3g} {h['unit']}: {h['because']}" for name, h in held.items()]
     lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from skin_ident.criticism.vocabulary import cause_at, place
 from skin_ident.report.numbers import percent
+from skin_ident.report.tolerant import text
 from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
 from skin_ident.report.words import Rebuild, capital, rebuild, sentence
 
@@ -47,6 +48,8 @@ def _grade(v: View, rivals: bool) -> str:
     if v.tested == UNTESTED:
         return "Not proven"
     if v.verdict == NOTHING:
+        if v.doubts:
+            return f"Fairly sure: {_count(len(v.doubts), 'cause')} in doubt"
         return "Sure, for what could be tested" if v.above is None else "Fairly sure: a little more is left than noise"
     if v.verdict == UNEXPLAINED or not v.findings:
         return "Sure that something is wrong, not what"
@@ -76,10 +79,10 @@ def _on_held_out(v: View) -> Iterator[str]:
 
 def rebuild_answer(v: View) -> tuple[str, str]:
     """Must a sensor be rebuilt? The gravest answer among the findings, and a reason that follows "because"."""
-    if not v.findings and v.verdict == NOTHING:
+    if not v.findings and v.verdict == NOTHING and not v.doubts:
         return "No", "nothing in these data speaks against the sensor"
     if not v.findings:
-        return "Not on this evidence", "no cause could be named"
+        return "Not on this evidence", "what is in doubt is not borne out" if v.doubts else "no cause could be named"
     answers = [_of_all_names(f) for f in v.findings]
     for grave in ("yes", "perhaps", "cannot say", LATER):
         for a in answers:
@@ -120,6 +123,8 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
         yield "See below which way the remaining error leans, and record what the untested causes need."
     if v.errors and v.tested in (UNTESTED, STRETCHES):
         yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
+    for e in v.doubts:
+        yield sentence(f"To settle {cause_at(text(e.get('cause')), text(e.get('where')))}: record {text(e.get('needs'))}")
     if v.verdict == NOTHING:
         yield "Keep the model." + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")
 

@@ -144,9 +144,9 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         yield Wrong("", _stray(seen, v))
     elif not v.findings and v.verdict == NOTHING:
         yield Wrong("", "Nothing that these data can show. What was ruled out, and what could not be tested, is listed below.")
-        yield from (Wrong("Not settled", sentence(said)) for said in _unsettled(v))
     elif not v.findings:
         yield Wrong("", "No departure from the model could be named with confidence.")
+    yield from (Wrong("Not settled", sentence(said)) for said in _unsettled(v))
 
 
 def _as_well(behind: float | None) -> str:
@@ -157,7 +157,10 @@ def _as_well(behind: float | None) -> str:
 
 
 def _unsettled(v: View) -> Iterator[str]:
-    """What was seen, and leaves several causes open: a reason that they share and that tells of a difference."""
+    """What was seen, and is in doubt, or leaves several causes open: a reason that they share and that tells of a difference."""
+    yield from (f"{cause_at(text(e.get('cause')), text(e.get('where')))}: {text(e.get('because'))}" for e in v.doubts)
+    if v.findings or v.verdict != NOTHING:
+        return
     shared = [re.sub(r"taxel_(\d)", r"taxel \1", text(e.get("because"))) for e in v.untestable]
     yield from dict.fromkeys(said for said in shared if shared.count(said) > 1 and " differ " in said)
 

@@ -124,6 +124,11 @@ class View:
     given: bool = False  # the model before was given, not fitted
 
     @property
+    def doubts(self) -> tuple[dict[str, Any], ...]:
+        """What the data speak for and do not bear out."""
+        return tuple(e for e in self.untestable if e.get("in_doubt"))
+
+    @property
     def tested(self) -> str:
         """How the extended model was put to the test: on a session kept aside, on stretches of the only one, on each in turn, or not."""
         if self.in_turn:

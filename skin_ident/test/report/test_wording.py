@@ -49,6 +49,16 @@ def test_what_is_above_the_noise_is_not_called_noise():
     assert "looks like noise" in summary(findings()) and "1.20 times" in summary(findings(left=0.06))
 
 
+def test_what_is_in_doubt_is_said_on_the_first_screen_and_in_the_terminal():
+    doubt = {"cause": "lag", "where": "taxel_0", "because": "half of the data speak for it", "needs": "the other half again"}
+    said = findings() | {"untestable": [doubt | {"in_doubt": True}, doubt | {"where": "load_cell"}]}
+    story = tell(examples.Outcome(said)).story
+    assert [w.name for w in story.wrong] == ["", "Not settled"] and "Lag in taxel 0: half of the data" in story.wrong[1].means
+    assert story.sure == "Fairly sure: 1 cause in doubt" and story.rebuild != "No"
+    assert story.next[0] == "To settle lag in taxel 0: record the other half again."
+    assert summary(said).count("in doubt") == 1 and "half of the data" in summary(said)
+
+
 def test_an_error_below_the_floor_is_no_more_than_noise():
     told = better(view(findings(left=0.045)))
     assert "no more than noise" in told.sentences[0] and "Noise alone" not in told.sentences[0]

@@ -52,7 +52,8 @@ def excluded_and_untestable(
 
 def undecided(cause: Cause, where: str, seen: Seen) -> dict[str, Any]:
     """The entry `untestable` for what is `seen` at one place and is no finding."""
-    return {"cause": cause.name, "where": where, "because": seen.because, "needs": seen.needs or cause.needs}
+    entry = {"cause": cause.name, "where": where, "because": seen.because, "needs": seen.needs or cause.needs}
+    return entry | ({"in_doubt": True} if seen.doubt else {})
 
 
 def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:

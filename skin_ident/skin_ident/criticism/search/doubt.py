@@ -6,8 +6,8 @@ from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, SLOPE, ZE
 from skin_ident.criticism.courses.course import Run
 from skin_ident.criticism.search.named import Seen
 
-REPEATED = "the same motions recorded twice more: what comes again is no chance"
-QUIET = "the same motions recorded again with a quieter channel, or rests long enough to see how its noise wanders"
+REPEATED = "more sessions, as far, as fast and as long as those that speak for it"
+QUIET = "the same motions again with a quieter channel, or rests long enough to see how its noise wanders"
 KINDS = {
     ZERO: "its zero",
     SLOPE: "its gain",
@@ -19,11 +19,12 @@ KINDS = {
 
 def unproven() -> Seen:
     """Why what explains much of training is no finding, where held-out sessions are predicted hardly better."""
-    return Seen(np.inf, "training sessions speak for it, but held-out ones are predicted hardly better with it", REPEATED)
+    why = "the sessions that are fitted speak for it, but what is held out is predicted hardly better with it"
+    return Seen(np.inf, why, REPEATED, doubt=True)
 
 
 def wandering(run: Run) -> Seen:
     """Why what single sessions would have of their own is no finding, where the blocks between are not predicted by it."""
     what = KINDS.get(run.course.carrier, "it")
     why = f"within single sessions {what} would wander by {run.size:.2g} N rms, but fitted to every other block it does not predict those"
-    return Seen(np.inf, f"{why} between: noise that wanders does as much", QUIET)
+    return Seen(np.inf, f"{why} between: noise that wanders does as much", QUIET, doubt=True)

@@ -27,11 +27,12 @@ class Named:
 @dataclass(frozen=True)
 class Seen:
     """What is in the record and no finding: its size in the unit of its cause's directions (inf: nothing of it is ruled out), why it is
-    none, and what would tell, by default what its cause needs."""
+    none, what would tell, by default what its cause needs, and whether it may be there all the same."""
 
     size: float
     because: str
     needs: str = ""
+    doubt: bool = False
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood and search.resolved(run.course.key, gain, after.model)):
         search.wandering = max(search.wandering, run.score)
-        if score > SEARCHED * search.least(after.count) and not stood:
+        if told and not stood and score > SEARCHED * search.least(after.count):
             search.doubts[run.course.key] = wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)

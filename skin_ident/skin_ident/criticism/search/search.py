@@ -228,7 +228,7 @@ class Search:
             told = trial.score > self.least(trial.fit.count) * gain.breadth and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self.form_of_others(*trial.key)
-            if self._in_doubt(trial, trials[0], gain):
+            if much and self._in_doubt(trial, trials[0], gain):
                 self.doubts[trial.key] = unproven()
             if not (told and much and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)):
                 continue
@@ -241,7 +241,8 @@ class Search:
     def _in_doubt(self, trial: Trial, best: Trial, gain: Gain) -> bool:
         """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""
         able = trial.score > max(reach(best.score), DOUBTLESS * self.least(trial.fit.count) * gain.breadth) and sized(trial)
-        return bool(able and self.held and not gain.passed and not gain.spoilt and gain.relative > 0.0 and self._shorter(trial.fit))
+        several = bool(self.held) or len(self.train) > 1
+        return bool(able and several and not gain.passed and not gain.spoilt and gain.relative > 0.0 and self._shorter(trial.fit))
 
     def _gain_of(self, trial: Trial, best: float) -> Gain:
         """What a trial gains; of one as good as the `best` that explains very much of training a second opinion is asked."""
