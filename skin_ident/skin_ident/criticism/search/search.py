@@ -229,14 +229,17 @@ class Search:
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self.form_of_others(*trial.key)
             if much and self._in_doubt(trial, trials[0], gain):
-                self.doubts[trial.key] = unproven()
+                self.doubts[trial.key] = self._encoder(trial, gain) or unproven()
             if not (told and much and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)):
                 continue
-            encoder = encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
+            encoder = self._encoder(trial, gain)
             if encoder is None:
                 return trial.fit, finding
             self.usual[trial.key] = encoder
         return None
+
+    def _encoder(self, trial: Trial, gain: Gain) -> Seen | None:
+        return encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
 
     def _in_doubt(self, trial: Trial, best: Trial, gain: Gain) -> bool:
         """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""
