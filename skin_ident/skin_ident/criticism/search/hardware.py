@@ -42,10 +42,14 @@ def encoder_does(key: tuple[str, str], gain: Gain, before: Model, after: Model, 
     if of_the_drive(gain, key[0], before, after, train):
         why = f"it would {_worth(gain)} while the driving force rests, which the noise of that force may do by itself"
         return Seen(np.inf, why, "a depth beside the force, or a load cell with less noise")
-    length, step = unreadable(instances(after, *key), encoder_step), _micrometres(encoder_step)
-    if length:
-        return Seen(np.inf, f"it would be {_micrometres(length)} and {_worth(gain)}, but the encoder reads no finer than {step}", FINER)
-    return steps_do(key[0], gain, before, after, train, encoder_step)
+    return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, encoder_step)
+
+
+def too_short(key: tuple[str, str], after: Model, encoder_step: float) -> Seen | None:
+    """Why a cause that is a length is no finding, where the encoder does not read so finely."""
+    length = unreadable(instances(after, *key), encoder_step)
+    why = f"it would be {_micrometres(length)}, but the encoder reads no finer than {_micrometres(encoder_step)}"
+    return Seen(np.inf, why, FINER) if length else None
 
 
 def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> Seen | None:

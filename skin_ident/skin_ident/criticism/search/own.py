@@ -13,7 +13,6 @@ from skin_ident.criticism.courses.gate import course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import wandering
-from skin_ident.criticism.search.hardware import steps_do
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.trial import Trial
@@ -56,8 +55,7 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     if not (told and stood and search.resolved(run.course.key, gain, after.model)):
         search.wandering = max(search.wandering, run.score)
         if told and not stood and score > SEARCHED * search.least(after.count):
-            steps = steps_do(run.course.cause, gain, search.present.model, after.model, search.train, search.encoder_step)
-            search.doubts[run.course.key] = steps or wandering(run)
+            search.doubts[run.course.key] = wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
 

@@ -18,7 +18,7 @@ from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_tur
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.doubt import unproven
 from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
-from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does, stage_is_off, steps_do
+from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does, stage_is_off, steps_do, too_short
 from skin_ident.criticism.search.named import Named, Seen
 from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
 from skin_ident.criticism.search.proposals import Direction
@@ -229,17 +229,14 @@ class Search:
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self.form_of_others(*trial.key)
             if much and self._in_doubt(trial, trials[0], gain):
-                self.doubts[trial.key] = self._encoder(trial, gain) or unproven()
+                self.doubts[trial.key] = too_short(trial.key, trial.fit.model, self.encoder_step) or unproven()
             if not (told and much and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)):
                 continue
-            encoder = self._encoder(trial, gain)
+            encoder = encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
             if encoder is None:
                 return trial.fit, finding
             self.usual[trial.key] = encoder
         return None
-
-    def _encoder(self, trial: Trial, gain: Gain) -> Seen | None:
-        return encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
 
     def _in_doubt(self, trial: Trial, best: Trial, gain: Gain) -> bool:
         """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""
