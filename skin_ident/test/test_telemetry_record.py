@@ -87,3 +87,11 @@ def test_samples_that_were_lost_are_no_other_unit():
         y = np.append(y * (1.0 + 1e-15 * rng.standard_normal(y.size)), 0.5 * step + np.median(np.round(y / step) * step))
         assert factor_of(y, step, FACTORS) == 1.0
         assert factor_of(1e-3 * y, step, FACTORS) == 1e-3
+
+
+@pytest.mark.parametrize("lost", [0.0, 0.005, 0.02])
+def test_readings_lost_to_nothing_hide_no_unit(lost):
+    rng, step = np.random.default_rng(0), 3e-3
+    y = step * (np.round(3.0 * np.abs(np.sin(np.arange(8001) / 300.0)) / step) + 0.37)  # a tare between two steps
+    y[rng.random(y.size) < lost] = 0.0
+    assert factor_of(y, step, FACTORS) == 1.0 and factor_of(1e-3 * y, step, FACTORS) == 1e-3

@@ -111,8 +111,7 @@ def summary(findings: dict[str, Any]) -> str:
         lines += [f"\n  {f['cause']} in the {f['where']}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
         lines += [f"    cannot be told from: {a['cause']} in the {a['where']}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
-    doubts = (u for u in findings.get("untestable", ()) if u.get("in_doubt"))
-    lines += [f"\n  in doubt: {u['cause']} in the {u['where']}: {u['because']}" for u in doubts]
+    lines += [f"\n  in doubt: {u['cause']} in the {u['where']}: {u['because']}" for u in _doubts(findings)]
     held = findings["baseline"].get("held", {})
     lines += [f"\n  {name} held at {h['value']:.3g} {h['unit']}: {h['because']}" for name, h in held.items()]
     lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]
@@ -123,7 +122,13 @@ def _verdict(findings: dict[str, Any]) -> str:
     above = above_noise(findings)
     if above and findings["verdict"] in SHORT_OF_NOISE:
         return f"{SHORT_OF_NOISE[findings['verdict']]} of {above[0]} is {above[1]:.2f} times what noise alone leaves"
+    if findings["verdict"] == "nothing_wrong" and _doubts(findings):
+        return "nothing wrong beyond doubt"
     return VERDICTS[findings["verdict"]]
+
+
+def _doubts(findings: dict[str, Any]) -> list[dict[str, Any]]:
+    return [u for u in findings.get("untestable", ()) if u.get("in_doubt")]
 
 
 def _sizes(f: dict[str, Any]) -> list[str]:

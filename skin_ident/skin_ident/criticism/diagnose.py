@@ -94,7 +94,7 @@ def diagnose(
         return _of_many(every, len(recordings), odd, layout, model, progress)
     part = _part(every, len(recordings), odd, layout, model, twins, progress)
     array = array_criticism(part.criticism, layout, part.seen, every)
-    return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms)
+    return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms, set(part.criticism.usual))
 
 
 @dataclass(frozen=True)
@@ -146,10 +146,12 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
 
 
-def _outcome(part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, model: Model, first: Session, symptoms) -> Outcome:
-    """`model` is the extended one, `first` the first session, with all their taxels."""
-    c = part.criticism
-    findings = joined(findings, array, model, c.usual)
+def _outcome(
+    part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, model: Model, first: Session, symptoms, seen: set[tuple[str, str]]
+) -> Outcome:
+    """`model` is the extended one, `first` the first session, with all their taxels; `seen` are causes and places, by the same numbers, of
+    which there is something that is no finding."""
+    c, findings = part.criticism, joined(findings, array, model, seen)
     if findings["findings"] and findings["verdict"] == "unexplained":  # until the array had its say
         findings["verdict"] = "partly_explained"
     kept, whole = {s.name for s in part.held}, part.looked.whole
@@ -176,7 +178,8 @@ def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model
     wide = criticism_of_all(c, rest, every, chosen, extended, seen, split)
     array = array_criticism(wide, layout, seen, every)
     findings = with_rest(renamed(part.findings, chosen), odd, rest, chosen, len(every[0].taxels))
-    outcome = _outcome(part, findings, array, extended, wide.train[0], (*odd, *seen))
+    told = {(cause, renamed(where, chosen)) for cause, where in c.usual} | {(u["cause"], u["where"]) for u in rest.untestable}
+    outcome = _outcome(part, findings, array, extended, wide.train[0], (*odd, *seen), told)
     baseline = model_of_all(c.baseline.model, chosen, rest.shares, (), layout)
     said = {name: renamed(getattr(outcome, name), chosen) for name in ("std", "batteries")}
     traces = tuple(replace(t, channels=renamed(t.channels, chosen)) for t in outcome.traces)

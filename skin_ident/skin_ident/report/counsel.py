@@ -29,8 +29,8 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
         because.append("These data cannot tell it from the other names beside it.")
     if v.verdict in (PARTLY, UNEXPLAINED) and v.rest and v.rest > 0.0:
         because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
-    if v.untestable:
-        because.append(f"{_count(len(v.untestable), 'cause')} could not be tested with these data.")
+    if untested := len(v.untestable) - len(v.doubts):
+        because.append(f"{_count(untested, 'cause')} could not be tested with these data.")
     return _grade(v, rivals > 0), tuple(because)
 
 
@@ -123,8 +123,9 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
         yield "See below which way the remaining error leans, and record what the untested causes need."
     if v.errors and v.tested in (UNTESTED, STRETCHES):
         yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
-    for e in v.doubts:
-        yield sentence(f"To settle {cause_at(text(e.get('cause')), text(e.get('where')))}: record {text(e.get('needs'))}")
+    for needs in dict.fromkeys(text(e.get("needs")) for e in v.doubts):
+        names = [cause_at(text(e.get("cause")), text(e.get("where"))) for e in v.doubts if text(e.get("needs")) == needs]
+        yield sentence(f"To settle {' and '.join(names)}: record {needs}")
     if v.verdict == NOTHING:
         yield "Keep the model." + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")
 

@@ -89,7 +89,7 @@ def _lone(ranked: tuple[tuple[str, str, float], ...]) -> tuple[tuple[str, str, f
 def _headline(v: View) -> Headline:
     names = _names(v)
     if v.verdict == NOTHING:
-        down = "The simulation matches these measurements down to their noise."
+        down = "No cause could be named beyond doubt." if v.doubts else "The simulation matches these measurements down to their noise."
         return Headline("good", "Nothing wrong found", _above(v, "No cause could be named") or down)
     if v.verdict == EXPLAINED and not v.judged:
         return Headline("found", f"Explained: {names}", _in_the_record(v))
@@ -188,7 +188,8 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
         return
     tested = {c for r in rounds for c, _, _ in r.ranked} | {text(e.get("cause")) for e in v.excluded}
     if tested and v.verdict == NOTHING:
-        yield f"{len(tested)} causes were tried on these data, and none predicts the measurement better than the model does alone."
+        better_than = "surely better than the model does alone" if v.doubts else "better than the model does alone"
+        yield f"{len(tested)} causes were tried on these data, and none predicts the measurement {better_than}."
     elif tested:
         yield f"{len(tested)} causes were tried on these data, and none predicts sessions that were not used for fitting reliably better."
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, SLOPE, ZERO
+from skin_ident.criticism.courses.carriers import DEPTH, DRIVE, SLOPE, ZERO
 from skin_ident.criticism.courses.course import Run
 from skin_ident.criticism.search.named import Seen
 
@@ -11,15 +11,14 @@ QUIET = "the same motions again with a quieter channel, or rests long enough to 
 KINDS = {
     ZERO: "its zero",
     SLOPE: "its gain",
-    DELAY: "the delay",
     DEPTH: "the zero of depth",
     DRIVE: "the zero of the driving force",
 }
 
 
 def unproven() -> Seen:
-    """Why what explains much of training is no finding, where held-out sessions are predicted hardly better."""
-    why = "the sessions that are fitted speak for it, but what is held out is predicted hardly better with it"
+    """Why what explains much of training is no finding, where held-out sessions are not predicted better beyond doubt."""
+    why = "the sessions that are fitted speak for it, but what is held out is not surely predicted better with it"
     return Seen(np.inf, why, REPEATED, doubt=True)
 
 

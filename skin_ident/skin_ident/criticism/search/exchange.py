@@ -15,10 +15,12 @@ import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.search.growing import instances, lacking
+from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.together import lasts
+from skin_models.effect import Effect
 from skin_models.model import Model
 
 if TYPE_CHECKING:
@@ -59,7 +61,7 @@ def _exchanged(search: "Search", finding: Named) -> bool:
     if not (own or shared):
         return False
     other = (own or shared)[1]
-    near = (Rival(other.cause, other.where, 0.0), *other.alternatives)
+    near = (Rival(other.cause, other.where, 0.0, shared[0].model if shared else None), *other.alternatives)
     if other.cause == finding.cause and key in {a.key for a in near}:
         known = {key, *((n.cause, n.where) for n in ahead.named)}
         again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
@@ -76,25 +78,35 @@ def _exchanged(search: "Search", finding: Named) -> bool:
 
 def _for_rival(search: "Search", finding: Named) -> bool:
     """Put that rival in the place of `finding` beside which another cause is believed, where both explain more than there is now."""
-    for rival in (r for r in finding.alternatives if r.model is not None):
-        search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
-        rest = lacking(search.present.model, finding.cause, finding.where)
-        ahead = _ahead(search, finding, rest.extended(*instances(rival.model, *rival.key)))
-        alone = ahead.present
-        shared = ahead.first_believed(ahead.trials(ahead.look()), [])
-        if shared is None or shared[1].cause in (finding.cause, rival.cause):
-            continue
-        after = shared[0].model
-        gain = ahead.gain(lacking(after, *rival.key), after, rival.where)
-        more = cost_of(search.present.model, ahead.train, ahead.noise) - shared[0].cost
-        if not (gain.passed and gain.shows_at(rival.where) and more > MUCH * search.least(shared[0].count)):
-            continue
-        taken = Named(*rival.key, gain, finding.explained - rival.short_by, (), finding.before, rival.model)
-        _become(search, ahead, finding)
-        search.accept(alone, taken)
-        search.accept(*shared)
-        return True
+    known = {(n.cause, n.where) for n in search.named}
+    for rival in (r for r in finding.alternatives if r.key not in known):
+        own = instances(rival.model, *rival.key) if rival.model else ()
+        if own and _taken(search, finding, rival, own):
+            return True
     return False
+
+
+def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ...]) -> bool:
+    """Whether the `own` effects of a rival were put in the place of `finding`: believed beside the cause that is believed beside them."""
+    search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
+    rest = lacking(search.present.model, finding.cause, finding.where)
+    ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
+    alone, train = ahead.present, ahead.train
+    shared = ahead.first_believed(ahead.trials(ahead.look()), [])
+    if shared is None or shared[1].cause in (finding.cause, rival.cause):
+        return False
+    after = shared[0].model
+    without = fit(lacking(after, *rival.key), train, ahead.noise).model
+    gain = ahead.gain(without, after, rival.where)
+    more = cost_of(search.present.model, train, ahead.noise) - shared[0].cost
+    told = gain.passed and gain.shows_at(rival.where) and more > MUCH * search.least(shared[0].count)
+    if not told or encoder_does(rival.key, gain, without, after, train, ahead.encoder_step):
+        return False
+    _become(search, ahead, finding)
+    search.befores[rival.key] = finding.before or rest
+    search.accept(alone, Named(*rival.key, gain, finding.explained - rival.short_by, (), finding.before, rival.model))
+    search.accept(*shared)
+    return True
 
 
 def _become(search: "Search", ahead: "Search", finding: Named) -> None:

@@ -56,8 +56,10 @@ def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Se
     """Why a cause that gains is no finding, where steps of encoder and converters may leave as much open."""
     if resolved(gain, cause, before, after, train, encoder_step):
         return None
+    if not encoder_step:
+        return Seen(np.inf, f"it would {_worth(gain)}, which the converters may leave open", "converters with finer steps")
     step = _micrometres(encoder_step)
-    return Seen(np.inf, f"it would {_worth(gain)}, which encoder (no finer than {step}) and converters may leave open", FINER)
+    return Seen(np.inf, f"it would {_worth(gain)}, which the encoder (no finer than {step}) and the converters may leave open", FINER)
 
 
 def stage_does(run: Run, encoder_step: float) -> Seen:

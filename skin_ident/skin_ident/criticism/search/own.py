@@ -7,9 +7,9 @@ import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of, noise_of
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.courses.carriers import SLOPE, ZERO
+from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
 from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
-from skin_ident.criticism.courses.gate import course_gain, helps, stands
+from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import wandering
@@ -54,7 +54,8 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood and search.resolved(run.course.key, gain, after.model)):
         search.wandering = max(search.wandering, run.score)
-        if told and not stood and score > SEARCHED * search.least(after.count):
+        much = told and score > SEARCHED * search.least(after.count)
+        if much and run.course.carrier != DELAY and not believed(gain, run.course):
             search.doubts[run.course.key] = wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)

@@ -301,7 +301,7 @@ class Search:
         else:
             more = replace(same, gain=self.gain(start, after.model, finding.where), explained=same.explained + finding.explained)
             self.named = [more if n is same else n for n in self.named]
-        self.present = after
+        self.present, self.doubts = after, {}
         self.train, self.held = ([settled(after.model, s) for s in sessions] for sessions in (self.train, self.held))
         self.progress(f"named {finding.cause} in the {finding.where}")
 

@@ -59,8 +59,8 @@ class Session:
 
     @cached_property
     def load(self) -> np.ndarray:
-        """How much each channel is loaded (C, n), N."""
-        return load_of(self.measured, np.interp(self.t, self.motion.t, self.motion.x), self.band.spacing)
+        """How much each channel is loaded (C, n), N, whether it is compared or not."""
+        return load_of(replace(self.band, seen=None).thin(self.bridged), np.interp(self.t, self.motion.t, self.motion.x), self.band.spacing)
 
 
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:

@@ -25,10 +25,10 @@ def sits_on(y: np.ndarray, step: float) -> bool:
 
 def _on(y: np.ndarray, step: float) -> bool:
     """Whether nearly all samples are whole steps apart. Where they begin is a matter of the tare; a few may have been interpolated."""
-    z = y / step
-    levels, often = np.unique(np.round(z, DUST), return_counts=True)
-    z = z - levels[np.argmax(often)]  # a median may lie between two of them
-    off = np.abs(z - np.round(z))
+    turns = y / step
+    off = turns - np.angle(np.mean(np.exp(2j * np.pi * turns))) / (2.0 * np.pi)  # a median of levels may lie between two of them
+    off -= np.round(off)
+    off = np.abs(off - np.median(off))
     return bool(np.mean(off < TOLERANCE + np.minimum(ROUNDED * np.abs(y / step), MOST)) > 0.97)
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
-from skin_ident.criticism.baseline.residual import stiffness
+from skin_ident.criticism.baseline.residual import placed, stiffness
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.peaks import Piece, clipped_peaks
@@ -60,7 +60,7 @@ def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> It
     n = max(round(LASTING_S / moved.dt), 8)
     far, near = (uniform_filter1d((np.abs(rest) > limit * width).astype(float), n, axis=1) for limit in (FAR, NEAR))
     met, jolted = meeting(moved, model.dispersion), _jolted(moved)
-    k = np.array([stiffness(model, channel) for channel in s.channels])
+    k = np.array([stiffness(placed(model, s), channel) for channel in s.channels])
     for c, channel in enumerate(s.channels):
         alone = (far[c] >= MOST) & (np.delete(near, c, axis=0).max(axis=0) <= FEW) & (channel not in s.stuck)
         for i, j in _runs(alone, round(APART_S / moved.dt)):
