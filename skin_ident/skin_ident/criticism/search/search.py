@@ -28,7 +28,7 @@ from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import hanging, heaviest_of, held_again, lighter, tells_more, weighed, with_mass
+from skin_ident.criticism.search.weighing import hanging, heaviest_of, held_again, lighter, settles, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -89,7 +89,7 @@ class Search:
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
             less = free is not None and lighter(self.present.model, free.model)
-            if free and (tells_more(free, self.present, best) or (less and not self.declared)):
+            if free and (tells_more(free, self.present, best) or (less and not self.declared) or settles(self, free, best)):
                 self._weigh(free)
                 continue
             own, shared = self.choose(trials, runs)

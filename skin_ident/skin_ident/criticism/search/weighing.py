@@ -10,6 +10,7 @@ enough, whatever else is wrong, the mass is fitted between nothing and that, and
 """
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from skin_ident.criticism.sessions.session import Session
 from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
 from skin_models.signals import GRAVITY
+
+if TYPE_CHECKING:
+    from skin_ident.criticism.search.search import Search
 
 LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
 HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
@@ -59,6 +63,15 @@ def tells_more(free: Fit, present: Fit, best: float) -> bool:
     if lighter(present.model, free.model):
         return _gained(present, free) > reach(best)
     return free.model.dispersion.m > present.model.dispersion.m and reach(_gained(present, free)) > best
+
+
+def settles(search: "Search", free: Fit, best: float) -> bool:
+    """Whether the `free` mass explains more than the `best` of all causes does, though not clearly, and leaves none of them anything."""
+    if _gained(search.present, free) <= best:
+        return False
+    ahead = search.ahead(free)
+    ahead.train = weighed(search.train, heaviest_of(search.present.model, free.model))
+    return ahead.look().ranked[0].score < search.least(free.count)
 
 
 def _gained(present: Fit, free: Fit) -> float:
