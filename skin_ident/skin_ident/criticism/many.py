@@ -150,7 +150,7 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
     search.run(fit(start, train, survey(start, train, which).noise))
     search.eliminate()
     found_here = [n for n in search.named if n.where.startswith("taxel_")]
-    usual = {key: s for key, s in (search.doubts | search.usual).items() if key[1].startswith("taxel_")}
+    usual = {key: s for key, s in search.seen.items() if key[1].startswith("taxel_")}
     model, std = search.present.model, search.present.std
     effects = [replace(e, where=renamed(e.where, taxels)) for e in model.effects if e.taxel is not None]
     return Rest(

@@ -1,5 +1,7 @@
 """The standard deviation of normal noise by the median of its size, which a few spikes do not move."""
 
+from math import comb
+
 import numpy as np
 
 NORMAL = 1.4826  # standard deviation over median of |r|, normal distribution: 1 / Phi^-1(3 / 4)
@@ -12,3 +14,9 @@ def normal_scale(r: np.ndarray, axis: int | None = None) -> np.ndarray | float:
     """
     scale = NORMAL * np.median(np.abs(r), axis=axis)
     return float(scale) if axis is None else scale
+
+
+def white_scale(y: np.ndarray, order: int) -> float:
+    """Standard deviation of the white noise of `y` (N,), in its unit, by differences of `order` m: of motion that is sampled densely they
+    hold next to nothing, of such noise sqrt(2 m over m) times as much, for the squares of binomials add up so. 0 for N <= m."""
+    return normal_scale(np.diff(y, order)) / np.sqrt(comb(2 * order, order)) if y.size > order else 0.0

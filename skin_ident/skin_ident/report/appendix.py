@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 
-from skin_ident.criticism.vocabulary import cause_at, spoken
+from skin_ident.criticism.vocabulary import spoken
 from skin_ident.report.bars import parameter_table
 from skin_ident.report.markup import Safe, el, join, section, table
 from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.reading import recording_name, warning_sentences
-from skin_ident.report.tolerant import mapping, sequence, text
+from skin_ident.report.tolerant import mapping, named_at, sequence, text
 from skin_ident.report.view import View
 from skin_ident.report.words import capital, effect_words, meaning, sentence
 
@@ -98,7 +98,7 @@ def _folded(body: Safe, entries: tuple[dict, ...]) -> Safe:
 
 
 def _name(e: dict) -> str:
-    return capital(cause_at(text(e.get("cause")), text(e.get("where"))))
+    return capital(named_at(e))
 
 
 def untestable(v: View) -> Safe | None:

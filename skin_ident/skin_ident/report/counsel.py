@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from skin_ident.criticism.vocabulary import cause_at, place
 from skin_ident.report.numbers import percent
-from skin_ident.report.tolerant import text
+from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
 from skin_ident.report.words import Rebuild, capital, rebuild, sentence
 
@@ -124,7 +124,7 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
     if v.errors and v.tested in (UNTESTED, STRETCHES):
         yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
     for needs in dict.fromkeys(text(e.get("needs")) for e in v.doubts):
-        names = [cause_at(text(e.get("cause")), text(e.get("where"))) for e in v.doubts if text(e.get("needs")) == needs]
+        names = [named_at(e) for e in v.doubts if text(e.get("needs")) == needs]
         yield sentence(f"To settle {' and '.join(names)}: record {needs}")
     if v.verdict == NOTHING:
         yield "Keep the model." + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")

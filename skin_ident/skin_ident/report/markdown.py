@@ -1,13 +1,12 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
-from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.appendix import held_at, size_ruled_out, why_untestable
 from skin_ident.report.gains import fall
 from skin_ident.report.numbers import UNKNOWN, amount, percent
 from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.sizes import number
 from skin_ident.report.story import Told, Wrong
-from skin_ident.report.tolerant import text
+from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import Amount, View
 from skin_ident.report.words import capital, channel, sentence
 
@@ -78,12 +77,12 @@ def _parameters(v: View) -> list[str]:
 
 
 def _excluded(v: View) -> list[str]:
-    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), size_ruled_out(e, v)] for e in v.excluded]
+    rows = [[named_at(e), size_ruled_out(e, v)] for e in v.excluded]
     return _rows("Ruled out", ["cause", "smaller than"], rows)
 
 
 def _untestable(v: View) -> list[str]:
-    rows = [[cause_at(text(e.get("cause")), text(e.get("where"))), why_untestable(e, v), text(e.get("needs"))] for e in v.untestable]
+    rows = [[named_at(e), why_untestable(e, v), text(e.get("needs"))] for e in v.untestable]
     return _rows("Could not be tested", ["cause", "because", "would need"], rows)
 
 

@@ -15,7 +15,7 @@ from skin_ident.report.numbers import amount, percent, plain
 from skin_ident.report.reading import LONE, view
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.sizes import sizes
-from skin_ident.report.tolerant import text
+from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import DIRECT, Finding, View, unit_of
 from skin_ident.report.words import capital, meaning, sentence, signal
 
@@ -158,7 +158,7 @@ def _as_well(behind: float | None) -> str:
 
 def _unsettled(v: View) -> Iterator[str]:
     """What was seen, and is in doubt, or leaves several causes open: a reason that they share and that tells of a difference."""
-    yield from (f"{cause_at(text(e.get('cause')), text(e.get('where')))}: {text(e.get('because'))}" for e in v.doubts)
+    yield from (f"{named_at(e)}: {text(e.get('because'))}" for e in v.doubts)
     if v.findings or v.verdict != NOTHING:
         return
     shared = [re.sub(r"taxel_(\d)", r"taxel \1", text(e.get("because"))) for e in v.untestable]

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from skin_ident.criticism.vocabulary import spoken
+from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import amount, plain
 
 
@@ -29,3 +29,8 @@ def text(thing: Any) -> str:
     if isinstance(thing, (list, tuple)):
         return ", ".join(text(v) for v in thing)
     return "" if thing is None else str(thing)
+
+
+def named_at(entry: dict) -> str:
+    """The cause and place of an entry of findings.json, as `cause_at` says them."""
+    return cause_at(text(entry.get("cause")), text(entry.get("where")))

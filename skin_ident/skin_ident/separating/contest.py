@@ -120,5 +120,4 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
         like.spread,
         like.contact,
     )
-    said = simulated(model, blank)
-    return without_parting(replace(blank, bridged=said, measured=band.thin(said)), model.dispersion)
+    return without_parting(replace(blank, bridged=simulated(model, blank)), model.dispersion)

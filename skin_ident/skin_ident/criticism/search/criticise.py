@@ -50,4 +50,4 @@ def criticise(
         weighted = replace(first.model, effects=search.hanging)
         baseline = fit(weighted, weighed(train, search.train[0].heaviest), first.noise) if search.train[0].free_mass else fitted
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
-    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.doubts | search.usual)
+    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.seen)

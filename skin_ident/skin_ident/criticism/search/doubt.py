@@ -2,18 +2,13 @@
 
 import numpy as np
 
-from skin_ident.criticism.courses.carriers import DEPTH, DRIVE, SLOPE, ZERO
+from skin_ident.criticism.courses.carriers import SLOPE, ZERO
 from skin_ident.criticism.courses.course import Run
 from skin_ident.criticism.search.named import Seen
 
 REPEATED = "more sessions, as far, as fast and as long as those that speak for it"
 QUIET = "the same motions again with a quieter channel, or rests long enough to see how its noise wanders"
-KINDS = {
-    ZERO: "its zero",
-    SLOPE: "its gain",
-    DEPTH: "the zero of depth",
-    DRIVE: "the zero of the driving force",
-}
+OWN = {ZERO: "its zero", SLOPE: "its gain"}  # the other carriers say what they are
 
 
 def unproven() -> Seen:
@@ -24,6 +19,6 @@ def unproven() -> Seen:
 
 def wandering(run: Run) -> Seen:
     """Why what single sessions would have of their own is no finding, where the blocks between are not predicted by it."""
-    what = KINDS.get(run.course.carrier, "it")
+    what = OWN.get(run.course.carrier, f"the {run.course.carrier}")
     why = f"within single sessions {what} would wander by {run.size:.2g} N rms, but fitted to every other block it does not predict those"
     return Seen(np.inf, f"{why} between: noise that wanders does as much", QUIET, doubt=True)

@@ -15,11 +15,10 @@ import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.search.growing import instances, lacking
-from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
 from skin_ident.criticism.search.rivals import Rival
-from skin_ident.criticism.search.together import lasts
+from skin_ident.criticism.search.together import beside, lasts
 from skin_models.effect import Effect
 from skin_models.model import Model
 
@@ -91,16 +90,13 @@ def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ..
     search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
     rest = lacking(search.present.model, finding.cause, finding.where)
     ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
-    alone, train = ahead.present, ahead.train
+    alone = ahead.present
     shared = ahead.first_believed(ahead.trials(ahead.look()), [])
     if shared is None or shared[1].cause in (finding.cause, rival.cause):
         return False
-    after = shared[0].model
-    without = fit(lacking(after, *rival.key), train, ahead.noise).model
-    gain = ahead.gain(without, after, rival.where)
-    more = cost_of(search.present.model, train, ahead.noise) - shared[0].cost
-    told = gain.passed and gain.shows_at(rival.where) and more > MUCH * search.least(shared[0].count)
-    if not told or encoder_does(rival.key, gain, without, after, train, ahead.encoder_step):
+    _, gain = beside(ahead, rival.key, shared[0].model)
+    more = cost_of(search.present.model, ahead.train, ahead.noise) - shared[0].cost
+    if gain is None or more <= MUCH * search.least(shared[0].count):
         return False
     _become(search, ahead, finding)
     search.befores[rival.key] = finding.before or rest

@@ -48,14 +48,14 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > near and t.key[0] != run.course.cause)
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
-    told = score - _at_once(run, search) > SEARCHED * search.least(after.count) or not searched
+    least = SEARCHED * search.least(after.count)
+    told = score - _at_once(run, search) > least or not searched
     told = told and score > search.form_of_others(*run.course.key)
     stood = stands(run, gain, search.present.model, search.train)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood and search.resolved(run.course.key, gain, after.model)):
         search.wandering = max(search.wandering, run.score)
-        much = told and score > SEARCHED * search.least(after.count)
-        if much and run.course.carrier != DELAY and not believed(gain, run.course):
+        if told and score > least and run.course.carrier != DELAY and not believed(gain, run.course):
             search.doubts[run.course.key] = wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)

@@ -156,6 +156,11 @@ class Search:
         other.present, other.usual, other.doubts, other.doubting = present, dict(self.usual), {}, True
         return other
 
+    @property
+    def seen(self) -> dict[tuple[str, str], Seen]:
+        """What is in the record and no finding, by cause and place."""
+        return self.doubts | self.usual
+
     def own_courses(self) -> list[Run]:
         """What each session may have of its own and has not yet, the plainest first."""
         had = {r.course for r in self.runs}

@@ -67,12 +67,19 @@ def _beside(search: "Search", first: Trial) -> Pair | None:
     causes = {first.key[0], second[1].cause} if second else set()
     if second is None or (second[1].cause, second[1].where) == first.key or causes <= set(FILTERS):
         return None
-    after, train = second[0], ahead.train
-    without = fit(lacking(after.model, *first.key), train, ahead.noise).model
-    gain = ahead.gain(without, after.model, first.key[1])
-    seen = encoder_does(first.key, gain, without, after.model, train, ahead.encoder_step) is None
-    both = search.gain(search.present.model, after.model, "skin")
-    if not (gain.passed and seen and gain.shows_at(first.key[1]) and both.passed and _no_steps(search, after.model, both, causes)):
+    after = second[0].model
+    without, gain = beside(ahead, first.key, after)
+    both = search.gain(search.present.model, after, "skin")
+    if not (gain and both.passed and _no_steps(search, after, both, causes)):
         return None
-    finding = Named(*first.key, gain, first.score, (), without, after.model)
+    finding = Named(*first.key, gain, first.score, (), without, after)
     return (first.fit, finding), second
+
+
+def beside(ahead: "Search", key: tuple[str, str], after: Model) -> tuple[Model, Gain | None]:
+    """The model `after` refitted without one cause and place `key`, and what that gains beside the rest; None where it is not believed."""
+    without = fit(lacking(after, *key), ahead.train, ahead.noise).model
+    gain = ahead.gain(without, after, key[1])
+    told = gain.passed and gain.shows_at(key[1])
+    encoder = encoder_does(key, gain, without, after, ahead.train, ahead.encoder_step) if told else None
+    return without, gain if told and encoder is None else None

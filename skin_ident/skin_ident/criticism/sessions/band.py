@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from scipy.signal import firwin, oaconvolve
 
-from skin_ident.estimators.scale import normal_scale
+from skin_ident.estimators.scale import white_scale
 
 CUTOFF_HZ = 8.0  # above the thesis's motions and below what the encoder's steps disturb
 WIDER = 2.5  # the depth itself, which effects look at, keeps this many times the band
@@ -18,9 +18,6 @@ WIDER = 2.5  # the depth itself, which effects look at, keeps this many times th
 # Half length in periods of the cut-off, and the Kaiser window's beta: short for the band, so that an edge costs few samples; sharp for the
 # depth, whose ripple would pass into every force.
 SHORT, SHARP = (1.5, 5.0), (3.0, 8.0)
-
-THIRD = 20.0  # times the variance of white noise, that of its third differences
-
 
 LEAST = 0.5  # of a kernel, by which what is left of it is made up for
 
@@ -116,8 +113,7 @@ class Band:
 
     def white(self, y: np.ndarray) -> float:
         """RMS in the band of the white noise of `y` (N,): its third differences hold nothing else, where samples are dense."""
-        each = normal_scale(np.diff(y, 3)) / np.sqrt(THIRD) if y.size > 3 else 0.0
-        return float(each * np.sqrt(np.sum(self.kernel**2)))
+        return float(white_scale(y, 3) * np.sqrt(np.sum(self.kernel**2)))
 
     def times(self, t: np.ndarray) -> np.ndarray:
         """The instants of what `thin` returns."""

@@ -60,7 +60,8 @@ def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> It
     n = max(round(LASTING_S / moved.dt), 8)
     far, near = (uniform_filter1d((np.abs(rest) > limit * width).astype(float), n, axis=1) for limit in (FAR, NEAR))
     met, jolted = meeting(moved, model.dispersion), _jolted(moved)
-    k = np.array([stiffness(placed(model, s), channel) for channel in s.channels])
+    here = placed(model, s)
+    k = np.array([stiffness(here, channel) for channel in s.channels])
     for c, channel in enumerate(s.channels):
         alone = (far[c] >= MOST) & (np.delete(near, c, axis=0).max(axis=0) <= FEW) & (channel not in s.stuck)
         for i, j in _runs(alone, round(APART_S / moved.dt)):

@@ -8,13 +8,12 @@ than the noise s beneath, they bury it, and that can be seen in what a model lea
 """
 
 from dataclasses import replace
-from math import comb
 
 import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import declared_step
-from skin_ident.estimators.scale import normal_scale
+from skin_ident.estimators.scale import white_scale
 
 COARSER = 1.5  # times the declared step
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
@@ -123,10 +122,8 @@ def depth_resolution(recordings: list) -> float:
 
 
 def white_noise(y: np.ndarray) -> float:
-    """Standard deviation of the white noise of `y` (N,), in its unit: by its differences of the order at which that is least. Of motion
-    high ones hold next to nothing, of such noise all as much, for the squares of binomials add up to (2 m over m)."""
-    orders = [m for m in ORDERS if y.size > 2 * m]
-    return min((normal_scale(np.diff(y, m)) / np.sqrt(comb(2 * m, m)) for m in orders), default=0.0)
+    """Standard deviation of the white noise of `y` (N,), in its unit: by its differences of the order at which that is least."""
+    return min((white_scale(y, m) for m in ORDERS if y.size > 2 * m), default=0.0)
 
 
 def depth_step(recordings: list) -> float:
