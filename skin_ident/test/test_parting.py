@@ -87,6 +87,15 @@ def test_what_is_left_out_does_not_pass_the_band():
     assert np.allclose(band.thin(y)[:, far], Band(0.01).thin(y)[:, far])
 
 
+def test_what_a_band_misses_grows_towards_what_is_left_out():
+    """Its lobes of both signs may cancel where they fall on it: that is no sample of which all is seen."""
+    left_out = np.arange(3000) >= 1500
+    band = Band(0.001).blind(left_out)
+    before = band.times(np.arange(3000)) < 1500 - band.kernel.size // 2
+    assert np.all(np.diff(band.misses) >= 0.0) and band.misses[-1] == pytest.approx(1.0)
+    assert np.allclose(band.misses[before], 0.0) and Band(0.001).misses == 0.0
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_noise_of_the_depth_is_read_beside_its_motion(seed):
     rng = np.random.default_rng(seed)

@@ -133,3 +133,30 @@ def test_wandering_noise_that_once_jumps_for_good_is_no_step_of_a_sensor(seed):
 
     outcome = diagnose([jumping(seed, 0.0), jumping(seed + 1, 0.5)], [jumping(seed + 2, 0.0)])
     assert outcome.findings["findings"] == []
+
+
+COARSE = 20e-6  # m, of the encoder
+
+
+def steps(seed: int, deep: float, k: tuple[float, float], b: tuple[float, float]) -> Recording:
+    """Steps of depth between air and one depth, read coarsely: at rest the stage trembles across the edge of a step."""
+    rng = np.random.default_rng([seed, 3])
+    until = np.cumsum(np.column_stack([rng.uniform(0.9, 1.6, 9), np.full(9, 0.12), rng.uniform(0.9, 1.6, 9), np.full(9, 0.12)]).ravel())
+    t = np.arange(0.0, until[-1], 1.0 / RATE)
+    x = np.interp(t, np.concatenate([[0.0], until]), np.concatenate([[-1e-5], np.tile([-1e-5, deep, deep, -1e-5], 9)]))
+    x = x + noise(rng, t.size, 1e-6, 0.9)
+    v = np.gradient(x, t)
+    sensed, dispersed = ((x > 0.0) * np.maximum(k_i * x + b_i * v, 0.0) for k_i, b_i in zip(k, b, strict=True))
+    force, taxel = sensed + dispersed + noise(rng, t.size, 0.1, 0.97), sensed + noise(rng, t.size, 0.1, 0.97)
+    declared = Declared(encoder_step_um=1e6 * COARSE, force_step_n=0.07, taxel_step_n=(0.05,))
+    grid = [np.round(y / step) * step for y, step in ((x, COARSE), (force, 0.07), (taxel, 0.05))]
+    return Recording(f"steps_{seed}", t, grid[0], grid[1], grid[2][None], declared=declared)
+
+
+@pytest.mark.parametrize("seed", rows([112, 120, 136, *range(140, 168, 4)], 2))
+def test_what_an_encoder_cannot_read_of_a_stage_at_rest_is_nothing_wrong(seed):
+    """Play swallows the steps to and fro that a coarse encoder reads at rest, and so does a curvature the error at each depth."""
+    skin = {"deep": 0.27e-3 + 1e-6 * (seed % 7), "k": (26.5e3, 1.8e3), "b": (1357.0, 737.0)}
+    outcome = diagnose([steps(seed, **skin), steps(seed + 1, **skin)], [steps(seed + 2, **skin)])
+    assert outcome.findings["verdict"] == "nothing_wrong", outcome.findings["findings"]
+    assert outcome.baseline.dispersion.b1 == pytest.approx(1357.0, rel=0.1)

@@ -1,9 +1,10 @@
 """What the steps of encoder and converters leave open, which a gain must exceed to be that of a cause."""
 
 from collections.abc import Callable, Iterable
+from functools import partial
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
@@ -23,6 +24,7 @@ OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
 TREMBLING = 1e-6  # m, of a good stage at rest
 EVEN_S = 0.5  # over which the speed is averaged, for a beat makes spikes of it
 MOVING = 2.0  # times the greatest speed of such a tremble
+TRAVEL_S, TRAVELLED = 1.0, 1.5  # within this time the depth of a stage that moves changes by more than so many steps of its encoder
 OF_SPEED = ("rate_dependence", "mount_compliance")
 CLEARLY = 3.0  # standard deviations of noise
 DRIVEN = 0.3  # of what is explained in all, the least that must be while the driving force changes
@@ -43,7 +45,7 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
-    still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, _moves))
+    still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, partial(_moves, encoder_step)))
     if cause in OF_SPEED:
         beats = OPEN * max((damping(before, gain.channel) * _beat([s], encoder_step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
@@ -52,7 +54,7 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
             still, moving = still + max(resting, passing), moving + passing
     if gain.squares > still:
         return True
-    return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train) > max(moving, PASSING * still))
+    return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train, encoder_step) > max(moving, PASSING * still))
 
 
 def of_the_drive(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> bool:
@@ -115,11 +117,11 @@ def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float,
     return per_length * min(encoder_step, TREMBLING), per_length * encoder_step * float(np.sqrt(2.0 * band.edge * band.dt))
 
 
-def _fall_while_moving(channel: str, before: Model, after: Model, sessions: list[Session]) -> float:
+def _fall_while_moving(channel: str, before: Model, after: Model, sessions: list[Session], encoder_step: float) -> float:
     """Fall of the mean square in `channel` where the stage moves, N^2."""
     fall, count = 0.0, 0.0
     for s, each in zip(sessions, _falls(channel, before, after, sessions), strict=True):
-        moves = _moves(s)
+        moves = _moves(encoder_step, s)
         fall += float(np.sum(each * moves))
         count += float(np.sum(s.weight[s.channels.index(channel)] * moves))
     return fall / max(count, 1.0)
@@ -134,9 +136,12 @@ def _falls(channel: str, before: Model, after: Model, sessions: list[Session]) -
     ]
 
 
-def _moves(s: Session) -> np.ndarray:
-    """Where the stage moves faster than it could tremble, (n,) in the common band."""
-    return np.abs(_speed(s)) > MOVING * 2.0 * np.pi * s.band.edge * TREMBLING
+def _moves(encoder_step: float, s: Session) -> np.ndarray:
+    """Where the stage moves faster than it could tremble, (n,) in the common band, and farther than between two readings: at rest on the
+    edge of a step the encoder reads a motion that there is not."""
+    faster = np.abs(_speed(s)) > MOVING * 2.0 * np.pi * s.band.edge * TREMBLING
+    depth, around = np.interp(s.t, s.motion.t, s.motion.x), round(TRAVEL_S / s.band.spacing) | 1
+    return faster & (maximum_filter1d(depth, around) - minimum_filter1d(depth, around) > TRAVELLED * encoder_step)
 
 
 def _even(speed: np.ndarray, s: Session) -> np.ndarray:

@@ -89,27 +89,38 @@ class Band:
         """What share of the kernel falls on samples that are seen, at each sample that is kept (n,)."""
         return 1.0 if self.seen is None else self._thinned(self.seen.astype(float))
 
+    @cached_property
+    def misses(self) -> np.ndarray | float:
+        """What share of the kernel's magnitude falls on samples that are not seen, at each sample that is kept (n,): its lobes of both
+        signs count alike, of which what it `sees` may hold as much of one as of the other."""
+        magnitude = np.abs(self.kernel)
+        return 0.0 if self.seen is None else self._thinned((~self.seen).astype(float), self._in_pieces(magnitude / magnitude.sum()))
+
     def thin(self, y: np.ndarray) -> np.ndarray:
         """Low-pass the rows of `y` (..., N), drop the edges and decimate."""
         return self._thinned(y) if self.seen is None else self._thinned(y * self.seen) / np.maximum(self.sees, LEAST)
 
-    def _thinned(self, y: np.ndarray) -> np.ndarray:
-        """Of every sample; only those that are kept are worked out.
+    def _thinned(self, y: np.ndarray, pieces: np.ndarray | None = None) -> np.ndarray:
+        """Of every sample, by the `pieces` of the kernel or of another; only those that are kept are worked out.
 
         Rows are cut into pieces of `every` samples, as the kernel is: one matrix product holds every piece of one times every piece of the
         other, and a sample that is kept is the sum along a diagonal.
         """
-        span = len(self._pieces) - 1
+        pieces = self._pieces if pieces is None else pieces
+        span = len(pieces) - 1
         kept = max((y.shape[-1] - self.kernel.size) // self.every + 1, 0)
         whole = (kept + span) * self.every
         rest = [(0, 0)] * (y.ndim - 1) + [(0, max(whole - y.shape[-1], 0))]
-        products = np.pad(y[..., :whole], rest).reshape(*y.shape[:-1], kept + span, self.every) @ self._pieces.T
+        products = np.pad(y[..., :whole], rest).reshape(*y.shape[:-1], kept + span, self.every) @ pieces.T
         return sum(products[..., j : j + kept, j] for j in range(span + 1))
 
     @cached_property
     def _pieces(self) -> np.ndarray:
-        """The kernel in pieces of `every` taps, the last one filled up with zeros."""
-        return np.pad(self.kernel, (0, self.every - 1)).reshape(-1, self.every)
+        return self._in_pieces(self.kernel)
+
+    def _in_pieces(self, kernel: np.ndarray) -> np.ndarray:
+        """A kernel in pieces of `every` taps, the last one filled up with zeros."""
+        return np.pad(kernel, (0, self.every - 1)).reshape(-1, self.every)
 
     def white(self, y: np.ndarray) -> float:
         """RMS in the band of the white noise of `y` (N,): its third differences hold nothing else, where samples are dense."""

@@ -19,14 +19,14 @@ RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s
 SHALLOW = 0.1  # of the greatest depth
 NOTHING = 0.4  # of what recovering skin would press on its taxels
 PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
-UNSEEN = 0.02  # of the kernel of the common band, which may fall on what is left out
+UNSEEN = 0.045  # of the magnitude of the common band's kernel, which may fall on what is left out
 
 
 def without_parting(session: Session, skin: Dispersion) -> Session:
     """The session less those moments, for skin about like `skin`."""
     left_out = _left_behind(session, skin) if session.drive is None else _unpressed(session, skin)
     band = session.band.blind(left_out)
-    kept = np.abs(band.sees - 1.0) < UNSEEN
+    kept = band.misses < UNSEEN
     return replace(session, band=band, measured=band.thin(session.bridged), weight=session.weight * kept)
 
 
