@@ -110,9 +110,11 @@ class Band:
         span = len(pieces) - 1
         kept = max((y.shape[-1] - self.kernel.size) // self.every + 1, 0)
         whole = (kept + span) * self.every
-        rest = [(0, 0)] * (y.ndim - 1) + [(0, max(whole - y.shape[-1], 0))]
-        products = np.pad(y[..., :whole], rest).reshape(*y.shape[:-1], kept + span, self.every) @ pieces.T
-        return sum(products[..., j : j + kept, j] for j in range(span + 1))
+        if whole > y.shape[-1]:
+            y = np.pad(y, [(0, 0)] * (y.ndim - 1) + [(0, whole - y.shape[-1])])
+        cut = y[..., :whole].reshape(*y.shape[:-1], kept + span, self.every)
+        products = pieces @ np.swapaxes(cut, -1, -2)
+        return sum(products[..., j, j : j + kept] for j in range(span + 1))
 
     @cached_property
     def _pieces(self) -> np.ndarray:
