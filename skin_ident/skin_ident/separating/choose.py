@@ -128,7 +128,7 @@ def separating_experiments(
     it is of no help. Judged on the samples that the criticism compares: in those that it leaves out rivals may differ as much as they
     will, and are not told apart."""
     train = list(c.train)
-    each = {(n.cause, n.where): separating_experiment(n, train, c.last.noise, c.last.projected.which, progress) for n in c.named}
+    each = {n.key: separating_experiment(n, train, c.last.noise, c.last.projected.which, progress) for n in c.named}
     wanted = {key: e for key, e in each.items() if e is not None and e.evidence > TELLS_NOTHING}
     files = (f"separating{f'_{i}' if i > 1 else ''}.yaml" for i in count(1))
     return {key: (next(files) if e.helps else "", e) for key, e in wanted.items()}
@@ -137,7 +137,7 @@ def separating_experiments(
 def contenders(named: Named) -> tuple[Contender, ...]:
     """The named cause and its rivals, each with the model fitted with it."""
     every = [c for c in (named, *named.alternatives) if c.model is not None]
-    return tuple(Contender(c.cause, c.where, c.model) for c in every)
+    return tuple(Contender(*c.key, c.model) for c in every)
 
 
 def as_criticised(known: Contest, named: Named) -> Contest:

@@ -81,7 +81,7 @@ def _minus(y: list[np.ndarray], other: list[np.ndarray]) -> list[np.ndarray]:
 
 def _unlike(rival: Contender, differences: list[list[np.ndarray]], sessions, noise, which) -> list[float]:
     """What of each difference (C, n) per session `rival` cannot imitate."""
-    mine = tuple(d for d in which if (d.cause, d.where) == (rival.cause, rival.where))
+    mine = tuple(d for d in which if d.key == (rival.cause, rival.where))
     own = stack(tangents(rival.model, sessions, unknowns(rival.model, sessions[0])), sessions, noise)
     forms = stack(bank(rival.model, mine, sessions), sessions, noise)
     return [_left(mine, forms, own, stack(d, sessions, noise)) for d in differences]

@@ -63,8 +63,8 @@ def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:
     for s in rounds:
         if s.projected.which != p.which:
             continue
-        near = {(r.cause, r.where) for r in s.ranked if r.score > NEAR * s.ranked[0].score > 0.0}
-        contends = np.array([(d.cause, d.where) in near for d in p.which])
+        near = {r.key for r in s.ranked if r.score > NEAR * s.ranked[0].score > 0.0}
+        contends = np.array([d.key in near for d in p.which])
         bounds = np.where(contends, np.maximum(bounds, _amounts(s.projected)), bounds)
     return bounds
 
@@ -78,7 +78,7 @@ def _amounts(p: Projected) -> np.ndarray:
 def _beside_others(p: Projected) -> np.ndarray:
     """The same beside that leading direction with which it is most, where that one still explains something beside it."""
     bounds = np.zeros(len(p.which))
-    keys = [(d.cause, d.where) for d in p.which]
+    keys = [d.key for d in p.which]
     for column, j in enumerate(p.leading):
         both = p.beside[:, column]
         fit = p.energies * p.energies[j] - both**2

@@ -46,11 +46,11 @@ def _shared(search: "Search") -> list[Named]:
 
 def _exchanged(search: "Search", finding: Named) -> bool:
     search.progress(f"asking again what {finding.cause} in the {finding.where} stands for")
-    ahead, key = _without(search, finding), (finding.cause, finding.where)
+    ahead, key = _without(search, finding), finding.key
     last = ahead.look()
     explained = _explained(search.present, ahead)
     runs = ahead.own_courses()
-    glance = {(r.cause, r.where): r.score for r in last.ranked}
+    glance = {r.key: r.score for r in last.ranked}
     itself = min(explained, glance.pop(key, explained))
     if max([*glance.values(), *(r.score for r in runs)], default=0.0) < PROMISING * itself:
         return False
@@ -60,9 +60,9 @@ def _exchanged(search: "Search", finding: Named) -> bool:
     if not (own or shared):
         return False
     other = (own or shared)[1]
-    near = (Rival(other.cause, other.where, 0.0, shared[0].model if shared else None), *other.alternatives)
+    near = (Rival(*other.key, 0.0, shared[0].model if shared else None), *other.alternatives)
     if other.cause == finding.cause and key in {a.key for a in near}:
-        known = {key, *((n.cause, n.where) for n in ahead.named)}
+        known = {key, *(n.key for n in ahead.named)}
         again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
         search.named = [again if n is finding else n for n in search.named]
     if other.cause == finding.cause or other.explained <= explained:
@@ -77,7 +77,7 @@ def _exchanged(search: "Search", finding: Named) -> bool:
 
 def _for_rival(search: "Search", finding: Named) -> bool:
     """Put that rival in the place of `finding` beside which another cause is believed, where both explain more than there is now."""
-    known = {(n.cause, n.where) for n in search.named}
+    known = {n.key for n in search.named}
     for rival in (r for r in finding.alternatives if r.key not in known):
         own = instances(rival.model, *rival.key) if rival.model else ()
         if own and _taken(search, finding, rival, own):
@@ -88,7 +88,7 @@ def _for_rival(search: "Search", finding: Named) -> bool:
 def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ...]) -> bool:
     """Whether the `own` effects of a rival were put in the place of `finding`: believed beside the cause that is believed beside them."""
     search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
-    rest = lacking(search.present.model, finding.cause, finding.where)
+    rest = lacking(search.present.model, *finding.key)
     ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
     alone = ahead.present
     shared = ahead.first_believed(ahead.trials(ahead.look()), [])
@@ -108,12 +108,12 @@ def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ..
 def _become(search: "Search", ahead: "Search", finding: Named) -> None:
     """The state of `search` is that of `ahead` now, without `finding`."""
     search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
-    search.befores.pop((finding.cause, finding.where), None)
+    search.befores.pop(finding.key, None)
 
 
 def _without(search: "Search", finding: Named) -> "Search":
     """The state in which everything but `finding` has been named."""
-    return _ahead(search, finding, lacking(search.present.model, finding.cause, finding.where))
+    return _ahead(search, finding, lacking(search.present.model, *finding.key))
 
 
 def _ahead(search: "Search", finding: Named, model: Model) -> "Search":

@@ -34,7 +34,7 @@ SLIPPING = 3e-6  # m, a path that no skin is bent by before it slips
 def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> tuple[Fit, ...]:
     """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters: the fit with
     all that are, and that with the first alone where they are several."""
-    own = tuple(d for d in which if (d.cause, d.where) == (best.cause, best.where))
+    own = tuple(d for d in which if d.key == best.key)
     present, ranked, first, stages = start, best, 0.0, []
     for _ in range(MOST):
         trial, sessions = _settled(_with_instance(present, ranked, sessions, noise), sessions, noise)

@@ -23,6 +23,11 @@ class Named:
     model: Model | None = None
     courses: dict[str, str] = field(default_factory=dict)  # what belongs to one session alone, in words by session
 
+    @property
+    def key(self) -> tuple[str, str]:
+        """Cause and place."""
+        return self.cause, self.where
+
 
 @dataclass(frozen=True)
 class Seen:

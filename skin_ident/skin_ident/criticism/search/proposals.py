@@ -40,6 +40,11 @@ class Direction:
     def where(self) -> str:
         return self.effect.where
 
+    @property
+    def key(self) -> tuple[str, str]:
+        """Cause and place."""
+        return self.cause, self.where
+
     def switched_on(self, amount: float) -> Effect:
         """The effect with its amplitude at `amount` of its typical size."""
         return self.effect.with_values(**{self.parameter: amount * self.size})

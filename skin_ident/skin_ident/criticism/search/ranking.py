@@ -36,6 +36,11 @@ class Ranked:
     best_amount: float
     best_gain: float
 
+    @property
+    def key(self) -> tuple[str, str]:
+        """Cause and place."""
+        return self.cause, self.where
+
 
 @dataclass(frozen=True)
 class Projected:
@@ -79,7 +84,7 @@ def _leading(causes: dict[tuple[str, str], np.ndarray], gains: np.ndarray) -> np
 
 def _by_cause(which: tuple[Direction, ...]) -> dict[tuple[str, str], np.ndarray]:
     """The indices of the directions of every cause at every place."""
-    keys = [(d.cause, d.where) for d in which]
+    keys = [d.key for d in which]
     return {key: np.flatnonzero([k == key for k in keys]) for key in dict.fromkeys(keys)}
 
 

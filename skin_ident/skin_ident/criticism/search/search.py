@@ -189,8 +189,8 @@ class Search:
         """The most promising causes, each grown and refitted, the best first; one that is named already is tried wherever it ranks, and
         goes before rivals it equals, all taxels alike before one of them, and one that the record itself has shown before all that explain
         little more."""
-        known = {(n.cause, n.where) for n in self.named}
-        shown = [r for r in last.ranked if (r.cause, r.where) in self.suspected - known and r.score > 0.0]
+        known = {n.key for n in self.named}
+        shown = [r for r in last.ranked if r.key in self.suspected - known and r.score > 0.0]
         able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score) and r not in shown]
 
         def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
@@ -198,7 +198,7 @@ class Search:
 
         queue = iter(able[:LONGEST])
         trials = [*tried(shown), *islice(tried(queue), SHORTLIST)]
-        trials += tried([r for r in (*queue, *able[LONGEST:]) if (r.cause, r.where) in known])
+        trials += tried([r for r in (*queue, *able[LONGEST:]) if r.key in known])
         enough = WITHIN * max((t.score for t in trials), default=0.0)
         trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
         again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
@@ -298,9 +298,8 @@ class Search:
 
     def accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
-        key = (finding.cause, finding.where)
-        start = self.befores.setdefault(key, self.present.model)
-        same = next((n for n in self.named if (n.cause, n.where) == key), None)
+        start = self.befores.setdefault(finding.key, self.present.model)
+        same = next((n for n in self.named if n.key == finding.key), None)
         if same is None:
             self.named.append(finding)
         else:
@@ -325,7 +324,7 @@ class Search:
     def eliminate(self) -> None:
         """Take out every cause, last found first, without which the rest predicts held-out data just as well."""
         for finding in reversed([n for n in self.named[:-1] if not n.courses]):
-            without = fit(lacking(self.present.model, finding.cause, finding.where), self.train, self.noise)
+            without = fit(lacking(self.present.model, *finding.key), self.train, self.noise)
             gain = self.gain(without.model, self.present.model, finding.where)
             if not (gain.passed or self.second_opinion(without.model, self.present.model, finding.where, gain).passed):
                 self.present, self.named = without, [n for n in self.named if n is not finding]

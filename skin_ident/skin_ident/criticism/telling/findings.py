@@ -48,7 +48,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 
 def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for."""
-    effects = instances(model, named.cause, named.where)
+    effects = instances(model, *named.key)
     parameters: dict[str, Any] = _refitted(model, std) if named.cause == "parameters" else {}
     for i, e in enumerate(model.effects):
         for p in parameters_of(e) if e in effects else ():
@@ -126,8 +126,8 @@ def _separating(named: Named, experiments: Experiments) -> dict[str, Any]:
     """The sentence, and the battery where one was computed; without a depth to command, what the rivals need in words."""
     if not named.alternatives:
         return {"separating_experiment": ""}
-    if (named.cause, named.where) in experiments:
-        file, experiment = experiments[named.cause, named.where]
+    if named.key in experiments:
+        file, experiment = experiments[named.key]
         said = {"separating_experiment": experiment.sentence(file), "separating_evidence": experiment.numbers}
         return said | ({"battery": file} if file else {})
     rivals = dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)])
