@@ -237,6 +237,34 @@ def test_channels_of_different_rates_meet_on_the_encoders_stamps(tmp_path):
     assert np.array_equal(r.force, R.force[: len(r)])
 
 
+@pytest.mark.parametrize("jittered", [False, True])
+def test_steps_of_a_converter_are_known_though_stamps_are_uneven(tmp_path, jittered):
+    """Interpolated readings lie between the levels; the load cell is calibrated from volts, the encoder reads micrometres."""
+    rng, n = np.random.default_rng(1), 600
+    t = 0.01 * np.arange(n) + jittered * rng.uniform(-2e-3, 2e-3, n)
+    pressed = np.sin(2.0 * t) ** 2 + 0.01 * rng.standard_normal((3, n))
+    x, volts, taxel = (np.round(row / step) * step for row, step in zip(pressed, (2e-2, 0.05, 0.04), strict=True))
+    rows = zip(t, x, -volts, taxel, strict=True)
+    (tmp_path / "rig.yaml").write_text("calibration:\n  ai0: {channel: force, slope_n_per_v: -4.0, zero_v: 0.0}\n")
+    (tmp_path / "a.csv").write_text("t_s,x_mm,ai0_V,taxel_0_n\n" + "".join(f"{a:.6f},{b:.6f},{c:.6f},{d:.6f}\n" for a, b, c, d in rows))
+    r = load(tmp_path)[0]
+    assert ("resampled" in " ".join(r.warnings)) == jittered
+    assert [r.step(c) for c in ("depth", "force", "taxel_0")] == pytest.approx([2e-5, 0.2, 0.04])
+
+
+def test_steps_of_a_converter_are_known_where_topics_have_stamps_of_their_own(tmp_path):
+    coarse = Recording("a", R.t, R.depth, R.force, np.round(R.taxels / 0.05) * 0.05)
+
+    def late(store, i, message):
+        if "TaxelArray" in type(message).__name__:
+            message.header.stamp.nanosec += 3_000_000
+        return message
+
+    r = load(write_bag(tmp_path / "bag", coarse, change=late))[0]
+    assert "taxels: interpolated" in " ".join(r.warnings) and r.step("force") is None
+    assert [r.step("taxel_0"), r.step("taxel_1")] == pytest.approx([0.05, 0.05])
+
+
 def test_log_times_on_request(tmp_path):
     """Stamps that stand still, as of a driver that never sets its clock, and good log times."""
     bag = write_mcap(tmp_path / "a.mcap", R, log_delay_ns=0, change=lambda store, i, message: frozen_stamp(message))

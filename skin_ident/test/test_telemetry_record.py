@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
@@ -95,3 +96,17 @@ def test_readings_lost_to_nothing_hide_no_unit(lost):
     y = step * (np.round(3.0 * np.abs(np.sin(np.arange(8001) / 300.0)) / step) + 0.37)  # a tare between two steps
     y[rng.random(y.size) < lost] = 0.0
     assert factor_of(y, step, FACTORS) == 1.0 and factor_of(1e-3 * y, step, FACTORS) == 1e-3
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_that_seldom_carries_a_reading_to_the_next_level_is_no_outlier_though_stamps_are_uneven(tmp_path, seed):
+    """Between uneven stamps readings are interpolated, so that the levels no longer show in what is compared."""
+    rng = np.random.default_rng(seed)
+    for k in range(2):
+        t = np.arange(0.0, 40.0, 0.01) + rng.uniform(-2e-3, 2e-3, 4000)
+        x = 0.5e-3 * np.minimum(1.0, np.maximum(0.0, t - 1.0) / 3.0)
+        noise = lfilter([1.0], [1.0, -0.98], 1.4e-3 * rng.standard_normal(t.size)) + 1.5e-3 * rng.standard_normal(t.size)
+        force, taxel = 5e3 * x + 0.01 * rng.standard_normal(t.size), np.round((3e3 * x + noise) / 0.015) * 0.015
+        rows = "".join(f"{a:.6f},{1e3 * b:.6f},{c:.5f},{d:.4f}\n" for a, b, c, d in zip(t, x, force, taxel, strict=True))
+        (tmp_path / f"session_{k}.csv").write_text("t_s,x_mm,force_n,taxel_0_n\n" + rows)
+    assert not [s for s in inspect(load(tmp_path)).symptoms if s.cause == "outliers"]

@@ -123,7 +123,8 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
     rest = [y - median_filter(y, (1, TREND)) for y in rows]
     at_rest = [np.ones(len(r), bool) for r in recordings]  # a force that is held is no frozen one
     names, n = [r.name for r in recordings], len(recordings[0].taxels)
-    return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt)
+    step = max(r.step("force") or 0.0 for r in recordings)
+    return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt, (step,))
 
 
 def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom]) -> list[Symptom]:
@@ -136,7 +137,7 @@ def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom
     channels, n, dt = sessions[0].channels, sessions[0].n_taxels, recordings[0].dt
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
-    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt)
+    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt, tuple(np.max([s.steps for s in sessions], axis=0)))
     believed = _beside(raw, recordings, outliers)
     clipped = find_saturation(names, channels, believed, predicted, n)
     clipped += [s for s in find_ceilings(names, channels, believed, predicted, jumps, n) if s.channels not in {c.channels for c in clipped}]

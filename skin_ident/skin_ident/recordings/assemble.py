@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import compress, count
 
 import numpy as np
 
 from skin_ident.recordings.declared import Calibration, Declared
 from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.levels import steps_of
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.rows import all_finite, extremes
 from skin_ident.recordings.timing import Track, even, kept
@@ -20,16 +22,19 @@ PROBES = 1000  # samples in which a dead taxel shows
 
 @dataclass(frozen=True)
 class Channels:
-    """Measured rows of one kind (depth, force, taxel) and unit (m, N or V): names, samples (R, N)."""
+    """Measured rows of one kind (depth, force, taxel) and unit (m, N or V): names, samples (R, N), and where these were interpolated the
+    steps between the levels on which they were read before, 0 where there were none."""
 
     kind: str
     names: tuple[str, ...]
     unit: str
     rows: np.ndarray
+    steps: tuple[float, ...] | None = None
 
     def only(self, keep: Sequence[bool]) -> "Channels":
         """Some of the rows."""
-        return replace(self, names=tuple(n for n, k in zip(self.names, keep, strict=True) if k), rows=self.rows[np.asarray(keep, bool)])
+        steps = self.steps and tuple(compress(self.steps, keep))
+        return replace(self, names=tuple(compress(self.names, keep)), rows=self.rows[np.asarray(keep, bool)], steps=steps)
 
 
 def assemble(
@@ -52,6 +57,8 @@ def assemble(
         track, uneven = kept(track, name, declared.sample_rate_hz)
     else:
         track = even(track, name, declared.sample_rate_hz)
+    if track.interpolated:
+        parts = [p if p.steps else replace(p, steps=steps_of(p.rows)) for p in parts]
     parts = [replace(p, rows=rows) for p, rows in zip(parts, track.blocks, strict=True)]
     taxels = [p for p in parts if p.kind == "taxel"]
     recording = Recording(
@@ -65,8 +72,16 @@ def assemble(
         declared=declared,
         warnings=(*notes, *track.warnings),
         uneven=uneven,
+        steps=_steps(parts),
     )
     return _plausible(recording)
+
+
+def _steps(parts: list[Channels]) -> dict[str, float]:
+    """The steps of rows that were interpolated, by the names that a recording gives its channels."""
+    numbers = count()
+    named = ((p.kind if p.kind != "taxel" else f"taxel_{next(numbers)}", step) for p in parts for step in p.steps or (0.0,) * len(p.names))
+    return {name: step for name, step in named if step}
 
 
 def _single(name: str, parts: list[Channels], kind: str) -> np.ndarray | None:
@@ -104,7 +119,7 @@ def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[s
     if part.unit != "V":
         return [part]
     known = {n: c for n in part.names for c in [declared.calibration.get(n) or declared.calibration.get(f"{n}_V")] if c}
-    out = [_in_newtons(t, n, part.rows[part.names.index(n)], c, notes) for n, c in known.items()]
+    out = [_in_newtons(t, part.only([other == n for other in part.names]), c, notes) for n, c in known.items()]
     rest = part.only([n not in known for n in part.names])
     if rest.names and rest.kind == "force":
         raise RecordingError(f"{rest.names[0]} is in volts: declare its slope_n_per_v under calibration in rig.yaml")
@@ -116,12 +131,13 @@ def _calibrated(t: np.ndarray, part: Channels, declared: Declared, notes: list[s
     return [*out, rest]
 
 
-def _in_newtons(t: np.ndarray, name: str, volts: np.ndarray, c: Calibration, notes: list[str]) -> Channels:
-    zero, meaning = c.zero_v, c.channel or name
+def _in_newtons(t: np.ndarray, one: Channels, c: Calibration, notes: list[str]) -> Channels:
+    zero, meaning, volts = c.zero_v, c.channel or one.names[0], one.rows
     if zero is None:
-        zero = float(np.nanmedian(volts[t <= t[0] + 1.0]))
+        zero = float(np.nanmedian(volts[0, t <= t[0] + 1.0]))
         notes.append(f"{meaning}: zero taken as {zero:.6g} V, the median of the first second; declare zero_v to be sure")
-    return Channels("force" if meaning == "force" else "taxel", (meaning,), "N", c.slope_n_per_v * (volts - zero)[None])
+    kind, steps = "force" if meaning == "force" else "taxel", one.steps and (abs(c.slope_n_per_v) * one.steps[0],)
+    return Channels(kind, (meaning,), "N", c.slope_n_per_v * (volts - zero), steps)
 
 
 def _note_unused(declared: Declared, parts: list[Channels], notes: list[str]) -> None:

@@ -10,6 +10,7 @@ from skin_ident.recordings.assemble import Channels, assemble
 from skin_ident.recordings.declared import FILE_NAME, Declared, declared_from
 from skin_ident.recordings.decode import Decoded, Topic
 from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.levels import steps_of
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.rows import interpolated
 from skin_ident.recordings.storage import Storage
@@ -29,6 +30,7 @@ EDGES = 0.02  # of the samples: what may lie before the first or after the last 
 NOTHING = "holds no message"
 STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
+Aligned = tuple[np.ndarray, tuple[float, ...] | None]
 
 
 def read_bag(
@@ -56,7 +58,8 @@ def read_bag(
     tracks = {role: _track(role, d, log_time, warnings) for role, d in found.items()}
     t, aligned = _on_one_clock(tracks, warnings)
     channels = [
-        Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows) for role, rows in aligned.items()
+        Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows, steps)
+        for role, (rows, steps) in aligned.items()
     ]
     return assemble(path.name, t, channels, declared, tuple(warnings), keep)
 
@@ -183,7 +186,7 @@ def _track(role: str, d: Decoded, log_time: bool, warnings: list[str]) -> Track:
     return ordered(Track(d.stamp_ns, (d.rows,)), d.topic)
 
 
-def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.ndarray, dict[str, Aligned]]:
     """Stamps (N,) s from the first sample on, and every role's rows (R, N) at them; NaN where a role has no sample near."""
     warnings += [f"{role}: {w}" for role, track in tracks.items() for w in track.warnings]
     base = next(iter(tracks.values())).t
@@ -199,23 +202,24 @@ def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.nda
     return (base - base[0]) * 1e-9, rows
 
 
-def _aligned(role: str, track: Track, base: np.ndarray, warnings: list[str]) -> np.ndarray:
-    """The rows of a track at the stamps `base` (ns): its own samples where stamps agree, else linear in between."""
+def _aligned(role: str, track: Track, base: np.ndarray, warnings: list[str]) -> Aligned:
+    """The rows of a track at the stamps `base` (ns): its own samples where stamps agree, else linear in between, and then with the steps
+    between the levels on which they were read."""
     rows = track.blocks[0]
     if np.array_equal(track.t, base):
-        return rows
+        return rows, None
     at = np.clip(np.searchsorted(track.t, base), 0, track.t.size - 1)
     same = track.t[at] == base
     if same.mean() > 0.9:
         picked = rows[:, at]
         picked[:, ~same] = np.nan
-        return picked
+        return picked, None
     period = float(np.median(np.diff(track.t)))
     far = track.t[at] - track.t[np.clip(at - 1, 0, None)] > (BRIDGED + 1.5) * period
     warnings.append(f"{role}: interpolated to the instants of the first channel (its own samples come every {period * 1e-6:.4g} ms)")
     out = interpolated((base - base[0]).astype(float), (track.t - base[0]).astype(float), rows)
     out[:, far] = np.nan
-    return out
+    return out, steps_of(rows)
 
 
 def _named(role: str, rows: np.ndarray, names: tuple[str, ...]) -> tuple[str, ...]:

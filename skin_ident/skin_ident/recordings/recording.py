@@ -1,11 +1,13 @@
 """One session of measurement: arrays in SI units, checked once, when they are made."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.levels import step_of
 from skin_ident.recordings.rows import all_finite
 
 DISPLACEMENT = "displacement"  # depth, and what it does to taxels (and to the load cell, where there is one)
@@ -24,6 +26,7 @@ class Recording:
     force    (N,)    N, compression positive; or None
     taxels   (T, N)  N, compression positive; T may be 0. A row whose unit is "V" is uncalibrated and holds volts
     spread   (T,)    share of the sensed force on every taxel, where the sessions of a diagnosis press at different places; or None
+    steps            of channels that were interpolated, by name (`depth`, `force`, `taxel_0`, …): between their levels before that, m or N
 
     `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
     do not fit together, are not finite, or not spaced as they should be.
@@ -40,6 +43,7 @@ class Recording:
     taxel_units: tuple[str, ...] = ()
     uneven: bool = False
     spread: np.ndarray | None = None
+    steps: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = np.size(self.t)
@@ -73,6 +77,10 @@ class Recording:
         """Every measured force by the name findings use: `force`, `taxel_0`, `taxel_1`, …"""
         force = {} if self.force is None else {"force": self.force}
         return force | {f"taxel_{i}": row for i, row in enumerate(self.taxels)}
+
+    def step(self, channel: str) -> float | None:
+        """Spacing of the levels on which `depth`, `force`, `taxel_0`, … is read, m or N; None where it is not seen."""
+        return step_of(self.depth if channel == "depth" else self.channels[channel]) or self.steps.get(channel) or None
 
     def part(self, start: int, stop: int) -> "Recording":
         """The samples from `start` up to `stop`."""

@@ -27,10 +27,12 @@ class Track:
     blocks: tuple[np.ndarray, ...]
     warnings: tuple[str, ...] = ()
     whole: bool = False  # known to hold nothing but numbers
+    interpolated: bool = False
 
     def kept(self, index: np.ndarray | slice, *warnings: str) -> "Track":
         """A selection of the samples, with more warnings."""
-        return Track(self.t[index], tuple(rows[:, index] for rows in self.blocks), (*self.warnings, *warnings), self.whole)
+        blocks, warnings = tuple(rows[:, index] for rows in self.blocks), (*self.warnings, *warnings)
+        return replace(self, t=self.t[index], blocks=blocks, warnings=warnings)
 
     def warned(self, *warnings: str) -> "Track":
         """The same with more warnings."""
@@ -84,7 +86,7 @@ def _resampled(track: Track, dt: float) -> Track:
     lost = int(np.sum(np.maximum(np.rint(steps / dt) - 1, 0)))
     note = f"resampled evenly at {1 / dt:.6g} Hz (jitter {1e3 * jitter:.3g} ms"
     note += f", {counted(lost, 'lost sample')} interpolated)" if lost else ")"
-    return Track(t, tuple(interpolated(t, track.t, rows) for rows in track.blocks), (*track.warnings, note))
+    return Track(t, tuple(interpolated(t, track.t, rows) for rows in track.blocks), (*track.warnings, note), interpolated=True)
 
 
 def longest_stretch(track: Track, name: str) -> Track:
@@ -122,7 +124,7 @@ def _bridged(track: Track, name: str) -> Track:
         mended = [np.where(b, np.interp(track.t, track.t[~b], row[~b]), row) if b.any() else row for row, b in zip(rows, bad, strict=True)]
         blocks.append(np.array(mended))
     note = (f"{counted(filled, 'missing number')} interpolated",) if filled else ()
-    return Track(track.t, tuple(blocks), (*track.warnings, *note))
+    return Track(track.t, tuple(blocks), (*track.warnings, *note), interpolated=track.interpolated or filled > 0)
 
 
 def _rate_warning(dt: float, rate_hz: float | None) -> tuple[str, ...]:

@@ -119,5 +119,6 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
         like.drive_noise,
         like.spread,
         like.contact,
+        steps=like.steps,
     )
     return without_parting(replace(blank, bridged=simulated(model, blank)), model.dispersion)

@@ -15,7 +15,6 @@ from skin_ident.criticism.baseline.unknowns import unknowns
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.quantization import step_of
 from skin_models.model import Model
 
 PROBE = 0.01  # of the largest share, for the differences
@@ -92,7 +91,7 @@ def _swallowed(model: Model, s: Session, value: np.ndarray) -> np.ndarray:
 def _unread(model: Model, s: Session) -> np.ndarray:
     """What the shares (T,) may be wrong by for the steps of the taxels' converters, which are seen against the largest force there is."""
     largest = np.abs(_by_share(model, s)).max(axis=(1, 2))
-    steps = np.array([step_of(row) or 0.0 for row in s.raw[-largest.size :]])
+    steps = np.array(s.steps[-largest.size :])
     return RESOLVED * steps / np.maximum(largest, 1e-300)
 
 

@@ -10,7 +10,6 @@ from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.estimators.scale import normal_scale
 from skin_models.effect import Effect, Place
 from skin_models.model import Model
@@ -164,4 +163,4 @@ def unreadable(effects: Iterable[Effect], encoder_step: float) -> float:
 def converter_step(train: list[Session], channel: str) -> float:
     """The converter's step in a channel, N; zero where none is seen."""
     row = train[0].channels.index(channel)
-    return max(step_of(s.raw[row]) or 0.0 for s in train)
+    return max(s.steps[row] for s in train)

@@ -47,6 +47,7 @@ class Session:
     heaviest: float = 0.0  # kg, up to which the model's mass is fitted, too; held where this is 0 (see `weighing`)
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
     reference: int | None = None  # the taxel whose share is so in any case
+    steps: tuple[float, ...] = ()  # N, between the levels on which each channel is read, 0 where none are seen
 
     @property
     def n_taxels(self) -> int:
@@ -76,7 +77,8 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
     rows, kept, driven = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight), (drive, drive_noise)
-    return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact)
+    steps = tuple(recording.step(c) or 0.0 for c in channels)
+    return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact, steps=steps)
 
 
 def with_reference(sessions: list[Session]) -> list[Session]:

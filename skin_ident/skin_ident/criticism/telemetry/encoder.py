@@ -8,7 +8,6 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
 from skin_ident.criticism.telemetry.excursions import fill_clusters, held, paired
-from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.criticism.telemetry.tails import smallest_step
 from skin_ident.estimators.scale import normal_scale
@@ -29,7 +28,7 @@ def find_encoder_faults(recordings: list) -> list[Symptom]:
         return []
     stiffness = {c: _stiffness(recordings, c) for c in recordings[0].channels}
     declared = recordings[0].declared.encoder_step_um
-    levels = [step_of(r.depth) or 0.0 for r in recordings]
+    levels = [r.step("depth") or 0.0 for r in recordings]
     step = max(1e-6 * declared, *levels) if declared else max(*levels, smallest_step(np.concatenate([r.depth for r in recordings])))
     departed = [_detrended(r.depth) for r in recordings]
     masks = [_faults(r, d, STEPS * step, stiffness) for r, d in zip(recordings, departed, strict=True)]
@@ -84,7 +83,7 @@ def _unseen(recording, departed: np.ndarray, stiffness: dict[str, float]) -> np.
     for channel, y in recording.channels.items():
         dy = _detrended(y)
         expected = abs(stiffness[channel]) * np.abs(departed)
-        clear = expected > CLEAR * max(normal_scale(dy), smallest_step(y))
+        clear = expected > CLEAR * max(normal_scale(dy), recording.step(channel) or smallest_step(y))
         would |= clear
         did |= clear & (maximum_filter1d(np.abs(dy), 2 * NEAR + 1) > SEEN * expected)
     return touching & would & ~did

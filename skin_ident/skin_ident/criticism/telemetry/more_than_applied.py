@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import FOLLOWS, declared_step, load_of, pressed
 
@@ -52,7 +51,7 @@ def find_more_than_applied(recordings: list, known: tuple[str, ...] = ()) -> lis
 
 def in_newtons(recordings: list, i: int) -> bool:
     """Whether a taxel's numbers are newtons as far as one can see: neither volts nor counts."""
-    seen = (step_of(r.taxels[i]) for r in recordings)
+    seen = (r.step(f"taxel_{i}") for r in recordings)
     step = declared_step(recordings[0], f"taxel_{i}") or next(filter(None, seen), 0.0)
     counts = step >= 1.0 and abs(step / round(step) - 1.0) < WHOLE
     return all(r.taxel_units[i] == "N" for r in recordings) and not counts

@@ -12,7 +12,6 @@ An encoder that adds as much as was declared makes any noise coloured and load-d
 import numpy as np
 from scipy.ndimage import median_filter
 
-from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 SLOW_S = 2.0  # of the running median
@@ -36,8 +35,8 @@ def find_noise(
         if not level:
             continue
         rows = [_quick(e[c], r.dt) for e, r in zip(residuals, recordings, strict=True)]
-        encoder = stiffness[c] * _encoder_step(recordings[0]) / np.sqrt(12.0)
-        why = _unlike(level, encoder, rows, [r.channels[channel] for r in recordings], believed, recordings[0].dt)
+        steps = np.array([recordings[0].step(channel) or 0.0, stiffness[c] * _encoder_step(recordings[0])]) / np.sqrt(12.0)
+        why = _unlike(level, steps, rows, [r.channels[channel] for r in recordings], believed, recordings[0].dt)
         if why:
             kind, sentence, parameters = why
             text = f"the noise of {channel} {sentence}"
@@ -46,20 +45,20 @@ def find_noise(
 
 
 def _unlike(
-    level: float, encoder: float, rows: list[np.ndarray], raw: list[np.ndarray], believed: list[np.ndarray], dt: float
+    level: float, steps: np.ndarray, rows: list[np.ndarray], raw: list[np.ndarray], believed: list[np.ndarray], dt: float
 ) -> tuple[str, str, dict] | None:
-    """Kind, sentence and numbers of the first thing that is unlike the declaration."""
+    """Kind, sentence and numbers of the first thing that is unlike the declaration, beside what `steps` of converter and encoder do, N."""
     e, y = (
         np.concatenate([r[b] for r, b in zip(rows, believed, strict=True)]),
         np.concatenate([r[b] for r, b in zip(raw, believed, strict=True)]),
     )
     if e.size < FEWEST:
         return None
-    expected = float(np.sqrt(level**2 + (step_of(raw[0]) or 0.0) ** 2 / 12.0 + encoder**2))
+    expected = float(np.hypot(level, np.hypot(*steps)))
     low, high = np.percentile(y, [33.0, 67.0])
     idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[y >= high])
     declared = f"rig.yaml declares white noise of {level:.3g} N"
-    plain = encoder < 0.5 * level
+    plain = steps[1] < 0.5 * level
     if plain and loaded > GROWN * idle:
         share = np.sqrt(loaded**2 - idle**2) / max(float(np.mean(np.abs(y[y >= high]))), 1e-9)
         said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
@@ -91,7 +90,7 @@ def _of_taxel(recording, i: int) -> float | None:
 
 def _encoder_step(recording) -> float:
     declared = (recording.declared.encoder_step_um or 0.0) * 1e-6
-    return 0.0 if recording.depth is None else max(declared, step_of(recording.depth) or 0.0)
+    return 0.0 if recording.depth is None else max(declared, recording.step("depth") or 0.0)
 
 
 def _quick(e: np.ndarray, dt: float) -> np.ndarray:

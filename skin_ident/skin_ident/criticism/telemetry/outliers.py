@@ -4,6 +4,8 @@ A force stands still for a while whenever the plunger does: at a reversal with p
 simulation then runs ahead of it, its depth being smoothed. A frozen run misses a movement from its beginning on, and alone.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.stats import poisson
 
@@ -33,13 +35,15 @@ def find_outliers(
     jumps: list[np.ndarray],
     n_taxels: int,
     dt: float,
+    steps: Sequence[float] = (),
 ) -> list[Symptom]:
     """Excursions and frozen runs per channel.
 
     `residuals` (measured less simulated) and `raw` are (C, N) at full rate for each session; `jumps` (N,) marks samples where a force may
-    really jump out of a rest.
+    really jump out of a rest; `steps` of converters are looked for in `raw` where they are not given.
     """
-    every = [_of_channel([r[c] for r in residuals], [r[c] for r in raw], jumps) for c in range(len(channels))]
+    steps = steps or [0.0] * len(channels)
+    every = [_of_channel([r[c] for r in residuals], [r[c] for r in raw], jumps, steps[c]) for c in range(len(channels))]
     found = []
     for c, (away, still) in enumerate(every):
         others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
@@ -51,9 +55,11 @@ def find_outliers(
     return [s for s in found if s is not None]
 
 
-def _of_channel(e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+def _of_channel(
+    e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray], step: float
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Masks of excursions and of frozen runs, each for every session."""
-    step = smallest_step(np.concatenate(y))
+    step = step or smallest_step(np.concatenate(y))
     limit = reach(np.concatenate([np.diff(row) for row in e]), step)
 
     def beyond(level: float) -> int:

@@ -14,7 +14,6 @@ from skin_ident.criticism.baseline.residual import placed, stiffness
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.peaks import Piece, clipped_peaks
-from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import smallest_step
 from skin_ident.estimators.scale import normal_scale
@@ -51,7 +50,7 @@ def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -
 def _width(sessions: list[Session], rest: np.ndarray) -> np.ndarray:
     """What the model leaves of every channel (C,), N, as nine tenths of the samples have it, contact included; at least a step of the
     converter, or the least that two readings differ by where too few occur to tell."""
-    steps = [max(step_of(s.raw[c]) or smallest_step(s.raw[c]) for s in sessions) for c in range(len(rest))]
+    steps = [max(s.steps[c] or smallest_step(s.raw[c]) for s in sessions) for c in range(len(rest))]
     return np.maximum(np.percentile(np.abs(rest), 90.0, axis=1) / 1.645, np.maximum(steps, 1e-12))
 
 

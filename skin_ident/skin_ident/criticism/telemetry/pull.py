@@ -13,7 +13,6 @@ import numpy as np
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.faults import UNLIKE, effect_of
-from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
@@ -41,7 +40,7 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     if any(s.drive is not None for s in sessions) or any(e.cause == "adhesion" for e in model.effects):
         return []
     rest = [s.raw - simulated(model, s) for s in sessions]
-    step = [max(step_of(s.raw[c]) or 0.0 for s in sessions) for c in range(len(rest[0]))]
+    step = np.max([s.steps for s in sessions], axis=0)
     width = np.maximum(normal_scale(np.concatenate(rest, axis=1), axis=1), step)
     leavings = [one for s, e in zip(sessions, rest, strict=True) for one in _leavings(model, s, e)]
     if len(leavings) < FEWEST:

@@ -1,7 +1,6 @@
 """Quantization: the spacing of the levels that occur, against the step that rig.yaml declares.
 
-The levels of a converter are equally spaced; the spacing is the largest step of which (nearly) all differences of neighbouring levels
-are multiples. Coarse steps imitate dead zones and relaxation, so this comes before any fit.
+Coarse steps imitate dead zones and relaxation, so this comes before any fit.
 
 Where nothing is declared, nobody can say that steps are coarser than they should be; but where rounding to them, q / sqrt(12), is more
 than the noise s beneath, they bury it, and that can be seen in what a model leaves, r^2 = s^2 + q^2 / 12.
@@ -14,30 +13,16 @@ import numpy as np
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import declared_step
 from skin_ident.estimators.scale import white_scale
+from skin_ident.recordings.levels import FEWEST_LEVELS, step_of
 
 COARSER = 1.5  # times the declared step
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
-FEWEST_LEVELS = 4
 FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
 FEW = 0.01  # of the samples, the most levels of a converter whose steps are uneven, and which reads
 OFTEN = 0.9  # of the samples on levels that occur again and again
 AGAIN = 5
 BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
 ORDERS = (3, 5, 7)  # of differences that motion of a few hertz hardly passes
-MANY = 0.5  # share of samples that are levels of their own: then nothing is quantized
-
-
-def step_of(y: np.ndarray) -> float | None:
-    """Spacing of the levels in `y`, or None where the samples do not sit on levels."""
-    levels = np.unique(y)
-    span = levels[-1] - levels[0]
-    if levels.size < FEWEST_LEVELS or levels.size > MANY * y.size or span <= 0.0:
-        return None
-    gaps = np.diff(levels)
-    gaps = gaps[gaps > 1e-7 * span]
-    step = float(np.median(gaps[gaps <= 1.2 * np.percentile(gaps, 10.0)]))
-    multiples = gaps / step
-    return step if np.mean(np.abs(multiples - np.round(multiples)) < 0.1) > 0.9 else None
 
 
 def uneven_step(y: np.ndarray) -> float | None:
@@ -55,7 +40,7 @@ def find_quantization(recordings: list) -> list[Symptom]:
     declared = _declared(recordings[0])
     found = _unlike(recordings, declared)
     for channel, step in declared.items():
-        steps = [s for s in (step_of(y) for y in _rows(recordings, channel)) if s is not None]
+        steps = [s for s in _steps(recordings, channel) if s is not None]
         if step and len(steps) == len(recordings) and min(steps) > COARSER * step:
             unit = "m" if channel == "depth" else "N"
             found.append(_coarse(recordings, channel, float(np.median(steps)), "as rig.yaml declares", step, unit))
@@ -69,7 +54,7 @@ def find_quantization(recordings: list) -> list[Symptom]:
 
 def undeclared_steps(recordings: list) -> dict[str, float]:
     """Spacing of the levels of every channel that sits on levels in all sessions and of which rig.yaml declares no step, N."""
-    each = {c: [step_of(y) for y in _rows(recordings, c)] for c, step in _declared(recordings[0]).items() if not step and c != "depth"}
+    each = {c: _steps(recordings, c) for c, step in _declared(recordings[0]).items() if not step and c != "depth"}
     return {c: float(np.median(steps)) for c, steps in each.items() if steps and None not in steps}
 
 
@@ -91,7 +76,7 @@ def find_buried(recordings: list, channels: tuple[str, ...], rests: list[np.ndar
 def _unlike(recordings: list, declared: dict[str, float | None]) -> list[Symptom]:
     """Taxels whose steps are coarser than those of all others, where nobody said what they should be."""
     names = [c for c in recordings[0].channels if c.startswith("taxel") and not declared[c]]
-    each = {c: [step_of(y) for y in _rows(recordings, c)] for c in names}
+    each = {c: _steps(recordings, c) for c in names}
     steps = {c: float(np.median(s)) for c, s in each.items() if None not in s}
     if len(steps) < FEWEST_ALIKE:
         return []
@@ -115,6 +100,10 @@ def _rows(recordings: list, channel: str) -> list[np.ndarray]:
     return [row for r in recordings for name, row in [*r.channels.items(), ("depth", r.depth)] if name == channel and row is not None]
 
 
+def _steps(recordings: list, channel: str) -> list[float | None]:
+    return [r.step(channel) for r in recordings if channel in r.channels or (channel == "depth" and r.depth is not None)]
+
+
 def depth_resolution(recordings: list) -> float:
     """How finely the depth is read, m: its steps, or those which would be as loud as its white noise, sqrt(12) standard deviations."""
     noises = [white_noise(r.depth) for r in recordings if r.depth is not None]
@@ -129,4 +118,4 @@ def white_noise(y: np.ndarray) -> float:
 def depth_step(recordings: list) -> float:
     """Steps of the depth, m: as seen, or as declared where they are not seen; 0 without a depth."""
     declared = 1e-6 * (recordings[0].declared.encoder_step_um or 0.0)
-    return max((step_of(r.depth) or declared for r in recordings if r.depth is not None), default=0.0)
+    return max((r.step("depth") or declared for r in recordings if r.depth is not None), default=0.0)

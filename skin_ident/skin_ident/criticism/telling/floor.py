@@ -29,7 +29,6 @@ from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.faults import PREDICTS
-from skin_ident.criticism.telemetry.quantization import step_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.model import Model
 
@@ -147,7 +146,7 @@ def _loudest(c: Criticism) -> np.ndarray:
     model, sessions = c.extended.model, [*c.train, *c.held]
     in_air = [replace(s, weight=s.weight * _in_the_air(model, s)) for s in sessions]
     seconds = sum(np.count_nonzero(s.weight, axis=1) * s.band.spacing for s in in_air)
-    steps = [max(step_of(s.raw[i]) or 0.0 for s in sessions) for i in range(len(sessions[0].channels))]
+    steps = np.max([s.steps for s in sessions], axis=0)
     rms = _pooled([residual(model, s) for s in sessions], in_air)
     return np.where(seconds > AIR_S, LOUDER * np.hypot(rms, steps), np.inf)
 
@@ -179,7 +178,7 @@ def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
 def _resolution(c: Criticism, i: int, channel: str, encoder_step: float) -> float:
     """What steps of converter and encoder may leave open in a channel, N."""
     unread = unread_force(c.extended.model, channel, list(c.held or c.train), encoder_step)
-    return float(np.hypot(RESOLVED * (step_of(c.train[0].raw[i]) or 0.0), np.sqrt(AT_FEW_DEPTHS) * unread))
+    return float(np.hypot(RESOLVED * c.train[0].steps[i], np.sqrt(AT_FEW_DEPTHS) * unread))
 
 
 def _rms(e: np.ndarray) -> float:

@@ -17,7 +17,6 @@ from skin_ident.criticism.noise.estimate import RICHEST, pursue
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.quantization import step_of
 
 SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
 SYSTEMATIC_RMSE = 0.05  # and of the plain error, in the channel that gains most
@@ -64,5 +63,5 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     rms, _ = rmse_fall(before, after, held)
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
     unread = np.sqrt(OPEN) * unread_force(last.model, held[0].channels[c], held, encoder_step)
-    open_to = np.hypot(RESOLVED * max(step_of(s.raw[c]) or 0.0 for s in held), unread)
+    open_to = np.hypot(RESOLVED * max(s.steps[c] for s in held), unread)
     return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to), sum(float(np.ptp(s.t)) for s in held))
