@@ -12,6 +12,7 @@ from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import unknowns, values, with_values
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import signed_pursuit
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.parting import impacts, parted
@@ -61,6 +62,20 @@ def test_signed_pursuit_reaches_the_constrained_optimum_where_it_may_use_all_dir
     best = lsq_linear(A, r, (low, np.where(high == 0.0, 1e-12, high)))
     assert gain == pytest.approx(r @ r - 2 * best.cost, rel=1e-3)
     assert np.all(z * signs >= 0.0)
+
+
+@pytest.mark.parametrize("scale", [0.02, 1.0, 5.0])
+def test_a_sensor_is_asked_whether_it_bends_within_what_it_reads(scale):
+    """A skin so much softer has sensors that read so much less, and clip or lag at so much less."""
+    d = SILICONE.dispersion
+    soft = replace(SILICONE, dispersion=Dispersion(m=0.0, b1=scale * d.b1, k1=scale * d.k1, b2=scale * d.b2, k2=scale * d.k2))
+    r = recording(soft)
+    for where, reads in (("load_cell", r.force), ("taxel_1", r.taxels[1])):
+        mine = [e.effect for e in directions(prepare(r)) if e.where == where]
+        levels = [e.level for e in mine if e.cause == "saturation"]
+        assert sum(0.02 < level / reads.max() < 1.0 for level in levels) >= 10
+        thresholds = [e.threshold for e in mine if e.cause == "hysteresis"]
+        assert sum(0.004 < r / reads.max() < 0.5 for r in thresholds) >= 6
 
 
 def test_a_fit_recovers_the_truth_from_a_wrong_start():

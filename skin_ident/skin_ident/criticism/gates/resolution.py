@@ -17,6 +17,9 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 PASSING = 0.5  # of what steps leave open at rest, which a fall where the stage moves must exceed: it comes from rest and goes to it
 OPEN = 2.0  # times the mean square that steps leave open on average: at few depths chance makes it so much
+# The same of what is left when a cause has been taken, or none: at a few depths each may be half a step off, which is three times, and the
+# model that was fitted to few others as far the other way.
+AT_FEW_DEPTHS = 6.0
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")

@@ -17,9 +17,12 @@ from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
 from skin_models.model import Model
-from skin_models.parameter import AMPLITUDE, parameters_of, scan_of
+from skin_models.parameter import AMPLITUDE, clipped, parameters_of, scan_of
 
 PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
+FULL = 24.0  # N that a sensor reads at most, for which the catalogue's grids of forces are laid out
+LEAST_READING = 1e-3  # of that: a sensor that reads nothing is bent by nothing
+SENSORS = ("taxel", "load_cell")
 
 
 @dataclass(frozen=True)
@@ -82,13 +85,23 @@ def _unseen(place: Place, session: Session) -> bool:
 
 def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Direction]:
     amplitudes = [p for p in parameters_of(cls) if p.role == AMPLITUDE and not np.isnan(p.typical) and p.typical != 0.0]
-    for shape in cls.shapes(session.motion):
+    for shape in _shapes(cls, where, session):
         absent = cls.typical(where, **shape).absent()
         for p in amplitudes:
             if p.name.endswith("_sensed") and session.n_taxels == 0:
                 continue
             size = abs(p.typical)
             yield from (Direction(absent, p.name, size, _sign(p), at / size) for at in scan_of(cls, p.name) or (PROBE * size,))
+
+
+def _shapes(cls: type[Effect], where: str, session: Session) -> Iterator[dict[str, float]]:
+    """The shapes of an effect that are profiled. The forces at which a sensor clips or lags are shares of what it reads at most: one that
+    reads a newton is bent within that."""
+    own = [session.channels.index(c) for c in own_channels(where, session.channels)]
+    forces = {p.name for p in parameters_of(cls) if p.unit == "N"} if where.startswith(SENSORS) else set()
+    times = max(float(np.abs(session.bridged[own]).max()) / FULL, LEAST_READING) if forces else 1.0
+    for shape in cls.shapes(session.motion):
+        yield clipped(cls, **{name: value * times if name in forces else value for name, value in shape.items()})
 
 
 def _sign(p) -> int:

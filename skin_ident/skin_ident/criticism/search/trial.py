@@ -68,18 +68,21 @@ def plausible(t: Trial, sessions: list[Session]) -> bool:
 
 
 def _drives(t: Trial, sessions: list[Session]) -> bool:
-    """Whether damping that depends on speed gives back more under the taxels than it takes; what a late reading makes of it is allowed."""
-    if not instances(t.fit.model, *DAMPING) or not t.fit.model.shares:
+    """Whether damping that depends on speed gives back more than it takes, under the taxels or in all; what a late reading makes of it is
+    allowed."""
+    if not instances(t.fit.model, *DAMPING):
         return False
-    without = lacking(t.fit.model, *DAMPING)
-    row = int(np.argmax(t.fit.model.shares)) - len(t.fit.model.shares)
-    taken, all_taken = 0.0, 0.0
+    without, skin = lacking(t.fit.model, *DAMPING), t.fit.model.dispersion
+    least = least_damping(skin, LATE * sessions[0].motion.dt)
+    spare = [(0, skin.b2 - least["b2"])] if "force" in sessions[0].channels else []
+    if t.fit.model.shares:
+        spare.append((int(np.argmax(t.fit.model.shares)) - len(t.fit.model.shares), skin.b1 - least["b1"]))
+    taken, linear = np.zeros(len(spare)), 0.0
     for s in sessions:
-        more = simulated(t.fit.model, s)[row] - simulated(without, s)[row]
-        taken += float(np.sum(more * s.motion.v))
-        all_taken += float(np.sum(s.motion.v**2 * (s.motion.x > 0.0)))
-    skin = t.fit.model.dispersion
-    return taken + (skin.b1 - least_damping(skin, LATE * sessions[0].motion.dt)["b1"]) * all_taken < 0.0
+        more = simulated(t.fit.model, s) - simulated(without, s)
+        taken += [float(np.sum(more[row] * s.motion.v)) for row, _ in spare]
+        linear += float(np.sum(s.motion.v**2 * (s.motion.x > 0.0)))
+    return bool(np.any(taken + linear * np.array([b for _, b in spare]) < 0.0))
 
 
 def sized(t: Trial) -> bool:

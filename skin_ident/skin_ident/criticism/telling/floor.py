@@ -21,7 +21,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.gates.gate import by_block
-from skin_ident.criticism.gates.resolution import unread_force
+from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, unread_force
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import less
 from skin_ident.criticism.noise.whitening import white
@@ -43,9 +43,6 @@ SHADOW = 0.01  # of the mean square that the named causes explained: a remainder
 BLOCK_S = 4.0
 DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
 RESOLVED = 0.3  # of a converter's step: what is smaller is its own unevenness
-# Times the mean square that an encoder's steps leave on average: at a few depths each may be half a step off, which is three times, and the
-# model that was fitted to few others as far the other way.
-AT_FEW_DEPTHS = 6.0
 
 
 def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, Any]]:
