@@ -8,6 +8,7 @@ from world import make_sessions, write_table
 from world.noise import Noise
 
 from skin_ident.criticism.record import inspect
+from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.load import load
 
 
@@ -66,3 +67,28 @@ def test_one_kick_that_fades_as_the_noise_does_is_noise(tmp_path, seed):
 
     looked = inspect(record(tmp_path, kicked, seed, noise=Noise("ar", 1.0, 0.995)))
     assert not [s for s in looked.symptoms if "pieces" in s.evidence]
+
+
+def slipped(factor: float, share: float):
+    """Taxel 1 times a factor, for a share of the session."""
+
+    def spoil(s, rng):
+        y, n = s.taxels.copy(), s.force.size
+        y[int(0.4 * n) : int((0.4 + share) * n), 1] *= factor
+        return replace(s, taxels=y)
+
+    return spoil
+
+
+@pytest.mark.parametrize(("factor", "share"), [(1.0 / 4.44822, 0.1), (1.0 / 4.44822, 0.2), (1.0 / 9.80665, 0.2)])
+def test_a_stretch_in_other_units_is_told_however_long_it_is(tmp_path, factor, share):
+    looked = inspect([replace(r, declared=Declared()) for r in record(tmp_path, slipped(factor, share), 3, noise="white")])
+    (found,) = [s for s in looked.symptoms if "taxel_1" in s.channels]
+    assert (found.cause, found.where, found.evidence["kind"]) == ("data_error", "taxel_1", "unit change")
+    assert found.parameters["factor"]["value"] == pytest.approx(factor, rel=1e-3)
+    assert found.bad["session_1.tsv", "taxel_1"].mean() == pytest.approx(share, abs=0.06)
+
+
+def test_a_stretch_of_another_gain_is_no_matter_of_units(tmp_path):
+    looked = inspect(record(tmp_path, slipped(0.45, 0.1), 3, noise="white"))
+    assert not [s for s in looked.symptoms if s.cause == "data_error"]

@@ -141,7 +141,8 @@ def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom
     believed = _beside(raw, recordings, outliers)
     clipped = find_saturation(names, channels, believed, predicted, n)
     clipped += [s for s in find_ceilings(names, channels, believed, predicted, jumps, n) if s.channels not in {c.channels for c in clipped}]
-    known = {("outliers", c) for s in outliers for c in s.channels} | {("saturation", c) for s in (*outliers, *clipped) for c in s.channels}
+    known = {(s.cause, c) for s in known for c in s.channels} | {("outliers", c) for s in outliers for c in s.channels}
+    known |= {("saturation", c) for s in (*outliers, *clipped) for c in s.channels}
     pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in known]
     rest = _beside(rest, recordings, [*outliers, *pieces])
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]

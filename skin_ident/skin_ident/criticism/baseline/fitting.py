@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
-from skin_ident.criticism.baseline.unknowns import Unknown, effect_unknowns, scales, unknowns, values, with_values
+from skin_ident.criticism.baseline.unknowns import Unknown, effect_unknowns, lowest, scales, unknowns, values, with_values
 from skin_ident.criticism.noise.growth import Growth
 from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, with_growth
 from skin_ident.criticism.sessions.session import Session
@@ -103,12 +103,14 @@ def _descend(model, sessions, noise, which, J, r, cost, damping):
     """Try steps of growing damping until the cost falls; returns (accepted, damping, model, cost)."""
     theta, scale = values(model, which), scales(model, which)
     free = unpressed(theta, which, J.T @ r)
+    along = sliding(which, scale, free)
+    J = J @ along
     gram = J[:, free].T @ J[:, free]
     gradient = J[:, free].T @ r
     for _ in range(8):
         step = np.zeros(theta.size)
         step[free] = np.linalg.lstsq(gram + damping * np.diag(np.diag(gram) + 1e-12), gradient, rcond=None)[0]
-        trial = with_values(model, which, theta + np.clip(step, -2.0, 2.0) * scale)
+        trial = with_values(model, which, theta + along @ np.clip(step, -2.0, 2.0) * scale)
         e = whitened(trial, sessions, noise)
         if np.isfinite(e).all() and float(e @ e) < cost:
             return True, max(damping / 10.0, 1e-9), trial, float(e @ e)
@@ -118,9 +120,19 @@ def _descend(model, sessions, noise, which, J, r, cost, damping):
 
 def unpressed(theta: np.ndarray, which: tuple[Unknown, ...], gradient: np.ndarray) -> np.ndarray:
     """Unknowns not pressed against a bound by the step they would take: `theta` their values, `gradient` J'r."""
-    lower = np.array([u.parameter.lower for u in which])
+    lower = lowest(which, theta)
     upper = np.array([u.parameter.upper for u in which])
     return ~(((theta <= lower) & (gradient < 0)) | ((theta >= upper) & (gradient > 0)))
+
+
+def sliding(which: tuple[Unknown, ...], scale: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """What moves with what (U, U), in scaled unknowns: one that is pressed against the bound of its sum with another gives way to that."""
+    along, labels = np.eye(len(which)), [u.label for u in which]
+    for i in np.flatnonzero(~free):
+        if which[i].beside:
+            j = labels.index(which[i].beside)
+            along[i, j] = -scale[j] / scale[i]
+    return along
 
 
 def _standard_errors(model, sessions, noise, which, cost) -> dict[str, float]:

@@ -21,11 +21,13 @@ LATE = 0.5  # samples by which good hardware may be late
 
 @dataclass(frozen=True)
 class Unknown:
-    """One unknown: where it lives in the model (`part` is "dispersion", "shares" or the index of an effect) and its parameter."""
+    """One unknown: where it lives in the model (`part` is "dispersion", "shares" or the index of an effect) and its parameter, whose lower
+    bound is that of its sum with another one, `beside`."""
 
     part: str | int
     parameter: Parameter
     label: str
+    beside: str = ""
 
 
 def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
@@ -44,8 +46,10 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     most = {"m": session.heaviest}
     for p in parameters_of(model.dispersion):
         if p.name in names:
-            within = replace(p, lower=max(p.lower, least.get(p.name, p.lower)), upper=min(p.upper, most.get(p.name, p.upper)))
-            yield Unknown("dispersion", within, p.name)
+            with_b1 = p.name == "b2" and p.name in least and "b1" in names
+            lower = least.get(p.name, p.lower) + (model.dispersion.b1 if with_b1 else 0.0)
+            within = replace(p, lower=max(p.lower, lower), upper=min(p.upper, most.get(p.name, p.upper)))
+            yield Unknown("dispersion", within, p.name, "b1" if with_b1 else "")
 
 
 def least_damping(skin: Dispersion, late: float) -> dict[str, float]:
@@ -81,11 +85,18 @@ def _value(model: Model, u: Unknown) -> float:
     return float(getattr(thing, u.parameter.name))
 
 
+def lowest(which: tuple[Unknown, ...], theta: np.ndarray) -> np.ndarray:
+    """Lower bounds of the unknowns, beside what the others are."""
+    present = {u.label: value for u, value in zip(which, theta, strict=True)}
+    return np.array([u.parameter.lower - (present[u.beside] if u.beside else 0.0) for u in which])
+
+
 def with_values(model: Model, which: tuple[Unknown, ...], theta: np.ndarray) -> Model:
     """The model with its unknowns set to `theta`, clipped to their bounds."""
     dispersion, shares, effects = {}, list(model.shares), [{} for _ in model.effects]
-    for u, value in zip(which, theta, strict=True):
-        value = float(np.clip(value, u.parameter.lower, u.parameter.upper))
+    highest = np.array([u.parameter.upper for u in which])
+    alone = np.where([u.beside == "" for u in which], np.clip(theta, lowest(which, theta), highest), theta)
+    for u, value in zip(which, np.clip(theta, lowest(which, alone), highest).tolist(), strict=True):
         if u.part == "dispersion":
             dispersion[u.parameter.name] = value
         elif u.part == "shares":

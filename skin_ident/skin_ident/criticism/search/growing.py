@@ -22,6 +22,7 @@ from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 MOST = 3  # instances of one cause at one place
 AT_SHAPE = 3  # iterations
 PROMISED = 0.5  # of what the ranking promised
+EXCEEDED, FARTHER = 3.0, 2.0  # times that, and times the amount that was found then
 LITTLE = 0.05  # of an amount
 IN_TURN = 3  # times that shares are settled and the rest fitted
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
@@ -57,12 +58,16 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
     own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little.
     Where little of what the ranking promised is kept, from the amounts at which an effect was scanned: of a delay by half a period of the
-    motion no small one shows the way."""
+    motion no small one shows the way. Where far more is, the way was longer than it seemed, and may go on: from twice as far."""
     for share in (1.0, LITTLE):
         trial = _begun_at(ranked.best, share * ranked.best_amount, present, sessions, noise)
         if trial.cost < present.cost:
             break
-    if present.cost - trial.cost > PROMISED * ranked.gain:
+    gained = present.cost - trial.cost
+    if gained > EXCEEDED * ranked.gain:
+        found = getattr(trial.model.effects[-1], ranked.best.parameter) / ranked.best.size
+        return min(trial, _begun_at(ranked.best, FARTHER * found, present, sessions, noise), key=lambda f: f.cost)
+    if gained > PROMISED * ranked.gain:
         return trial
     large = [(d, np.sign(z) * d.probe) for d, z in zip(ranked.used, ranked.amounts, strict=True) if d.probe != PROBE]
     return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in large)], key=lambda f: f.cost)

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import tangents, unpressed
+from skin_ident.criticism.baseline.fitting import sliding, tangents, unpressed
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.baseline.unknowns import unknowns, values
+from skin_ident.criticism.baseline.unknowns import scales, unknowns, values
 from skin_ident.criticism.courses.course import bends_of_each_session
 from skin_ident.criticism.noise.estimate import less, noise_model
 from skin_ident.criticism.noise.whitening import Whitener, stack
@@ -53,7 +53,8 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     bends = bank(model, which, sessions)
     noise = noise or noise_model(residuals, own, _richest(model, bends, which, sessions), sessions)
     J, r = stack(own, sessions, noise), stack(residuals, sessions, noise)
-    J = J[:, unpressed(values(model, mine), mine, J.T @ r)]  # a mass that cannot fall below nothing explains nothing
+    free = unpressed(values(model, mine), mine, J.T @ r)
+    J = (J @ sliding(mine, scales(model, mine), free))[:, free]  # a mass that cannot fall below nothing explains nothing
     projected = project(which, stack(bends, sessions, noise), J, r)
     kept = {s.name: (s, np.concatenate([o, b])) for s, o, b in zip(sessions, own, bends, strict=True)}
     return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE), kept)

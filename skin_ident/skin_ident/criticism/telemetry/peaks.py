@@ -14,6 +14,8 @@ from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 NOISE = 4.0  # widths of what the model leaves: between the levels of pieces, about a level, and of all other readings above it
 INSIDE = 0.25  # of a piece at either end, where the reading may still be on its way
 
+LASTING_S = 0.1  # over which most samples of a piece are far off
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -25,6 +27,17 @@ class Piece:
     seconds: float
     size: float  # N
     met: bool  # whether contact is made or lost there
+
+
+def samples_of(own: list[Piece], s: Session) -> np.ndarray:
+    """Mask (N,) of the samples of a session's pieces, and as many on either side as a window may have missed."""
+    t, mine = s.motion.t, [p for p in own if p.session == s.name]
+    return np.any([np.zeros(t.size, bool), *((t > p.start - LASTING_S) & (t < p.start + p.seconds + LASTING_S) for p in mine)], axis=0)
+
+
+def listed(own: list[Piece]) -> str:
+    """Where the first few of the pieces are, in words."""
+    return ", ".join(f"{p.session} at {p.start:.1f} s for {p.seconds:.2g} s" for p in own[:4]) + (", …" if len(own) > 4 else "")
 
 
 def clipped_peaks(own: list[Piece], sessions: list[Session], rest: list[np.ndarray], width: np.ndarray) -> Symptom | None:

@@ -13,14 +13,14 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from skin_ident.criticism.baseline.residual import placed, stiffness
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import Session, motion_under
-from skin_ident.criticism.telemetry.peaks import Piece, clipped_peaks
+from skin_ident.criticism.telemetry.other_units import in_other_units
+from skin_ident.criticism.telemetry.peaks import LASTING_S, Piece, clipped_peaks, listed, samples_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import smallest_step
 from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
 from skin_models.signals import Motion
 
-LASTING_S = 0.1
 FAR, NEAR = 10.0, 5.0  # widths of what the model leaves: for the channel itself, and for the others
 MOST, FEW = 0.6, 0.3  # of a lasting window's samples that must be far, and that may not be near in others
 SHARED = 0.5  # of what is left of a channel, in proportion, by which the others are with it and not with the model
@@ -42,9 +42,11 @@ def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -
     width = _width(sessions, np.concatenate(rest, axis=1))[:, None]
     found = [p for s, e in zip(sessions, rest, strict=True) for p in _pieces(model, s, e, width)]
     whole = sum(float(np.ptp(s.motion.t)) for s in sessions)
-    by_channel = [[p for p in found if p.channel == c] for c in channels]
-    accidents = [own for own in by_channel if own and _accident(own, whole) and not _one_kick(own, sessions, rest)]
-    return [_told(own, clipped_peaks(own, sessions, rest, width), sessions) for own in accidents]
+    by_channel = [own for c in channels if (own := [p for p in found if p.channel == c])]
+    units = {own[0].channel: in_other_units(own, sessions, rest) for own in by_channel}
+    rest_of_them = [own for own in by_channel if not units[own[0].channel]]
+    accidents = [own for own in rest_of_them if _accident(own, whole) and not _one_kick(own, sessions, rest)]
+    return [*filter(None, units.values()), *(_told(own, clipped_peaks(own, sessions, rest, width), sessions) for own in accidents)]
 
 
 def _width(sessions: list[Session], rest: np.ndarray) -> np.ndarray:
@@ -106,7 +108,7 @@ def _one_kick(own: list[Piece], sessions: list[Session], rest: list[np.ndarray])
     piece, c = own[0], sessions[0].channels.index(own[0].channel)
     memory = _memory([e[c] for s, e in zip(sessions, rest, strict=True) if s.name != piece.session])
     session, e = next((s, e[c]) for s, e in zip(sessions, rest, strict=True) if s.name == piece.session)
-    inside = e[_mask(session, own)]
+    inside = e[samples_of(own, session)]
     fading = inside[int(np.argmax(np.abs(inside))) :]
     k = np.arange(fading.size)
     shapes = [np.exp(-k / (times * memory)) for times in (0.3, 0.5, 1.0, 2.0, 3.0)] if memory > LONG else []
@@ -131,15 +133,8 @@ def _told(own: list[Piece], clipped: Symptom | None, sessions: list[Session]) ->
 
 def _symptom(own: list[Piece], sessions: list[Session]) -> Symptom:
     first = own[0]
-    said = ", ".join(f"{p.session} at {p.start:.1f} s for {p.seconds:.2g} s" for p in own[:4]) + (", …" if len(own) > 4 else "")
-    why = f"{first.channel} leaves the model by {first.size:.3g} N while every other channel stays with it: {said}"
+    why = f"{first.channel} leaves the model by {first.size:.3g} N while every other channel stays with it: {listed(own)}"
     parameters = {"pieces": quantity(len(own), "1"), "size": quantity(max(p.size for p in own), "N")}
     evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": float(p.seconds)} for p in own]}
-    bad = {(s.name, first.channel): _mask(s, own) for s in sessions if any(p.session == s.name for p in own)}
+    bad = {(s.name, first.channel): samples_of(own, s) for s in sessions if any(p.session == s.name for p in own)}
     return Symptom("outliers", place_of(first.channel, sessions[0].n_taxels), (first.channel,), parameters, evidence, bad)
-
-
-def _mask(s: Session, own: list[Piece]) -> np.ndarray:
-    """The samples (N,) of a session's pieces, and as many on either side as a window may have missed."""
-    t = s.motion.t
-    return np.any([(t > p.start - LASTING_S) & (t < p.start + p.seconds + LASTING_S) for p in own if p.session == s.name], axis=0)
