@@ -28,7 +28,7 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
     factor = next((f for f in FACTORS if all(abs(found / f - 1.0) < NEAR for found in factors)), None)
     if factor is None:
         return None
-    own = [whole for s, y, model in told.values() for whole in _whole([p for p in own if p.session == s.name], s, y, usual * model, factor)]
+    own = [whole for s, y, model in told.values() for whole in _whole(own, s, y, usual * model, factor)]
     times = f"{own[0].channel} reads {factor:.4g} times what it should, a factor of units"
     why = f"{times}, while every other channel stays with the model: {listed(own)}"
     evidence, numbers = {"why": why, "kind": "unit change"}, {"factor": quantity(factor, "1")}
@@ -46,8 +46,9 @@ def _times(s: Session, y: np.ndarray, model: np.ndarray, piece: Piece) -> float:
 
 
 def _whole(own: list[Piece], s: Session, y: np.ndarray, model: np.ndarray, factor: float) -> Iterator[Piece]:
-    """The stretches of a session in which `y` (N,) is nearer to the model times the factor than to the model, as far as pieces of it are."""
+    """The stretches of a session in which `y` (N,) is nearer to the model times the factor than to the model, where pieces of it are."""
     nearer = np.abs(y - factor * model) < np.abs(y - model)
+    own = [p for p in own if p.session == s.name]
     mask = uniform_filter1d(nearer.astype(float), max(round(EVEN_S / s.motion.dt), 1)) > 0.5
     for i, j in zip(*runs(mask), strict=True):
         start, seconds = float(s.motion.t[i]), (j - i) * s.motion.dt
