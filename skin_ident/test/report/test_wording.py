@@ -11,6 +11,7 @@ import report_examples as examples
 from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.said import Said
+from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.telling.findings import advice_on, found
 from skin_ident.criticism.telling.outcome import Round, Trace
 from skin_ident.report.appendix import parameters, reading, size_ruled_out, why_untestable
@@ -187,7 +188,7 @@ def test_given_numbers_are_not_said_to_be_fitted_nor_to_hide_anything():
 
 def test_what_is_held_is_no_wrong_number():
     gain = SimpleNamespace(carried=("force",), relative=0.9, held_out="b", entry={})
-    wrong = SimpleNamespace(cause="parameters", where="skin", gain=gain, explained=1.0, alternatives=(), courses={})
+    wrong = Named("parameters", "skin", gain, 1.0, ())
     assert set(found(wrong, examples.Model(examples.SILICONE), {"k1": 1.0, "k2": 2.0}, {})["parameters"]) == {"k1", "k2"}
 
 
