@@ -53,7 +53,8 @@ def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
     if any(load is None for load in loads):
         return []
     by_depth = any(r.force is None for r in recordings)
-    found = contact_of([r.taxels[i] for r in recordings], loads, recordings[0].dt, by_depth)
+    step = max(r.step(name) or 0.0 for r in recordings)
+    found = contact_of([r.taxels[i] for r in recordings], loads, recordings[0].dt, by_depth, step)
     if found is None:
         return []
     bad = {(r.name, name): m for r, m in zip(recordings, found.lost, strict=True) if m.any()}

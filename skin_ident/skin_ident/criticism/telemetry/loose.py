@@ -34,13 +34,14 @@ class Contact:
     jumps: int
 
 
-def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float, by_depth: bool = False) -> Contact | None:
+def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float, by_depth: bool = False, step: float = 0.0) -> Contact | None:
     """The loose contact of a channel with these readings (N,) under these loads (N,), each session one; None where it has none.
 
-    `by_depth`: the loads are depths, which say nothing of a skin that the plunger has left behind.
+    `by_depth`: the loads are depths, which say nothing of a skin that the plunger has left behind. The converter's `step` is looked for in
+    the readings where it is not given.
     """
     slope, least = _slope(rows, loads), LOADED * max(float(load.max()) for load in loads)
-    if slope * least < reach(np.concatenate([np.diff(y) for y in rows]), smallest_step(np.concatenate(rows))):
+    if slope * least < reach(np.concatenate([np.diff(y) for y in rows]), step or smallest_step(np.concatenate(rows))):
         return None
     size = max(LASTS, round(LASTS_S / dt))
     jumps = [_jumps(y, load, slope, least, by_depth) for y, load in zip(rows, loads, strict=True)]
