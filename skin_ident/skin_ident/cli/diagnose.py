@@ -133,7 +133,7 @@ def _doubts(findings: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _sizes(f: dict[str, Any]) -> list[str]:
     """Parameters, one a line; what each session has of its own; and what telemetry saw."""
-    sizes = [f"    {name} = {p['value']:.4g} {p['unit']}" for name, p in f["parameters"].items()]
+    sizes = [f"    {name} = {p['value']:.4g} {'' if p['unit'] == '1' else p['unit']}".rstrip() for name, p in f["parameters"].items()]
     own = f["evidence"].get("of_each_session") or {}
     sizes += [f"    {session}: {course}" for session, course in own.items()]
     return sizes + ([f"    {f['evidence']['why']}"] if f["evidence"].get("why") and not own else [])

@@ -94,7 +94,7 @@ def _not_compared(t: np.ndarray, judged: np.ndarray) -> Callable[[Axis], list[Li
 
 def below_band(v: View) -> str:
     """In which band errors are counted, where that is known: ` below 8 Hz`."""
-    return f" below {v.band_hz:g}\u00a0Hz" if v.band_hz else ""
+    return f" below {v.band_hz:.3g}\u00a0Hz" if v.band_hz else ""
 
 
 def _briefly(name: str) -> str:
