@@ -20,7 +20,8 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, clipped, parameters_of, scan_of
 
 PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
-FULL = 24.0  # N that a sensor reads at most, for which the catalogue's grids of forces are laid out
+CLIPS = "saturation"
+FULL = 24.0  # N that a sensor reads at most, for which the catalogue's grid of the forces at which it clips is laid out
 LEAST_READING = 1e-3  # of that: a sensor that reads nothing is bent by nothing
 SENSORS = ("taxel", "load_cell")
 
@@ -95,10 +96,10 @@ def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Dir
 
 
 def _shapes(cls: type[Effect], where: str, session: Session) -> Iterator[dict[str, float]]:
-    """The shapes of an effect that are profiled. The forces at which a sensor clips or lags are shares of what it reads at most: one that
-    reads a newton is bent within that."""
+    """The shapes of an effect that are profiled. The forces at which a sensor clips are shares of what it reads at most: one that reads a
+    newton is bent within that. A test without depth asks at the catalogue's own."""
     own = [session.channels.index(c) for c in own_channels(where, session.channels)]
-    forces = {p.name for p in parameters_of(cls) if p.unit == "N"} if where.startswith(SENSORS) else set()
+    forces = {p.name for p in parameters_of(cls) if p.unit == "N"} if cls.cause == CLIPS and session.drive is None else set()
     times = max(float(np.abs(session.bridged[own]).max()) / FULL, LEAST_READING) if forces else 1.0
     for shape in cls.shapes(session.motion):
         yield clipped(cls, **{name: value * times if name in forces else value for name, value in shape.items()})
