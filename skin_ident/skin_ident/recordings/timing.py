@@ -124,7 +124,7 @@ def _bridged(track: Track, name: str) -> Track:
         mended = [np.where(b, np.interp(track.t, track.t[~b], row[~b]), row) if b.any() else row for row, b in zip(rows, bad, strict=True)]
         blocks.append(np.array(mended))
     note = (f"{counted(filled, 'missing number')} interpolated",) if filled else ()
-    return Track(track.t, tuple(blocks), (*track.warnings, *note), interpolated=track.interpolated or filled > 0)
+    return Track(track.t, tuple(blocks), (*track.warnings, *note), interpolated=filled > 0)
 
 
 def _rate_warning(dt: float, rate_hz: float | None) -> tuple[str, ...]:

@@ -47,7 +47,8 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
-    still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, partial(_moves, encoder_step)))
+    moves = partial(_moves, encoder_step)
+    still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, moves))
     if cause in OF_SPEED:
         beats = OPEN * max((damping(before, gain.channel) * _beat([s], encoder_step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
@@ -56,7 +57,7 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
             still, moving = still + max(resting, passing), moving + passing
     if gain.squares > still:
         return True
-    return bool(encoder_step > 0.0 and _fall_while_moving(gain.channel, before, after, train, encoder_step) > max(moving, PASSING * still))
+    return bool(encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still))
 
 
 def of_the_drive(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> bool:
@@ -119,13 +120,13 @@ def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float,
     return per_length * min(encoder_step, TREMBLING), per_length * encoder_step * float(np.sqrt(2.0 * band.edge * band.dt))
 
 
-def _fall_while_moving(channel: str, before: Model, after: Model, sessions: list[Session], encoder_step: float) -> float:
-    """Fall of the mean square in `channel` where the stage moves, N^2."""
+def _fall_in(part: Part, channel: str, before: Model, after: Model, sessions: list[Session]) -> float:
+    """Fall of the mean square in `channel` at the samples of a part, N^2."""
     fall, count = 0.0, 0.0
     for s, each in zip(sessions, _falls(channel, before, after, sessions), strict=True):
-        moves = _moves(encoder_step, s)
-        fall += float(np.sum(each * moves))
-        count += float(np.sum(s.weight[s.channels.index(channel)] * moves))
+        counts = part(s)
+        fall += float(np.sum(each * counts))
+        count += float(np.sum(s.weight[s.channels.index(channel)] * counts))
     return fall / max(count, 1.0)
 
 

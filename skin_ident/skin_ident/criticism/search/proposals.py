@@ -23,7 +23,6 @@ PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unles
 CLIPS = "saturation"
 FULL = 24.0  # N that a sensor reads at most, for which the catalogue's grid of the forces at which it clips is laid out
 LEAST_READING = 1e-3  # of that: a sensor that reads nothing is bent by nothing
-SENSORS = ("taxel", "load_cell")
 
 
 @dataclass(frozen=True)
@@ -98,11 +97,13 @@ def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Dir
 def _shapes(cls: type[Effect], where: str, session: Session) -> Iterator[dict[str, float]]:
     """The shapes of an effect that are profiled. The forces at which a sensor clips are shares of what it reads at most: one that reads a
     newton is bent within that. A test without depth asks at the catalogue's own."""
+    if cls.cause != CLIPS or session.drive is not None:
+        yield from cls.shapes(session.motion)
+        return
     own = [session.channels.index(c) for c in own_channels(where, session.channels)]
-    forces = {p.name for p in parameters_of(cls) if p.unit == "N"} if cls.cause == CLIPS and session.drive is None else set()
-    times = max(float(np.abs(session.bridged[own]).max()) / FULL, LEAST_READING) if forces else 1.0
+    times = max(float(np.abs(session.bridged[own]).max()) / FULL, LEAST_READING)
     for shape in cls.shapes(session.motion):
-        yield clipped(cls, **{name: value * times if name in forces else value for name, value in shape.items()})
+        yield clipped(cls, **{name: value * times for name, value in shape.items()})
 
 
 def _sign(p) -> int:

@@ -21,7 +21,7 @@ from skin_ident.criticism.search.growing import grow, instances, lacking, neglig
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does, stage_is_off, steps_do, too_short
 from skin_ident.criticism.search.named import Named, Seen
 from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
-from skin_ident.criticism.search.proposals import SENSORS, Direction
+from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.survey import Survey, survey
@@ -39,6 +39,7 @@ WITHIN = 0.35  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
+SENSORS = ("taxel", "load_cell")
 SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
