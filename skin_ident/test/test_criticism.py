@@ -37,6 +37,11 @@ def test_a_hidden_effect_of_the_size_of_the_noise_is_named_at_its_place(tmp_path
     assert gain["held_out_rmse_after"] < gain["held_out_rmse_before"]
 
 
+def test_a_part_that_lags_is_found_where_damping_takes_what_a_plain_lag_would_explain(tmp_path):
+    found = seek(tmp_path, "lag", where="taxel_0", form="partial", size=0.5, seed=706488426)
+    assert found.names == [("lag", "taxel")]
+
+
 @pytest.mark.parametrize("seed", rows(range(6), 2))
 def test_silence_when_nothing_is_hidden(tmp_path, seed):
     found = seek(tmp_path, None, seed=500 + seed)

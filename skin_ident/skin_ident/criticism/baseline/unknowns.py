@@ -42,21 +42,21 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     names = (*names, "m") if session.free_mass else names
-    least = {} if session.drive is not None else least_damping(model.dispersion, LATE * session.motion.dt)
+    under_taxels, in_all = least_damping(model.dispersion, LATE * session.motion.dt)
+    beside = "b1" if "b1" in names else ""  # material tests know b2 alone
+    least = {"b1": under_taxels, "b2": in_all if beside else in_all - model.dispersion.b1} if session.drive is None else {}
     most = {"m": session.heaviest}
     for p in parameters_of(model.dispersion):
         if p.name in names:
-            with_b1 = p.name == "b2" and p.name in least and "b1" in names
-            lower = least.get(p.name, p.lower) + (model.dispersion.b1 if with_b1 else 0.0)
-            within = replace(p, lower=max(p.lower, lower), upper=min(p.upper, most.get(p.name, p.upper)))
-            yield Unknown("dispersion", within, p.name, "b1" if with_b1 else "")
+            within = replace(p, lower=max(p.lower, least.get(p.name, p.lower)), upper=min(p.upper, most.get(p.name, p.upper)))
+            yield Unknown("dispersion", within, p.name, beside if p.name == "b2" and least else "")
 
 
-def least_damping(skin: Dispersion, late: float) -> dict[str, float]:
-    """The least that damping may be, N s/m, where depth drives the skin: it gives back no more than it took, neither under the taxels nor
-    in all. A reading that is `late` by part of a sample looks as if it did; one that is later has a cause, which damping below nothing
-    would hide."""
-    return {"b1": -late * skin.k1, "b2": -late * (skin.k1 + skin.k2) - skin.b1}
+def least_damping(skin: Dispersion, late: float) -> tuple[float, float]:
+    """The least that damping may be, N s/m, under the taxels (b1) and in all (b1 + b2), where depth drives the skin: it gives back no more
+    than it took. A reading that is `late` by part of a sample looks as if it did; one that is later has a cause, which damping below
+    nothing would hide."""
+    return -late * skin.k1, -late * (skin.k1 + skin.k2)
 
 
 def _of_shares(model: Model) -> Iterator[Unknown]:

@@ -58,7 +58,8 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
     own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little.
     Where little of what the ranking promised is kept, from the amounts at which an effect was scanned: of a delay by half a period of the
-    motion no small one shows the way. Where far more is, the way was longer than it seemed, and may go on: from twice as far."""
+    motion no small one shows the way; and in its finer forms: damping may have taken all that a plain lag would explain, and leave what only
+    a lag of a part does. Where far more is, the way was longer than it seemed, and may go on: from twice as far."""
     for share in (1.0, LITTLE):
         trial = _begun_at(ranked.best, share * ranked.best_amount, present, sessions, noise)
         if trial.cost < present.cost:
@@ -70,7 +71,8 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     if gained > PROMISED * ranked.gain:
         return trial
     large = [(d, np.sign(z) * d.probe) for d, z in zip(ranked.used, ranked.amounts, strict=True) if d.probe != PROBE]
-    return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in large)], key=lambda f: f.cost)
+    finer = [(replace(ranked.best, effect=e), ranked.best_amount) for e in _finer(ranked.best.effect)]
+    return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in large + finer)], key=lambda f: f.cost)
 
 
 def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session], noise: Whitener) -> Fit:
@@ -116,10 +118,14 @@ def unlike_skin(model: Model) -> bool:
 def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:
     """The same, the effect that came last in the form that equals it when it is small, where one explains more."""
     *others, last = present.model.effects
-    finer = [cls.typical(last.where, **last.values) for cls in effects() if cls.refines is type(last)]
-    trials = [fit(replace(present.model, effects=(*others, e)), sessions, noise) for e in finer]
+    trials = [fit(replace(present.model, effects=(*others, e)), sessions, noise) for e in _finer(last)]
     best = min(trials, key=lambda trial: trial.cost, default=present)
     return best if present.cost - best.cost > max(20.0, FINER * gained) else present
+
+
+def _finer(effect: Effect) -> list[Effect]:
+    """The forms that equal an effect when it is small, with its values."""
+    return [cls.typical(effect.where, **effect.values) for cls in effects() if cls.refines is type(effect)]
 
 
 def _ready(d: Direction, amount: float) -> Effect:

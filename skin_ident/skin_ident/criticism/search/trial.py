@@ -73,10 +73,10 @@ def _drives(t: Trial, sessions: list[Session]) -> bool:
     if not instances(t.fit.model, *DAMPING):
         return False
     without, skin = lacking(t.fit.model, *DAMPING), t.fit.model.dispersion
-    least = least_damping(skin, LATE * sessions[0].motion.dt)
-    spare = [(0, skin.b2 - least["b2"])] if "force" in sessions[0].channels else []
+    under_taxels, in_all = least_damping(skin, LATE * sessions[0].motion.dt)
+    spare = [(0, skin.b1 + skin.b2 - in_all)] if "force" in sessions[0].channels else []
     if t.fit.model.shares:
-        spare.append((int(np.argmax(t.fit.model.shares)) - len(t.fit.model.shares), skin.b1 - least["b1"]))
+        spare.append((int(np.argmax(t.fit.model.shares)) - len(t.fit.model.shares), skin.b1 - under_taxels))
     taken, linear = np.zeros(len(spare)), 0.0
     for s in sessions:
         more = simulated(t.fit.model, s) - simulated(without, s)
