@@ -14,12 +14,14 @@ from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import fit_whitener, white
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import signed_pursuit
+from skin_ident.criticism.search.weighing import weighed, with_mass
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.parting import impacts, parted
 from skin_ident.criticism.sessions.session import motion_under, prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
+from skin_models.effects.inertia import Inertia
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 from skin_models.model_file import model_to_dict
@@ -95,6 +97,19 @@ def test_a_late_load_cell_does_not_bend_what_the_taxels_say():
     found = fit(start, [s], white([residual(skin, prepare(r))])).model.dispersion
     assert (found.b1, found.k1) == pytest.approx((60.0, 9619.0), rel=0.03)
     assert found.b1 + found.b2 == pytest.approx(-0.5 * s.motion.dt * (found.k1 + found.k2), rel=0.15)
+
+
+def test_a_mass_that_hangs_explains_with_its_inertia_what_one_that_leans_does_not():
+    """Pressed all the time, its weight is a number beside others; only its inertia tells the whole."""
+    skin = replace(SILICONE, dispersion=replace(SILICONE.dispersion, m=0.0))
+    r = recording(replace(skin, effects=(Inertia("rig", mass=0.5),)), 1e-4)
+    sessions = [prepare(r)]
+    noise = white([1e-4 * np.random.default_rng(1).standard_normal(s.measured.shape) for s in sessions])
+    leaning = fit(replace(skin, dispersion=replace(skin.dispersion, m=0.5)), sessions, noise)
+    free = with_mass(leaning, sessions, noise)
+    assert free.model.dispersion.m < 0.01
+    assert free.model.effects[0].mass == pytest.approx(0.5, rel=0.02)
+    assert free.cost < 0.5 * fit(leaning.model, weighed(sessions), noise).cost
 
 
 def test_unknowns_are_a_vector_and_back():

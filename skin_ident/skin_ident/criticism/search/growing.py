@@ -58,8 +58,8 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
     """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
     own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little.
     Where little of what the ranking promised is kept, from the amounts at which an effect was scanned: of a delay by half a period of the
-    motion no small one shows the way; and in its finer forms: damping may have taken all that a plain lag would explain, and leave what only
-    a lag of a part does. Where far more is, the way was longer than it seemed, and may go on: from twice as far."""
+    motion no small one shows the way; and in its finer forms: damping may have taken all that a plain lag would explain, and leave what
+    only a lag of a part does. Where far more is, the way was longer than it seemed, and may go on: from twice as far."""
     for share in (1.0, LITTLE):
         trial = _begun_at(ranked.best, share * ranked.best_amount, present, sessions, noise)
         if trial.cost < present.cost:

@@ -8,7 +8,7 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of, noise_of
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
-from skin_ident.criticism.courses.course import MARGIN, Run, added, beside_the_rest, fitted
+from skin_ident.criticism.courses.course import Run, added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.gates.uncertain import left_open
@@ -27,6 +27,7 @@ FORM = 0.25  # nor less than that of the largest fall so far: another form of th
 WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
 PLAIN = 0.5  # if it leaves more than this of the error
 CERTAIN = 30.0  # likelihood gain, in the noise that is left there, of what is wrong in them alone: where much else is left, too
+MOSTLY = 0.8  # of what a course explains, what it does if it is the same in all sessions
 EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
 
 
@@ -77,10 +78,10 @@ def _at_once(run: Run, search: "Search") -> float:
 
 
 def _alike_in_all(run: Run, trials: list[Trial], score: float) -> float:
-    """What the course explains if it is the same in all sessions, where that is nearly as much as its `score`, else that: rivals, which
-    sessions share, are held against what they share."""
+    """What the course explains if it is the same in all sessions, where that is most of its `score`, else that: rivals, which sessions
+    share, are held against what they share. What it explains beyond that may be of another cause."""
     shared = max((t.score for t in trials if t.key == run.course.key), default=0.0)
-    return shared if score < MARGIN * shared else score
+    return shared if shared > MOSTLY * score else score
 
 
 def take_alone(search: "Search") -> bool:

@@ -145,7 +145,7 @@ class Search:
         own = own_course(self, runs, trials) if first or (same and score > best) else None
         if first and not own and runs[0].course.carrier == DELAY:
             return self.choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
-        shared = None if own or first else self.first_believed(trials, runs)
+        shared = None if own or (first and best < 0.6 * runs[0].score) else self.first_believed(trials, runs)
         if not (own or shared or first) and runs and score > BEHIND * best:
             own = own_course(self, runs, trials)
         return own, shared

@@ -36,10 +36,14 @@ def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:
 
 
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
-    """The fit with the mass free, where it is set and that explains enough to matter."""
+    """The fit with the mass free, where it is set and that explains enough to matter; of one that hangs, with its inertia."""
     if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
         return None
-    free = fit(present.model, weighed(sessions), noise)
+    sessions = weighed(sessions)
+    free = fit(present.model, sessions, noise)
+    hung = hanging(present.model, free.model)
+    if hung:
+        free = fit(free.model.extended(*hung), sessions, noise)
     return free if _gained(present, free) > MATERIAL * free.count else None
 
 
@@ -75,7 +79,7 @@ def settles(search: "Search", free: Fit, best: float) -> bool:
 
 
 def _gained(present: Fit, free: Fit) -> float:
-    return present.cost - free.cost - float(np.log(free.count))
+    return present.cost - free.cost - float(np.log(free.count)) * (len(free.unknowns) - len(present.unknowns))
 
 
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
