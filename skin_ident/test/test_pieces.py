@@ -92,3 +92,30 @@ def test_a_stretch_in_other_units_is_told_however_long_it_is(tmp_path, factor, s
 def test_a_stretch_of_another_gain_is_no_matter_of_units(tmp_path):
     looked = inspect(record(tmp_path, slipped(0.45, 0.1), 3, noise="white"))
     assert not [s for s in looked.symptoms if s.cause == "data_error"]
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.5, 1.0), (0.2, 0.35), (0.6, 0.75)])
+def test_columns_that_are_exchanged_for_a_stretch_are_told(tmp_path, begin, end):
+    def crossed(s, rng):
+        y, n = s.taxels.copy(), s.force.size
+        at = slice(int(begin * n), int(end * n))
+        y[at] = y[at, ::-1]
+        return replace(s, taxels=y)
+
+    looked = inspect(record(tmp_path, crossed, 3, noise="white"))
+    (found,) = looked.symptoms
+    assert (found.cause, found.where, found.evidence["kind"]) == ("data_error", "taxel", "exchanged columns")
+    mask, other = (found.bad["session_1.tsv", c] for c in ("taxel_0", "taxel_1"))
+    n = mask.size
+    assert np.mean(mask[int(begin * n) : int(end * n)]) > 0.8  # but for its ends in the air, where both read nothing
+    assert np.mean(mask) < 1.2 * (end - begin) and np.array_equal(mask, other)
+
+
+def test_two_gains_that_change_at_once_are_not_exchanged_columns(tmp_path):
+    def other_gains(s, rng):
+        y = s.taxels.copy()
+        y[s.force.size // 2 :] *= (0.6, 1.5)
+        return replace(s, taxels=y)
+
+    looked = inspect(record(tmp_path, other_gains, 3, noise="white"))
+    assert not [s for s in looked.symptoms if s.evidence.get("kind") == "exchanged columns"]

@@ -16,6 +16,7 @@ from skin_ident.criticism.sessions.session import Session, prepare
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.copied import copies_among, emptied, find_copies
+from skin_ident.criticism.telemetry.crossed import find_crossed
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.encoder import find_encoder_faults
 from skin_ident.criticism.telemetry.lines import find_interference
@@ -80,7 +81,13 @@ def inspect(recordings: list) -> Inspected:
     mended = _spread_again(mended, early)
     common = common_to(mended, depth_step(mended))
     sessions = [prepare(r, bad_samples(r, early), common) for r in mended]
-    late = _in_residuals(mended, sessions, [s for s in early if s.cause == "data_error"])
+    first = _first_fit(sessions)
+    crossed = find_crossed(sessions, _left_by(first, sessions))
+    if crossed:
+        early = [*early, *crossed]
+        sessions = [prepare(r, bad_samples(r, early), common) for r in mended]
+        first = _first_fit(sessions)
+    late = _in_residuals(first, mended, sessions, [s for s in early if s.cause == "data_error"])
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
     early, late = _between_levels(early, late)
@@ -127,9 +134,14 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
     return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt, (step,))
 
 
-def _in_residuals(recordings: list, sessions: list[Session], known: list[Symptom]) -> list[Symptom]:
-    """What shows in measured less simulated, at full rate, beside what is `known`; outliers are taken out before the rest is looked for."""
-    first = _first_fit(sessions)
+def _left_by(model: Model, sessions: list[Session]) -> list[np.ndarray]:
+    """Measured less simulated (C, N), N, of each session, at full rate."""
+    return [s.raw - simulated(model, s) for s in sessions]
+
+
+def _in_residuals(first: Model, recordings: list, sessions: list[Session], known: list[Symptom]) -> list[Symptom]:
+    """What shows in measured less simulated by the `first` fit, at full rate, beside what is `known`; outliers are taken out before the
+    rest is looked for."""
     predicted = [simulated(first, s) for s in sessions]
     wrong = [bad_samples(r, known) for r in recordings]
     raw = [np.where(b, m, s.raw) for s, m, b in zip(sessions, predicted, wrong, strict=True)]

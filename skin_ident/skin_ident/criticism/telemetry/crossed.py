@@ -1,0 +1,78 @@
+"""A stretch of a session in which two channels are written in each other's columns, as by a logger that was started anew.
+
+Where readings y_i, y_j follow the model's u_i, u_j the product (y_i - y_j)(u_i - u_j) is positive, but for noise; where they are exchanged
+it is negative. The stretch with the least sum of it is asked: exchanged, both channels must leave far less there than as they are, and all
+others must stay with the model. No contact does that: one that moved would move the shares of other taxels, or of these two apart.
+"""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+
+LEAST_S = 1.0  # that a stretch lasts
+FOLLOWS = 0.3  # of what the channels leave as they are, the most that they may leave exchanged
+FAR = 3.0  # times what they leave elsewhere, the least that they leave as they are, and the most that other channels may leave
+TURNS = 3  # times that stretch and shares are told from each other: the model was fitted to both
+
+
+def find_crossed(sessions: list[Session], rest: list[np.ndarray]) -> list[Symptom]:
+    """Stretches in which two channels are exchanged, by what a model leaves (C, N) N of sessions, at full rate."""
+    pairs = combinations(range(len(sessions[0].channels)), 2)
+    return [symptom for i, j in pairs for symptom in _of_pair(sessions, rest, i, j)]
+
+
+def _of_pair(sessions: list[Session], rest: list[np.ndarray], i: int, j: int) -> Iterator[Symptom]:
+    y = [s.raw[[i, j]] for s in sessions]
+    model = [m - e[[i, j]] for m, e in zip(y, rest, strict=True)]
+    crossed, slopes = [np.zeros(m.shape[1], bool) for m in y], np.ones((2, 1))
+    for _ in range(TURNS):
+        crossed = [_stretch(m, slopes * u) for m, u in zip(y, model, strict=True)]
+        slopes = _slopes(y, model, crossed)
+    for s, m, u, e, mask in zip(sessions, y, model, rest, crossed, strict=True):
+        if mask.sum() * s.motion.dt < LEAST_S:
+            continue
+        as_is, exchanged = _left(m - slopes * u, mask), _left(m - (slopes * u)[::-1], mask)
+        elsewhere = np.sqrt(np.mean([_left(m - slopes * u, ~mask) ** 2 for m, u, mask in zip(y, model, crossed, strict=True)], axis=0))
+        others = np.delete(e, [i, j], axis=0)
+        alone = bool(np.all(_left(others, mask) < FAR * np.maximum(_left(others, ~mask), 1e-12)))
+        if alone and np.all(as_is > FAR * elsewhere) and np.all(exchanged < FOLLOWS * as_is):
+            yield _symptom(s, s.channels[i], s.channels[j], mask)
+
+
+def _stretch(y: np.ndarray, model: np.ndarray) -> np.ndarray:
+    """Mask (N,) of the run of samples with the greatest sum of -(y_i - y_j)(u_i - u_j), if that is positive: two rows each, N."""
+    total = np.concatenate([[0.0], np.cumsum(-np.diff(y, axis=0)[0] * np.diff(model, axis=0)[0])])
+    before = np.minimum.accumulate(total)
+    end = int(np.argmax(total - before))
+    start = int(np.argmin(total[: end + 1]))
+    at = np.arange(y.shape[1])
+    return (at >= start) & (at < end)
+
+
+def _slopes(y: list[np.ndarray], model: list[np.ndarray], crossed: list[np.ndarray]) -> np.ndarray:
+    """Times what the model says each of two channels (2, 1) reads where they are not exchanged."""
+    outside = [np.array([m[:, ~mask], u[:, ~mask]]) for m, u, mask in zip(y, model, crossed, strict=True)]
+    m, u = np.concatenate(outside, axis=2)
+    return (np.sum(m * u, axis=1) / np.maximum(np.sum(u * u, axis=1), 1e-300))[:, None]
+
+
+def _left(rows: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Root mean square (C,) of rows (C, N) where a mask says so."""
+    return np.sqrt(np.mean(rows[:, mask] ** 2, axis=1)) if mask.any() else np.zeros(len(rows))
+
+
+def _symptom(s: Session, one: str, other: str, mask: np.ndarray) -> Symptom:
+    t = s.motion.t[mask]
+    start, seconds = float(t[0]), float(t[-1] - t[0])
+    why = (
+        f"{one} and {other} are exchanged in {s.name} from {start:.1f} s on for {seconds:.3g} s: each follows there what the model says of "
+        "the other, and no other channel leaves it"
+    )
+    evidence = {"why": why, "kind": "exchanged columns", "pieces": [{"session": s.name, "start": start, "seconds": seconds}]}
+    where = "any" if "force" in (one, other) else "taxel"
+    bad = {(s.name, channel): mask for channel in (one, other)}
+    return Symptom("data_error", where, (one, other), {"seconds": quantity(seconds, "s")}, evidence, bad)
