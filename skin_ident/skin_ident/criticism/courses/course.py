@@ -23,6 +23,7 @@ from scipy.linalg import block_diag
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
+from skin_ident.criticism.courses.run import LEAST, Moments, Run
 from skin_ident.criticism.gates.uncertain import Open, own_rows
 from skin_ident.criticism.noise.estimate import pursue
 from skin_ident.criticism.noise.steps import sharpest
@@ -42,44 +43,9 @@ SHORT = 0.1  # of a period of the band's edge: once is enough for less
 LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
 KNOT_S = 20.0
 START_S = 5.0  # s, within which a step is how the session began
-SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
-AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
-LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
 ALIKE = 0.95  # of the likelihood gain of a slope in one channel, which the same in all must reach to go before it
 BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
-
-
-Moments = dict[str, np.ndarray]  # s, by session
-
-
-@dataclass(frozen=True)
-class Run:
-    """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
-    values (C, N) N and its words by session, the period of their samples, s, and by session the moments of its steps, s, and amplitudes."""
-
-    course: Course
-    score: float
-    charge: float
-    largest: float
-    values: dict[str, np.ndarray]
-    said: dict[str, str]
-    period: float
-    moments: Moments = field(default_factory=dict)
-    amplitudes: dict[str, np.ndarray] = field(default_factory=dict)
-
-    @property
-    def size(self) -> float:
-        """What it changes in the session where that is most (RMS), N: an amplitude says little where nothing is pressed."""
-        return max(float(np.sqrt(np.mean(v**2))) for v in self.values.values())
-
-    def least(self, encoder_step: float) -> float:
-        """What a good stage does at rest, or its encoder cannot tell, or a good clock does, in the unit of the amplitudes."""
-        return {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period}.get(self.course.carrier, 0.0)
-
-    def worth(self, encoder_step: float) -> bool:
-        """Whether it explains anything, and is more than good hardware does."""
-        return self.score > LEAST and self.largest >= self.least(encoder_step)
 
 
 def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndarray]:
@@ -113,11 +79,21 @@ def beside_the_rest(model: Model, train: list[Session], held: list[Session], noi
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
     runs = [_run(course, ground) for course in courses(ground.sessions[0])]
-    untold = max((r for r in runs if not r.worth(encoder_step)), key=lambda r: r.score, default=None)
-    able = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and (untold is None or r.score > untold.score)]
-    if not able and untold and untold.score > LEAST:
-        return [untold]
+    untold = [r for r in runs if not r.worth(encoder_step)]
+
+    def hidden(r: Run) -> bool:
+        return any(r.score <= u.score * (MARGIN if r.course.rows == u.course.rows else 1.0) for u in untold if _may_do(u, r))
+
+    able = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and not hidden(r)]
+    best = max(untold, key=lambda r: r.score, default=None)
+    if not able and best and best.score > LEAST:
+        return [best]
     return sorted(able, key=lambda r: -r.score)
+
+
+def _may_do(usual: Run, other: Run) -> bool:
+    """Whether what good hardware does may be what the other course explains: a zero of one channel is no matter of the others."""
+    return usual.course.carrier != ZERO or usual.course.rows == other.course.rows
 
 
 def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
@@ -242,7 +218,8 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt, moments, z)
+    step = max(s.steps[course.rows[0]] for s in g.sessions) if course.carrier == ZERO else 0.0
+    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt, step, moments, z)
 
 
 def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -8,8 +8,9 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, ZERO
-from skin_ident.criticism.courses.course import Run, added, fitted
+from skin_ident.criticism.courses.course import added, fitted
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, WAVE, Course
+from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import MATERIAL_RMSE, Gain, gain_of_residuals
 from skin_ident.criticism.gates.uncertain import Open, beside_uncertainty, left_open
 from skin_ident.criticism.noise.whitening import Whitener

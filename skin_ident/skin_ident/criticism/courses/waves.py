@@ -21,8 +21,8 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.courses.carriers import SLOPE, ZERO
-from skin_ident.criticism.courses.course import Run
 from skin_ident.criticism.courses.kinds import WAVE, Course
+from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.whitening import Whitener, fit_whitener

@@ -3,7 +3,7 @@
 import numpy as np
 
 from skin_ident.criticism.courses.carriers import SLOPE, ZERO
-from skin_ident.criticism.courses.course import Run
+from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.named import Seen
 
 REPEATED = "more sessions, as far, as fast and as long as those that speak for it"

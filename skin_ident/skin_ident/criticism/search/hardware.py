@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from skin_ident.criticism.courses.carriers import DELAY, DEPTH
-from skin_ident.criticism.courses.course import AT_REST, Run
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH, ZERO
+from skin_ident.criticism.courses.run import AT_REST, Run
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.search.growing import instances
@@ -63,7 +63,11 @@ def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Se
 
 
 def stage_does(run: Run, encoder_step: float) -> Seen:
-    """Why what sessions have of their own is no finding, where it is less than a good stage or clock does, or an encoder tells."""
+    """Why what sessions have of their own is no finding, where it is less than a good stage or clock does, or an encoder or converter
+    tells."""
+    if run.course.carrier == ZERO:
+        off = f"the zeros of single sessions would be off by up to {run.largest:.2g} N"
+        return Seen(np.inf, f"{off}, but a zero is read in steps of {run.step:.2g} N by its converter", "a converter with finer steps")
     what, scale, unit = KINDS[run.course.carrier]
     found, least = (f"{scale * x:.3g} {unit}" for x in (run.largest, run.least(encoder_step)))
     why = f"within single sessions {what} would step by {found}"

@@ -8,9 +8,10 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise_of, noise_of
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
-from skin_ident.criticism.courses.course import Run, added, beside_the_rest, fitted
+from skin_ident.criticism.courses.course import added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
 from skin_ident.criticism.courses.kinds import STEPS
+from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import wandering
 from skin_ident.criticism.search.named import Named

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from skin_ident.criticism.courses.course import Run
 from skin_ident.criticism.courses.kinds import CONSTANT
+from skin_ident.criticism.courses.run import Run
 from skin_models.model import Model
 
 EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift

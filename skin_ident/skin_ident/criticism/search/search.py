@@ -10,8 +10,9 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, fit_effects
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE
-from skin_ident.criticism.courses.course import BEHIND, MARGIN, Run, worthwhile
+from skin_ident.criticism.courses.course import BEHIND, MARGIN, worthwhile
 from skin_ident.criticism.courses.kinds import CONSTANT
+from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn

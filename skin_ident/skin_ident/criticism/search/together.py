@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
-from skin_ident.criticism.courses.course import Run
+from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import MATERIAL, MUCH, Gain
 from skin_ident.criticism.gates.resolution import resolved
 from skin_ident.criticism.search.growing import lacking

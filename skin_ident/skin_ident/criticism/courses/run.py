@@ -1,0 +1,47 @@
+"""A course fitted to sessions, and what it must be to be more than good hardware does."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH, ZERO
+from skin_ident.criticism.courses.kinds import CONSTANT, Course
+
+SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
+AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
+LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
+
+Moments = dict[str, np.ndarray]  # s, by session
+
+
+@dataclass(frozen=True)
+class Run:
+    """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
+    values (C, N) N and its words by session, the period of their samples, s, the step of the converter whose zero it is, N (0: none seen),
+    and by session the moments of its steps, s, and amplitudes."""
+
+    course: Course
+    score: float
+    charge: float
+    largest: float
+    values: dict[str, np.ndarray]
+    said: dict[str, str]
+    period: float
+    step: float = 0.0
+    moments: Moments = field(default_factory=dict)
+    amplitudes: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def size(self) -> float:
+        """What it changes in the session where that is most (RMS), N: an amplitude says little where nothing is pressed."""
+        return max(float(np.sqrt(np.mean(v**2))) for v in self.values.values())
+
+    def least(self, encoder_step: float) -> float:
+        """What a good stage does at rest, or its encoder cannot tell, or a good clock does, in the unit of the amplitudes; a zero is set by
+        readings in steps."""
+        usual = {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period, ZERO: self.step * (self.course.shape == CONSTANT)}
+        return usual.get(self.course.carrier, 0.0)
+
+    def worth(self, encoder_step: float) -> bool:
+        """Whether it explains anything, and is more than good hardware does."""
+        return self.score > LEAST and self.largest >= self.least(encoder_step)
