@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
-from itertools import islice
 
 import numpy as np
 
@@ -25,9 +24,10 @@ from skin_ident.criticism.search.own import own_course, refitted, take_alone, ta
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
+from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.together import lasts, two_at_once
-from skin_ident.criticism.search.trial import Trial, all_alike, plausible, same_by_nature, sized
+from skin_ident.criticism.search.trial import Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import hanging, heaviest_of, held_again, lighter, settles, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session
@@ -35,8 +35,6 @@ from skin_models.effect import Effect
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
-SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
-WITHIN = 0.35  # of the best score: further down, no refit makes up for it
 NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
@@ -187,24 +185,12 @@ class Search:
         return self._surveyed[2]
 
     def trials(self, last: Survey) -> list[Trial]:
-        """The most promising causes, each grown and refitted, the best first; one that is named already is tried wherever it ranks, and
-        goes before rivals it equals, all taxels alike before one of them, and one that the record itself has shown before all that explain
-        little more."""
-        known = {n.key for n in self.named}
-        shown = [r for r in last.ranked if r.key in self.suspected - known and r.score > 0.0]
-        able = [r for r in last.ranked if r.score > max(0.0, WITHIN * last.ranked[0].score) and r not in shown]
+        """The most promising causes, each grown and refitted, the best first."""
 
         def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
             return (t for t in map(self._trial, causes) if plausible(t, self.train))
 
-        queue = iter(able[:LONGEST])
-        trials = [*tried(shown), *islice(tried(queue), SHORTLIST)]
-        trials += tried([r for r in (*queue, *able[LONGEST:]) if r.key in known])
-        enough = WITHIN * max((t.score for t in trials), default=0.0)
-        trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
-        again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
-        first = again[:1] or all_alike(trials)
-        return first + [t for t in trials if t not in first]
+        return shortlisted(last.ranked, tried, {n.key for n in self.named}, self.suspected)
 
     def _trial(self, r: Ranked) -> Trial:
         self.progress(f"trying {r.cause} in the {r.where}")

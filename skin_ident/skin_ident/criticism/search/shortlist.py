@@ -1,0 +1,39 @@
+"""Which of the ranked causes are refitted with everything else before one is chosen."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
+
+from skin_ident.criticism.search.ranking import Ranked
+from skin_ident.criticism.search.rivals import reach
+from skin_ident.criticism.search.trial import Trial, all_alike
+
+SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
+WITHIN = 0.35  # of the best score: further down, no refit makes up for it
+
+Key = tuple[str, str]
+
+
+def shortlisted(
+    ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], suspected: set[Key]
+) -> list[Trial]:
+    """The most promising causes as `tried`, which leaves out what physics rules out; the best first. One that is `known` already is tried
+    wherever it ranks, and goes before rivals it equals, all taxels alike before one of them, and one that is `suspected`, for the record
+    itself has shown it, before all that explain little more."""
+    shown = [r for r in ranked if r.key in suspected - known and r.score > 0.0]
+    others = [r for r in ranked if r.score > 0.0 and r not in shown]
+    trials = [*tried(shown), *_best(others, tried, known)]
+    enough = WITHIN * max((t.score for t in trials), default=0.0)
+    trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
+    again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
+    first = again[:1] or all_alike(trials)
+    return first + [t for t in trials if t not in first]
+
+
+def _best(ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key]) -> list[Trial]:
+    """The best few, and those near them that are known; where physics rules all of them out, those that rank next."""
+    near = [r for r in ranked if r.score > WITHIN * ranked[0].score]
+    queue = iter(near[:LONGEST])
+    trials = list(islice(tried(queue), SHORTLIST))
+    trials += tried([r for r in (*queue, *near[LONGEST:]) if r.key in known])
+    after = ranked[len(near) :]
+    return trials if trials or not after else _best(after, tried, known)
