@@ -79,21 +79,11 @@ def beside_the_rest(model: Model, train: list[Session], held: list[Session], noi
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
     runs = [_run(course, ground) for course in courses(ground.sessions[0])]
-    untold = [r for r in runs if not r.worth(encoder_step)]
-
-    def hidden(r: Run) -> bool:
-        return any(r.score <= u.score * (MARGIN if r.course.rows == u.course.rows else 1.0) for u in untold if _may_do(u, r))
-
-    able = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and not hidden(r)]
-    best = max(untold, key=lambda r: r.score, default=None)
-    if not able and best and best.score > LEAST:
-        return [best]
+    untold = max((r for r in runs if not r.worth(encoder_step)), key=lambda r: r.score, default=None)
+    able = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and (untold is None or r.score > untold.score)]
+    if not able and untold and untold.score > LEAST:
+        return [untold]
     return sorted(able, key=lambda r: -r.score)
-
-
-def _may_do(usual: Run, other: Run) -> bool:
-    """Whether what good hardware does may be what the other course explains: a zero of one channel is no matter of the others."""
-    return usual.course.carrier != ZERO or usual.course.rows == other.course.rows
 
 
 def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:

@@ -37,10 +37,13 @@ class Run:
         return max(float(np.sqrt(np.mean(v**2))) for v in self.values.values())
 
     def least(self, encoder_step: float) -> float:
-        """What a good stage does at rest, or its encoder cannot tell, or a good clock does, in the unit of the amplitudes; a zero is set by
-        readings in steps."""
-        usual = {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period, ZERO: self.step * (self.course.shape == CONSTANT)}
-        return usual.get(self.course.carrier, 0.0)
+        """What a good stage does at rest, or its encoder cannot tell, or a good clock does, in the unit of the amplitudes."""
+        return {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period}.get(self.course.carrier, 0.0)
+
+    @property
+    def of_the_tare(self) -> bool:
+        """Whether it is a zero that was set by a reading in steps: that is off by half of one, and belongs to the baseline."""
+        return (self.course.carrier, self.course.shape) == (ZERO, CONSTANT) and self.largest <= 0.5 * self.step
 
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains anything, and is more than good hardware does."""

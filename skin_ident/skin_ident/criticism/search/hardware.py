@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skin_ident.criticism.courses.carriers import DELAY, DEPTH, ZERO
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH
 from skin_ident.criticism.courses.run import AT_REST, Run
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
@@ -63,17 +63,19 @@ def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Se
 
 
 def stage_does(run: Run, encoder_step: float) -> Seen:
-    """Why what sessions have of their own is no finding, where it is less than a good stage or clock does, or an encoder or converter
-    tells."""
-    if run.course.carrier == ZERO:
-        off = f"the zeros of single sessions would be off by up to {run.largest:.2g} N"
-        return Seen(np.inf, f"{off}, but a zero is read in steps of {run.step:.2g} N by its converter", "a converter with finer steps")
+    """Why what sessions have of their own is no finding, where it is less than a good stage or clock does, or an encoder tells."""
     what, scale, unit = KINDS[run.course.carrier]
     found, least = (f"{scale * x:.3g} {unit}" for x in (run.largest, run.least(encoder_step)))
     why = f"within single sessions {what} would step by {found}"
     if run.course.carrier == DEPTH and encoder_step >= AT_REST:
         return Seen(np.inf, f"{why}, but the encoder reads no finer than {least}", FINER)
     return Seen(np.inf, f"{why}, and good hardware does up to {least} by itself")
+
+
+def tare_does(run: Run) -> Seen:
+    """Why zeros that sessions have of their own are no finding, where readings in steps set them no better."""
+    off = f"the zeros of single sessions are off by up to {run.largest:.2g} N"
+    return Seen(np.inf, f"{off}, as a tare that is read in steps of {run.step:.2g} N may leave them", "a converter with finer steps")
 
 
 def _worth(gain: Gain) -> str:

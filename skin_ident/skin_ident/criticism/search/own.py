@@ -14,6 +14,7 @@ from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import wandering
+from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.trial import Trial
@@ -103,7 +104,7 @@ def take_alone(search: "Search") -> bool:
         return False
     if run.size < EXTRAORDINARY * fitted(run.course, search.present.model, search.train, search.noise).size:
         return False
-    if not search.resolved(run.course.key, gain, search.present.model):
+    if run.of_the_tare or not search.resolved(run.course.key, gain, search.present.model):
         return False
     search.runs.append(run)
     search.held, search.alone = added(search.held, run.values), True
@@ -121,8 +122,9 @@ def _in_their_noise(search: "Search", run: Run) -> float:
 
 
 def take_course(search: "Search", run: Run, finding: Named) -> None:
-    """Give every session its course; the rest of the search goes on with what is left. The course was found in noise that held it, too, and
-    its moments may be off: so it is fitted once more in what is left with it, there and in held-out sessions."""
+    """Give every session its course, and name it, unless it is no more than a tare leaves; the rest of the search goes on with what is
+    left. The course was found in noise that held it, too, and its moments may be off: so it is fitted once more in what is left with it,
+    there and in held-out sessions."""
     search.runs.append(run)
     train = added(search.train, run.values)
     model = fit(search.present.model, train, search.noise).model
@@ -135,5 +137,8 @@ def take_course(search: "Search", run: Run, finding: Named) -> None:
     free = left_open(search.present.model, train, search.held, noise)
     other = fitted(run.course, search.present.model, search.held, noise, free) if search.held else None
     search.train, search.held = train, added(search.held, other.values) if other else search.held
+    if run.of_the_tare and (other is None or other.of_the_tare):
+        search.tared[run.course.key] = tare_does(run)
+        return
     search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
     search.progress(f"named {finding.cause} in the {finding.where}")

@@ -7,6 +7,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_models.model import Model
 
 EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift
+TARED = 0.1  # what one may that is no larger than tares leave: they all leave some
 CHANCE = 10.0  # twice nats, within which two causes explain as much
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
@@ -44,6 +45,10 @@ def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tup
 
 
 def plainest_first(runs: list[Run]) -> list[Run]:
-    """The courses, zeros before all others that explain no more."""
+    """The courses, what lasts before all others that explain no more; a zero that a tare leaves goes before what explains little more."""
     best = runs[0].score if runs else 0.0
-    return sorted(runs, key=lambda r: (r.course.shape != CONSTANT or r.score < best - max(CHANCE, EQUAL * best), -r.score))
+
+    def changing(r: Run) -> bool:
+        return r.course.shape != CONSTANT or r.score < best - max(CHANCE, EQUAL * best)
+
+    return sorted(runs, key=lambda r: (not r.of_the_tare or r.score < (1.0 - TARED) * best, changing(r), -r.score))

@@ -69,6 +69,7 @@ class Search:
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.suspected: set[tuple[str, str]] = set()
         self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
+        self.tared: dict[tuple[str, str], Seen] = {}  # zeros of sessions that were taken into the baseline
         self.doubts: dict[tuple[str, str], Seen] = {}  # what training speaks for, and others leave in doubt
         self.most = MOST_FINDINGS  # rounds
         self.refused = 0.0  # what the best cause would explain that was not believed in the last round
@@ -158,7 +159,7 @@ class Search:
     @property
     def seen(self) -> dict[tuple[str, str], Seen]:
         """What is in the record and no finding, by cause and place."""
-        return self.doubts | self.usual
+        return self.doubts | self.usual | self.tared
 
     def own_courses(self) -> list[Run]:
         """What each session may have of its own and has not yet, the plainest first."""
