@@ -42,8 +42,9 @@ class Run:
 
     @property
     def of_the_tare(self) -> bool:
-        """Whether it is a zero that was set by a reading in steps: that is off by half of one, and belongs to the baseline."""
-        return (self.course.carrier, self.course.shape) == (ZERO, CONSTANT) and self.largest <= 0.5 * self.step
+        """Whether it is a zero that was set by a reading in steps: that, and what it is taken from, are off by half of one each. It belongs
+        to the baseline."""
+        return (self.course.carrier, self.course.shape) == (ZERO, CONSTANT) and self.largest <= self.step
 
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains anything, and is more than good hardware does."""

@@ -20,6 +20,7 @@ OPEN = 2.0  # times the mean square that steps leave open on average: at few dep
 # The same of what is left when a cause has been taken, or none: at a few depths each may be half a step off, which is three times, and the
 # model that was fitted to few others as far the other way.
 AT_FEW_DEPTHS = 6.0
+FEW, APART = 4.0, 4.0  # depths at which a gain is asked so much, and steps by which two are apart
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
@@ -48,7 +49,8 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     moves = partial(_moves, encoder_step)
-    still, moving = (OPEN * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, moves))
+    chance = AT_FEW_DEPTHS if _depths(train, encoder_step) < FEW else OPEN
+    still, moving = (chance * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, moves))
     if cause in OF_SPEED:
         beats = OPEN * max((damping(before, gain.channel) * _beat([s], encoder_step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
@@ -87,6 +89,15 @@ def unread_depth(sessions: list[Session], encoder_step: float, part: Part | None
 
     every = np.concatenate([squares(s) for s in sessions])
     return float(np.sqrt(every.mean())) if every.size else 0.0
+
+
+def _depths(sessions: list[Session], encoder_step: float) -> float:
+    """At how many depths of contact the sessions spend their time: 1 / (sum of the squared shares of it)."""
+    depth = np.concatenate([s.motion.x[s.motion.x > 0.0] for s in sessions if s.drive is None] or [np.zeros(0)])
+    if not (encoder_step and depth.size):
+        return np.inf
+    _, counts = np.unique(np.round(depth / (APART * encoder_step)), return_counts=True)
+    return float(1.0 / np.sum((counts / counts.sum()) ** 2))
 
 
 def unread_force(model: Model, channel: str, sessions: list[Session], encoder_step: float) -> float:
