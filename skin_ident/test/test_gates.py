@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain
-from skin_ident.criticism.gates.resolution import of_the_converter, of_the_drive, resolved, unread_depth, unread_force
+from skin_ident.criticism.gates.resolution import held_depths, of_the_converter, of_the_drive, resolved, unread_depth, unread_force
 from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.hardware import encoder_does, stage_is_off
@@ -241,3 +241,14 @@ def test_an_assumed_mass_is_fitted_up_to_itself_and_held_again():
     heavy = [prepare(recorded(assumed, noise=0.002))]
     again = held_again(fit(PLAIN, weighed(heavy, 4e-4), noise), weighed(heavy, 4e-4), noise)
     assert again.model.dispersion.m == 4e-4
+
+
+@pytest.mark.parametrize("holds", [1, 3, 12])
+def test_the_depths_at_which_a_record_rests_are_counted(holds):
+    """Rests of equal length, between quick lifts into the air; a ramp is at a new depth all the time."""
+    x = np.concatenate([np.r_[np.full(1000, 1e-4 * (i + 3)), np.full(50, -1e-4)] for i in range(holds)])
+    t = np.arange(x.size) / RATE
+    (held, ramp) = (prepare(Recording("r", t, depth, 0.0 * t, 0.0 * t[None])) for depth in (x, np.linspace(0.0, 1e-3, t.size)))
+    assert held_depths([held], 1e-6) == pytest.approx(holds, rel=0.25)
+    assert held_depths([ramp], 1e-6) > 100.0
+    assert held_depths([held], 0.0) == np.inf

@@ -98,6 +98,24 @@ def test_a_declared_mass_that_hangs_on_the_load_cell_is_no_fault(mass):
     assert any("tared with it" in w for w in outcome.findings["warnings"])
 
 
+def tared_in_steps(seed: int, zero: float) -> Recording:
+    """A converter with steps of the noise's size, and a taxel whose zero is off by `zero` steps."""
+    t, x = presses(seed, 60.0)
+    rng, (sensed, dispersed, _), q = np.random.default_rng([seed, 5]), branches(x), 0.02
+    rows = [y + noise(rng, t.size, q, 0.5) for y in (sensed + dispersed, sensed + zero * q)]
+    force, taxel = (q * np.round(y / q) for y in rows)
+    return Recording(f"session_{seed}", t, x, force, taxel[None])
+
+
+@pytest.mark.parametrize(("zeros", "named"), rows([((0.6, -0.7, 0.8), set()), ((4.0, -5.0, 5.0), {("force_offset", "taxel")})], 1))
+def test_a_zero_that_a_tare_in_steps_leaves_is_no_finding(zeros, named):
+    """An effect of less than a step, in the noise's size nearly, is there and is said; one of several steps is named."""
+    sessions = [tared_in_steps(seed, zero) for seed, zero in zip((1, 2, 3), zeros, strict=True)]
+    findings = diagnose(sessions[:2], sessions[2:]).findings
+    assert {(f["cause"], f["where"]) for f in findings["findings"]} == named
+    assert named or any("tare" in u["because"] for u in findings["untestable"])
+
+
 def in_a_row(seed: int, place_mm: float, seconds: float = 60.0, size: float = 0.02, colour: float = 0.8) -> Recording:
     t, x = presses(seed, seconds)
     rng, (sensed, dispersed, _) = np.random.default_rng([seed, 3]), branches(x)

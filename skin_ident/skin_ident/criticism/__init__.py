@@ -3,7 +3,8 @@
 The method, in the order in which `diagnose` runs it:
 
 1.  `telemetry` looks at each recording before any model (`record`): quantization, saturation, spikes, frozen samples, dead taxels, copied
-    data, and by a first fit at pieces that one channel alone knows of, and ceilings that quick touches alone reach.
+    data, and by a first fit at pieces that one channel alone knows of, stretches in which two channels are exchanged, and ceilings that
+    quick touches alone reach.
     `telemetry.odd_session` puts a session right that differs from all others in whole (columns in another order, a unit, a sign).
 2.  `sessions` puts measured and simulated channels through one and the same low-pass, at full rate, then thins them out. A depth in coarse
     steps is drawn again first (`recordings.staircase`), and the band ends where its steps would be more of the motion than the motion
@@ -29,8 +30,8 @@ The method, in the order in which `diagnose` runs it:
     is there, and such as good hardware does, is said and not named (`search.hardware`), as is what training speaks for while others leave
     it in doubt (`search.doubt`): neither is called excluded.
 9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
-    during it. Where such courses explain most and predict nothing, the noise wanders more than its model knows, and nothing is named. Last,
-    what is wrong in held-out sessions alone.
+    during it. Zeros as a tare leaves them belong to the baseline. Where such courses explain most by far and predict nothing, the noise
+    wanders more than its model knows, and nothing is named. Last, what is wrong in held-out sessions alone.
 10. `search.criticise` repeats this; each cause is then asked for again beside the others, and where much is left that none is believed for,
     its rivals in its place (`search.exchange`); what nothing needs is eliminated. `telling` asks whether a general model still predicts
     something of the residual on held-out data, and whether more is left than where every cause may bend every session by itself, or many

@@ -49,7 +49,7 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     moves = partial(_moves, encoder_step)
-    chance = AT_FEW_DEPTHS if _depths(train, encoder_step) < FEW else OPEN
+    chance = AT_FEW_DEPTHS if held_depths(train, encoder_step) < FEW else OPEN
     still, moving = (chance * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, moves))
     if cause in OF_SPEED:
         beats = OPEN * max((damping(before, gain.channel) * _beat([s], encoder_step)) ** 2 for s in train)
@@ -91,7 +91,7 @@ def unread_depth(sessions: list[Session], encoder_step: float, part: Part | None
     return float(np.sqrt(every.mean())) if every.size else 0.0
 
 
-def _depths(sessions: list[Session], encoder_step: float) -> float:
+def held_depths(sessions: list[Session], encoder_step: float) -> float:
     """At how many depths of contact the sessions spend their time: 1 / (sum of the squared shares of it)."""
     depth = np.concatenate([s.motion.x[s.motion.x > 0.0] for s in sessions if s.drive is None] or [np.zeros(0)])
     if not (encoder_step and depth.size):

@@ -42,6 +42,7 @@ SENSORS = ("taxel", "load_cell")
 SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
+BESIDE = 0.6  # of what a course explains that predicts nothing, the least that a shared cause must explain to be asked beside it
 WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
 
 Progress = Callable[[str], None]
@@ -132,8 +133,8 @@ class Search:
         """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those. Of
         one cause at one place that form is taken which explains more.
 
-        Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named for
-        it. A clock that slips wherever it helps is no noise: where it predicts nothing, it is passed over.
+        Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named that
+        explains far less. A clock that slips wherever it helps is no noise: where it predicts nothing, it is passed over.
         """
         best = max((t.score for t in trials), default=0.0)
         plain = runs and runs[0].course.shape == CONSTANT and runs[0].course.carrier != SLOPE  # one number, and no other depths feign it
@@ -145,7 +146,8 @@ class Search:
         own = own_course(self, runs, trials) if first or (same and score > best) else None
         if first and not own and runs[0].course.carrier == DELAY:
             return self.choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
-        shared = None if own or (first and best < 0.6 * runs[0].score) else self.first_believed(trials, runs)
+        asked = not own and (not first or best > BESIDE * runs[0].score)
+        shared = self.first_believed(trials, runs) if asked else None
         if not (own or shared or first) and runs and score > BEHIND * best:
             own = own_course(self, runs, trials)
         return own, shared

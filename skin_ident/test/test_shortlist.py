@@ -1,0 +1,42 @@
+"""Which ranked causes are refitted before one is chosen."""
+
+from types import SimpleNamespace
+
+from skin_ident.criticism.search.shortlist import LONGEST, SHORTLIST, shortlisted
+
+
+def cause(name: str, score: float) -> SimpleNamespace:
+    return SimpleNamespace(cause=name, where="skin", key=(name, "skin"), score=score)
+
+
+def listed(ranked, ruled_out=(), known=(), suspected=()) -> list[str]:
+    """Names in the order of the list, where a refit keeps what the ranking promised."""
+
+    def tried(causes):
+        return (SimpleNamespace(ranked=r, key=r.key, score=r.score) for r in causes if r.cause not in ruled_out)
+
+    keys = ({(name, "skin") for name in names} for names in (known, suspected))
+    return [t.ranked.cause for t in shortlisted(ranked, tried, *keys)]
+
+
+def test_the_best_few_are_tried_and_none_that_explains_far_less():
+    ranked = [cause(f"c{i}", 100.0 - i) for i in range(2 * LONGEST)] + [cause("far", 10.0)]
+    assert listed(ranked) == [f"c{i}" for i in range(SHORTLIST)]
+
+
+def test_those_that_rank_next_are_tried_where_physics_rules_out_all_that_rank_highest():
+    ranked = [cause("no skin does this", 1000.0), cause("sensor", 100.0), cause("other", 90.0), cause("far", 20.0)]
+    assert listed(ranked, ruled_out={"no skin does this"}) == ["sensor", "other"]
+    assert listed(ranked) == ["no skin does this"]
+    assert listed(ranked[:1], ruled_out={"no skin does this"}) == []
+
+
+def test_what_is_named_already_goes_before_a_rival_that_it_equals():
+    ranked = [cause(f"c{i}", 100.0 - 0.1 * i) for i in range(6)]
+    assert listed(ranked, known={"c5"})[0] == "c5"
+
+
+def test_what_the_record_itself_has_shown_goes_first():
+    ranked = [cause("a", 100.0), cause("b", 50.0), cause("shown", 40.0)]
+    assert listed(ranked, suspected={"shown"})[0] == "shown"
+    assert listed([*ranked[:2], cause("shown", 20.0)], suspected={"shown"})[0] == "a"
