@@ -6,7 +6,6 @@ others must stay with the model. No contact does that: one that moved would move
 """
 
 from collections.abc import Iterator
-from itertools import combinations
 
 import numpy as np
 
@@ -16,13 +15,33 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 LEAST_S = 1.0  # that a stretch lasts
 FOLLOWS = 0.3  # of what the channels leave as they are, the most that they may leave exchanged
 FAR = 3.0  # times what they leave elsewhere, the least that they leave as they are, and the most that other channels may leave
+LOUD, LESS = 2.0, 0.6  # times what a pair usually leaves, and of that: enough to be asked
 TURNS = 3  # times that stretch and shares are told from each other: the model was fitted to both
 
 
 def find_crossed(sessions: list[Session], rest: list[np.ndarray]) -> list[Symptom]:
     """Stretches in which two channels are exchanged, by what a model leaves (C, N) N of sessions, at full rate."""
-    pairs = combinations(range(len(sessions[0].channels)), 2)
-    return [symptom for i, j in pairs for symptom in _of_pair(sessions, rest, i, j)]
+    return [symptom for i, j in _suspected(sessions, rest) for symptom in _of_pair(sessions, rest, i, j)]
+
+
+def _suspected(sessions: list[Session], rest: list[np.ndarray]) -> Iterator[tuple[int, int]]:
+    """Pairs of channels that, by averages over short whiles, once leave less exchanged, and far more than usual as they are: of an array
+    there are too many to ask them all sample by sample."""
+    y = np.concatenate([_averages(s.raw, s) for s in sessions], axis=1)
+    model = y - np.concatenate([_averages(e, s) for s, e in zip(sessions, rest, strict=True)], axis=1)
+    for i in range(len(y) - 1):
+        as_is = np.hypot(y[i] - model[i], y[i + 1 :] - model[i + 1 :])
+        exchanged = np.hypot(y[i] - model[i + 1 :], y[i + 1 :] - model[i])
+        loud = as_is > LOUD * np.median(as_is, axis=1, keepdims=True)
+        for j in np.flatnonzero(np.any(loud & (exchanged < LESS * as_is), axis=1)):
+            yield i, i + 1 + int(j)
+
+
+def _averages(rows: np.ndarray, s: Session) -> np.ndarray:
+    """Means (C, W) of rows (C, N) over whiles of `LEAST_S`."""
+    n = max(round(LEAST_S / s.motion.dt), 1)
+    whole = rows[:, : rows.shape[1] // n * n] if rows.shape[1] >= n else rows
+    return whole.reshape(len(rows), -1, min(n, rows.shape[1])).mean(axis=2)
 
 
 def _of_pair(sessions: list[Session], rest: list[np.ndarray], i: int, j: int) -> Iterator[Symptom]:
