@@ -94,4 +94,4 @@ def _symptom(s: Session, one: str, other: str, mask: np.ndarray) -> Symptom:
     evidence = {"why": why, "kind": "exchanged columns", "pieces": [{"session": s.name, "start": start, "seconds": seconds}]}
     where = "any" if "force" in (one, other) else "taxel"
     bad = {(s.name, channel): mask for channel in (one, other)}
-    return Symptom("data_error", where, (one, other), {"seconds": quantity(seconds, "s")}, evidence, bad)
+    return Symptom("data_error", where, (one, other), {"lasts": quantity(seconds, "s")}, evidence, bad)
