@@ -81,13 +81,13 @@ def inspect(recordings: list) -> Inspected:
     mended = _spread_again(mended, early)
     common = common_to(mended, depth_step(mended))
     sessions = [prepare(r, bad_samples(r, early), common) for r in mended]
-    first = _first_fit(sessions)
-    crossed = find_crossed(sessions, _left_by(first, sessions))
+    first, predicted = _first_fit(sessions)
+    crossed = find_crossed(sessions, [s.raw - m for s, m in zip(sessions, predicted, strict=True)])
     if crossed:
         early = [*early, *crossed]
         sessions = [prepare(r, bad_samples(r, early), common) for r in mended]
-        first = _first_fit(sessions)
-    late = _in_residuals(first, mended, sessions, [s for s in early if s.cause == "data_error"])
+        first, predicted = _first_fit(sessions)
+    late = _in_residuals(first, predicted, mended, sessions, [s for s in early if s.cause == "data_error"])
     if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
         late = [s for s in late if s.cause != "interference"]
     early, late = _between_levels(early, late)
@@ -134,15 +134,11 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
     return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt, (step,))
 
 
-def _left_by(model: Model, sessions: list[Session]) -> list[np.ndarray]:
-    """Measured less simulated (C, N), N, of each session, at full rate."""
-    return [s.raw - simulated(model, s) for s in sessions]
-
-
-def _in_residuals(first: Model, recordings: list, sessions: list[Session], known: list[Symptom]) -> list[Symptom]:
-    """What shows in measured less simulated by the `first` fit, at full rate, beside what is `known`; outliers are taken out before the
+def _in_residuals(
+    first: Model, predicted: list[np.ndarray], recordings: list, sessions: list[Session], known: list[Symptom]
+) -> list[Symptom]:
+    """What shows in measured less `predicted` by the `first` fit, at full rate, beside what is `known`; outliers are taken out before the
     rest is looked for."""
-    predicted = [simulated(first, s) for s in sessions]
     wrong = [bad_samples(r, known) for r in recordings]
     raw = [np.where(b, m, s.raw) for s, m, b in zip(sessions, predicted, wrong, strict=True)]
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
@@ -167,10 +163,12 @@ def _beside(rows: list[np.ndarray], recordings: list, symptoms: list[Symptom]) -
     return [_bridged(y, bad_samples(r, symptoms)) for y, r in zip(rows, recordings, strict=True)]
 
 
-def _first_fit(sessions: list[Session]) -> Model:
+def _first_fit(sessions: list[Session]) -> tuple[Model, list[np.ndarray]]:
+    """A first model, and what it says of every session (C, N), N, at full rate."""
     start = dispersion_start(sessions)
     noise = noise_of(start, sessions)
-    return fit(start, sessions, noise, 4).model
+    first = fit(start, sessions, noise, 4).model
+    return first, [simulated(first, s) for s in sessions]
 
 
 def mended_depth(recording, symptoms: list[Symptom]):

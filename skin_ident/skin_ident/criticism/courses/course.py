@@ -24,6 +24,7 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
 from skin_ident.criticism.courses.run import LEAST, Moments, Run
+from skin_ident.criticism.gates.resolution import converter_step
 from skin_ident.criticism.gates.uncertain import Open, own_rows
 from skin_ident.criticism.noise.estimate import pursue
 from skin_ident.criticism.noise.steps import sharpest
@@ -208,7 +209,7 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    step = max(s.steps[course.rows[0]] for s in g.sessions) if course.carrier == ZERO else 0.0
+    step = converter_step(g.sessions, g.sessions[0].channels[course.rows[0]]) if course.carrier == ZERO else 0.0
     return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt, step, moments, z)
 
 

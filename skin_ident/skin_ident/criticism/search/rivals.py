@@ -47,8 +47,5 @@ def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tup
 def plainest_first(runs: list[Run]) -> list[Run]:
     """The courses, what lasts before all others that explain no more; a zero that a tare leaves goes before what explains little more."""
     best = runs[0].score if runs else 0.0
-
-    def changing(r: Run) -> bool:
-        return r.course.shape != CONSTANT or r.score < best - max(CHANCE, EQUAL * best)
-
-    return sorted(runs, key=lambda r: (not r.of_the_tare or r.score < (1.0 - TARED) * best, changing(r), -r.score))
+    tared, lasting = (1.0 - TARED) * best, best - max(CHANCE, EQUAL * best)
+    return sorted(runs, key=lambda r: (not r.of_the_tare or r.score < tared, r.course.shape != CONSTANT or r.score < lasting, -r.score))

@@ -10,7 +10,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+from skin_ident.criticism.telemetry.other_units import slope
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 LEAST_S = 1.0  # that a stretch lasts
 FOLLOWS = 0.3  # of what the channels leave as they are, the most that they may leave exchanged
@@ -51,11 +52,11 @@ def _of_pair(sessions: list[Session], rest: list[np.ndarray], i: int, j: int) ->
     for _ in range(TURNS):
         crossed = [_stretch(m, slopes * u) for m, u in zip(y, model, strict=True)]
         slopes = _slopes(y, model, crossed)
+    elsewhere = np.sqrt(np.mean([_left(m - slopes * u, ~mask) ** 2 for m, u, mask in zip(y, model, crossed, strict=True)], axis=0))
     for s, m, u, e, mask in zip(sessions, y, model, rest, crossed, strict=True):
         if mask.sum() * s.motion.dt < LEAST_S:
             continue
         as_is, exchanged = _left(m - slopes * u, mask), _left(m - (slopes * u)[::-1], mask)
-        elsewhere = np.sqrt(np.mean([_left(m - slopes * u, ~mask) ** 2 for m, u, mask in zip(y, model, crossed, strict=True)], axis=0))
         others = np.delete(e, [i, j], axis=0)
         alone = bool(np.all(_left(others, mask) < FAR * np.maximum(_left(others, ~mask), 1e-12)))
         if alone and np.all(as_is > FAR * elsewhere) and np.all(exchanged < FOLLOWS * as_is):
@@ -75,8 +76,7 @@ def _stretch(y: np.ndarray, model: np.ndarray) -> np.ndarray:
 def _slopes(y: list[np.ndarray], model: list[np.ndarray], crossed: list[np.ndarray]) -> np.ndarray:
     """Times what the model says each of two channels (2, 1) reads where they are not exchanged."""
     outside = [np.array([m[:, ~mask], u[:, ~mask]]) for m, u, mask in zip(y, model, crossed, strict=True)]
-    m, u = np.concatenate(outside, axis=2)
-    return (np.sum(m * u, axis=1) / np.maximum(np.sum(u * u, axis=1), 1e-300))[:, None]
+    return np.array([[slope(m, u)] for m, u in zip(*np.concatenate(outside, axis=2), strict=True)])
 
 
 def _left(rows: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -92,6 +92,6 @@ def _symptom(s: Session, one: str, other: str, mask: np.ndarray) -> Symptom:
         "the other, and no other channel leaves it"
     )
     evidence = {"why": why, "kind": "exchanged columns", "pieces": [{"session": s.name, "start": start, "seconds": seconds}]}
-    where = "any" if "force" in (one, other) else "taxel"
+    where = place_of("force", s.n_taxels) if "force" in (one, other) else "taxel"
     bad = {(s.name, channel): mask for channel in (one, other)}
     return Symptom("data_error", where, (one, other), {"lasts": quantity(seconds, "s")}, evidence, bad)

@@ -23,7 +23,7 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
     c = sessions[0].channels.index(own[0].channel)
     told = {s.name: (s, s.raw[c], s.raw[c] - e[c]) for s, e in zip(sessions, rest, strict=True)}
     outside = [np.array([y, model])[:, ~samples_of(own, s)] for s, y, model in told.values()]
-    usual = _slope(*np.concatenate(outside, axis=1))  # the model was fitted to the pieces, too
+    usual = slope(*np.concatenate(outside, axis=1))  # the model was fitted to the pieces, too
     factors = [_times(*told[p.session], p) / usual for p in own]
     factor = next((f for f in FACTORS if all(abs(found / f - 1.0) < NEAR for found in factors)), None)
     if factor is None:
@@ -40,9 +40,9 @@ def _times(s: Session, y: np.ndarray, model: np.ndarray, piece: Piece) -> float:
     """Times what the `model` says (N,) N the channel reads in a piece, `y` (N,) N; not a number where it does not follow that."""
     inside = (s.motion.t >= piece.start) & (s.motion.t < piece.start + piece.seconds)
     y, model = y[inside], model[inside]
-    slope, off = _slope(y, model), y - model
-    left = y - slope * model
-    return slope if float(left @ left) < FOLLOWS**2 * float(off @ off) else np.nan
+    times, off = slope(y, model), y - model
+    left = y - times * model
+    return times if float(left @ left) < FOLLOWS**2 * float(off @ off) else np.nan
 
 
 def _whole(own: list[Piece], s: Session, y: np.ndarray, model: np.ndarray, factor: float) -> Iterator[Piece]:
@@ -56,5 +56,6 @@ def _whole(own: list[Piece], s: Session, y: np.ndarray, model: np.ndarray, facto
             yield replace(own[0], start=start, seconds=seconds)
 
 
-def _slope(y: np.ndarray, model: np.ndarray) -> float:
+def slope(y: np.ndarray, model: np.ndarray) -> float:
+    """Times what the `model` says (N,) that `y` (N,) reads, by least squares."""
     return float(model @ y) / max(float(model @ model), 1e-300)
