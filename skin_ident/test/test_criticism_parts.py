@@ -122,11 +122,13 @@ def test_unknowns_are_a_vector_and_back():
 
 @pytest.mark.parametrize("cls", effects(), ids=lambda c: f"{c.__name__}")
 def test_trying_an_effect_gives_what_simulating_it_gives(cls):
+    """On top of a model, or in the place of another of its kind that a run has simulated already."""
     word = next(iter(cls.places))
     e, s = cls.typical(word), motion(T, DEPTH)
     model = replace(SILICONE, positions=((0.0, 0.0), (5e-3, 1e-3)))
-    tried, whole = model.bent(model.trace(s), e), model.extended(e).simulate(s)
-    assert np.allclose(tried.force, whole.force, atol=1e-12) and np.allclose(tried.taxels, whole.taxels, atol=1e-12)
+    whole = model.extended(e).simulate(s)
+    for tried in (model.bent(model.trace(s), e), model.extended(e).again(model.extended(e.absent()).trace(s), e.place)):
+        assert np.allclose(tried.force, whole.force, atol=1e-12) and np.allclose(tried.taxels, whole.taxels, atol=1e-12)
 
 
 def test_a_force_driven_skin_is_pressed_to_the_depth_that_gives_the_force():

@@ -122,17 +122,35 @@ class Model:
 
     def bent(self, run: "Run", e: Effect) -> Response:
         """What `extended(e).simulate` would give, at the cost of what lies behind the place of `e` alone."""
-        if e.place is Place.DEPTH:
-            return self.extended(e).simulate(run.motion)
-        if e.place is Place.SKIN:
-            return self._from_skin(run, e.batch(run.skin, run.tip), _in_batch).response
-        if e.place is Place.SURFACE:
-            return self._from_surface(run, e.batch(run.surface, run.tip), _in_batch).response
-        if e.place is Place.SPREAD:
-            return self.extended(e)._from_surface(run, run.surface, _in_batch).response
-        if e.place is Place.LOAD_CELL:
-            return replace(run.response, force=e.batch(run.response.force, run.tip))
-        return replace(run.response, taxels=e.batch(run.response.taxels, run.tip))
+        past = {Place.SKIN: run.skin, Place.SURFACE: run.surface, Place.LOAD_CELL: run.response.force, Place.TAXEL: run.response.taxels}
+        if e.place in past:
+            return self._behind(run, e.place, e.batch(past[e.place], run.tip))
+        return self.extended(e).again(run, e.place)
+
+    def again(self, run: "Run", place: Place) -> Response:
+        """What `simulate` would give for the motion of `run`, a run of a model that differs from this one in shares or effects at `place`
+        alone, at the cost of what lies behind it."""
+        if place is Place.DEPTH:
+            return self.simulate(run.motion)
+        if place is Place.SPREAD:
+            return self._from_spread(run, self._spread(run.tip, np.ones_like(run.response.force_truth), _in_batch), _in_batch).response
+        return self._behind(run, place, self._through(place, self._into(run, place), run.tip, _in_batch))
+
+    def _into(self, run: "Run", place: Place) -> np.ndarray:
+        """The signal that comes to a place."""
+        if place is Place.SKIN:
+            return self.dispersion.branches(run.tip)
+        if place is Place.SURFACE:
+            return _pressing(run, run.skin)
+        return run.response.force_truth if place is Place.LOAD_CELL else run.response.taxels_truth
+
+    def _behind(self, run: "Run", place: Place, y: np.ndarray) -> Response:
+        """The response where `y` leaves a place, and all before it is as in `run`."""
+        if place is Place.SKIN:
+            return self._from_skin(run, y, _in_batch).response
+        if place is Place.SURFACE:
+            return self._from_surface(run, y, _in_batch).response
+        return replace(run.response, **{"force" if place is Place.LOAD_CELL else "taxels": y})
 
     def _run(self, s: Any, act: Callable, moved: Callable, met: Callable) -> "Run":
         """The chain itself, for one sample or a recording.
@@ -145,11 +163,9 @@ class Model:
         return self._from_skin(Run(s, tip, _PRESSED if _pressed(tip) else met(tip)), skin, act)
 
     def _from_skin(self, run: "Run", skin: Any, act: Callable) -> "Run":
-        pressing = skin * run.contact.touched
-        if not _pressed(run.tip):
-            pressing = pressing * (pressing.sum(axis=0) > 0.0)  # effects of the skin may make it press less, never pull
         # `Run(…)` and not `replace` here and below: these lines run for every single sample.
-        return self._from_surface(Run(run.motion, run.tip, run.contact, skin), self._through(Place.SURFACE, pressing, run.tip, act), act)
+        surface = self._through(Place.SURFACE, _pressing(run, skin), run.tip, act)
+        return self._from_surface(Run(run.motion, run.tip, run.contact, skin), surface, act)
 
     def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":
         applied = surface.sum(axis=0) + self.dispersion.inertial(run.tip) * run.contact.touched
@@ -220,6 +236,13 @@ def _twins(positions: tuple) -> str:
     """The first two taxels that share a place, by name."""
     j = next(j for j, place in enumerate(positions) if place in positions[:j])
     return f"taxel_{positions.index(positions[j])} and taxel_{j}"
+
+
+def _pressing(run: "Run", skin: Any) -> Any:
+    """What of the skin's forces presses on the surface, (2,) or (2, N)."""
+    pressing = skin * run.contact.touched
+    # Effects of the skin may make it press less, never pull.
+    return pressing if _pressed(run.tip) else pressing * (pressing.sum(axis=0) > 0.0)
 
 
 def _pressed(s: Any) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.baseline.residual import residual, simulated_again
 from skin_ident.criticism.baseline.unknowns import Unknown, effect_unknowns, lowest, scales, unknowns, values, with_values
 from skin_ident.criticism.noise.growth import Growth
 from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, with_growth
@@ -45,10 +45,11 @@ def tangents(model: Model, sessions: list[Session], which: tuple[Unknown, ...]) 
     at_ceiling = theta + STEP * scale > np.array([u.parameter.upper for u in which])
     steps = STEP * scale * np.where(at_ceiling, -1.0, 1.0)
     moved = [with_values(model, which, theta + step * row) for step, row in zip(steps, np.eye(theta.size), strict=True)]
+    changed = [(m, u.place(model)) for m, u in zip(moved, which, strict=True)]
 
     def of(s: Session) -> np.ndarray:
-        base = simulated(model, s)
-        changes = [s.band.thin(simulated(m, s) - base) * (c / h) for m, c, h in zip(moved, scale, steps, strict=True)]
+        base, others = simulated_again(model, changed, s)
+        changes = [s.band.thin(y - base) * (c / h) for y, c, h in zip(others, scale, steps, strict=True)]
         return np.array(changes).reshape(len(which), *s.measured.shape)
 
     return [of(s) for s in sessions]
@@ -65,16 +66,16 @@ def fit(
     if not which:
         return Fit(model, (), {}, cost, believed)
     for _ in range(iterations):
-        J = stack(tangents(model, sessions, which), sessions, noise)
+        J, scale = stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
         accepted, damping, trial, trial_cost = _descend(model, sessions, noise, which, J, r, cost, damping)
-        if not accepted:
-            break
         gained = cost - trial_cost
         model, cost = trial, trial_cost
-        if gained < TOLERANCE * cost:
-            break
+        if not accepted or gained < TOLERANCE * cost:
+            break  # at a place where the tangents are these
         r = whitened(model, sessions, noise)
-    return Fit(model, which, _standard_errors(model, sessions, noise, which, cost), cost, believed)
+    else:
+        J, scale = stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
+    return Fit(model, which, _standard_errors(J, scale, which, cost), cost, believed)
 
 
 def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None) -> Whitener:
@@ -135,8 +136,7 @@ def sliding(which: tuple[Unknown, ...], scale: np.ndarray, free: np.ndarray) -> 
     return along
 
 
-def _standard_errors(model, sessions, noise, which, cost) -> dict[str, float]:
-    J = stack(tangents(model, sessions, which), sessions, noise)
+def _standard_errors(J: np.ndarray, scale: np.ndarray, which: tuple[Unknown, ...], cost: float) -> dict[str, float]:
     rows = max(int(np.count_nonzero(np.any(J != 0.0, axis=1))) - len(which), 1)
     covariance = np.linalg.pinv(J.T @ J) * cost / rows
-    return {u.label: float(s) for u, s in zip(which, np.sqrt(np.maximum(np.diag(covariance), 0)) * scales(model, which), strict=True)}
+    return {u.label: float(s) for u, s in zip(which, np.sqrt(np.maximum(np.diag(covariance), 0)) * scale, strict=True)}

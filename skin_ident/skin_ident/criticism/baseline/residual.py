@@ -1,21 +1,27 @@
 """Measured minus simulated, session by session, in the common band."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from skin_ident.criticism.baseline.own_shares import has_own, own_shares
 from skin_ident.criticism.sessions.session import Session, motion_under
-from skin_models.effect import Effect
+from skin_models.effect import Effect, Place
 from skin_models.model import Model, Response
 
 
 def simulated(model: Model, session: Session) -> np.ndarray:
     """Simulated channels (C, N) at full rate, rows as in `session.channels`, under the session's own shares where it has some."""
-    y = rows(placed(model, session).simulate(motion_under(session, model.dispersion)), session)
-    if has_own(session):
-        y[-session.n_taxels :] *= own_shares(y, session)[:, None]
-    return _beyond(session) + y
+    return _told(placed(model, session).simulate(motion_under(session, model.dispersion)), session)
+
+
+def simulated_again(model: Model, changed: list[tuple[Model, Place | None]], session: Session) -> tuple[np.ndarray, Iterator[np.ndarray]]:
+    """`simulated` of a model, and of others that differ from it at one place of the chain each (None: anywhere), these at the cost of what
+    lies behind that place."""
+    run = placed(model, session).trace(motion_under(session, model.dispersion))
+    others = (simulated(m, session) if p is None else _told(placed(m, session).again(run, p), session) for m, p in changed)
+    return _told(run.response, session), others
 
 
 def placed(model: Model, session: Session) -> Model:
@@ -42,8 +48,12 @@ def rows(response: Response, session: Session) -> np.ndarray:
     return out
 
 
-def _beyond(session: Session) -> np.ndarray | float:
-    return 0.0 if session.beyond is None else session.beyond
+def _told(response: Response, session: Session) -> np.ndarray:
+    """What a response says of the channels of a session, under its own shares, and beside a twin."""
+    y = rows(response, session)
+    if has_own(session):
+        y[-session.n_taxels :] *= own_shares(y, session)[:, None]
+    return y if session.beyond is None else session.beyond + y
 
 
 def residual(model: Model, session: Session) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 
 from skin_ident.criticism.sessions.session import Session
 from skin_models.dispersion import Dispersion
+from skin_models.effect import Place
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
@@ -28,6 +29,12 @@ class Unknown:
     parameter: Parameter
     label: str
     beside: str = ""
+
+    def place(self, model: Model) -> Place | None:
+        """Where in the chain of `model` it acts; None where that is everywhere."""
+        if self.part == "dispersion":
+            return None
+        return Place.SPREAD if self.part == "shares" else model.effects[self.part].place
 
 
 def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
