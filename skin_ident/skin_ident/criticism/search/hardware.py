@@ -40,7 +40,7 @@ def encoder_does(key: tuple[str, str], gain: Gain, before: Model, after: Model, 
     """Why a cause and place that `after` gains by over `before` are no finding, where noise of what drives the test does as much, the
     encoder could not tell, or steps leave as much open."""
     if of_the_drive(gain, key[0], before, after, train):
-        why = f"it would {_worth(gain)} while the driving force rests, which the noise of that force may do by itself"
+        why = f"it would {_worth(gain)}, mostly while the driving force rests or little of what there is: the noise of that force may do it"
         return Seen(np.inf, why, "a depth beside the force, or a load cell with less noise")
     return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, encoder_step)
 
@@ -72,10 +72,10 @@ def stage_does(run: Run, encoder_step: float) -> Seen:
     return Seen(np.inf, f"{why}, and good hardware does up to {least} by itself")
 
 
-def tare_does(run: Run) -> Seen:
-    """Why zeros that sessions have of their own are no finding, where readings in steps set them no better."""
-    off = f"the zeros of single sessions are off by up to {run.largest:.2g} N"
-    return Seen(np.inf, f"{off}, as a tare that is read in steps of {run.step:.2g} N may leave them", "a converter with finer steps")
+def tare_does(largest: float, step: float) -> Seen:
+    """Why zeros that sessions have of their own, the `largest` of them in N, are no finding, where readings in steps set them no better."""
+    off = f"the zeros of single sessions are off by up to {largest:.2g} N"
+    return Seen(np.inf, f"{off}, as a tare that is read in steps of {step:.2g} N may leave them", "a converter with finer steps")
 
 
 def _worth(gain: Gain) -> str:

@@ -17,6 +17,7 @@ from skin_ident.criticism.search.doubt import wandering
 from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
+from skin_ident.criticism.search.tared import take_tare_of_held
 from skin_ident.criticism.search.trial import Trial
 
 if TYPE_CHECKING:
@@ -106,6 +107,8 @@ def take_alone(search: "Search") -> bool:
         return False
     if run.of_the_tare or not search.resolved(run.course.key, gain, search.present.model):
         return False
+    if take_tare_of_held(search, run.course.cause, run.score):
+        return take_alone(search)
     search.runs.append(run)
     search.held, search.alone = added(search.held, run.values), True
     rivals = own_rivals([r for r in runs if r.course not in had], run.score, {run.course.key})
@@ -138,7 +141,7 @@ def take_course(search: "Search", run: Run, finding: Named) -> None:
     other = fitted(run.course, search.present.model, search.held, noise, free) if search.held else None
     search.train, search.held = train, added(search.held, other.values) if other else search.held
     if run.of_the_tare and (other is None or other.of_the_tare):
-        search.tared[run.course.key] = tare_does(run)
+        search.tared[run.course.key] = tare_does(run.largest, run.step)
         return
     search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
     search.progress(f"named {finding.cause} in the {finding.where}")

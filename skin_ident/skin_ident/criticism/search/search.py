@@ -26,6 +26,7 @@ from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
+from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
@@ -95,6 +96,8 @@ class Search:
                 continue
             own, shared = self.choose(trials, runs)
             taken = own or shared
+            if taken and take_tare(self, taken[1].cause, taken[1].explained):
+                continue
             alone = not taken and take_alone(self)
             if less and not (taken or alone or self.named):
                 self._weigh(free)

@@ -1,0 +1,47 @@
+"""Zeros of all channels and sessions at once, as tares leave them, and where they are taken for that."""
+
+from dataclasses import replace
+
+import numpy as np
+from test_gates import DEPTH, PLAIN, recorded
+
+from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.courses.tare import zeros
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.sessions.session import prepare
+
+STEP, OFF = 0.02, ((0.012, -0.007), (-0.009, 0.011), (0.008, -0.012))  # N
+
+
+def sessions(scale: float = 1.0) -> list:
+    """Recordings whose channels are read in steps of `STEP`, with zeros of `scale` times `OFF`."""
+    made = (recorded(PLAIN, DEPTH + 0.1e-3 * i, 0.02, seed=i) for i in range(3))
+    return [_read(r, scale * np.array(off), f"session_{i}") for i, (r, off) in enumerate(zip(made, OFF, strict=True))]
+
+
+def _read(r, off: np.ndarray, name: str):
+    force, taxel = (STEP * np.round((y + zero) / STEP) for y, zero in zip((r.force, r.taxels[0]), off, strict=True))
+    return replace(r, name=name, force=force, taxels=taxel[None])
+
+
+def test_zeros_within_a_step_are_found():
+    whole = [prepare(r) for r in sessions()]
+    noise = fit_whitener([residual(PLAIN, s) for s in whole], whole)
+    found, fall = zeros(PLAIN, whole, noise, False)
+    assert fall > 30.0 and np.allclose([found[s.name] for s in whole], OFF, atol=0.004)
+    beside, less = zeros(fit(PLAIN, whole, noise).model, whole, noise, True)
+    assert 30.0 < less <= fall and all(np.all(np.abs(z) <= 1.05 * STEP) for z in beside.values())
+
+
+def test_larger_zeros_are_no_tare():
+    whole = [prepare(r) for r in sessions(scale=4.0)]
+    noise = fit_whitener([residual(PLAIN, s) for s in whole], whole)
+    assert zeros(PLAIN, whole, noise, False)[1] == 0.0
+
+
+def test_zeros_within_a_step_are_nothing_wrong():
+    made = sessions()
+    findings = diagnose(made[:2], made[2:]).findings
+    assert findings["findings"] == []
