@@ -76,6 +76,15 @@ def test_a_buffer_that_slips_is_late_in_steps(tmp_path, seed, protocol, late_s):
     assert all("ms at" in words for words in found["evidence"]["of_each_session"].values())
 
 
+@pytest.mark.parametrize("late_s", rows([0.006, 0.015], 1))
+def test_a_clock_that_wanders_is_late_by_so_much_in_turn(tmp_path, late_s):
+    """Damping takes the mean of the delay, up to all that there is; what is left steps nowhere."""
+    made, _ = make_sessions(None, seed=53, n_sessions=3, noise="white")
+    write_case([replace(s, force=np.interp(s.t - late_s * (1.0 + 0.6 * np.sin(s.t / 2.7)), s.t, s.force)) for s in made], tmp_path)
+    recordings = load(tmp_path)
+    assert {(f["cause"], f["where"]) for f in diagnose(recordings[:2], recordings[2:]).findings["findings"]} == {("time_shift", "clock")}
+
+
 @pytest.mark.parametrize("held", rows([2, 3], 1))
 def test_a_load_cell_with_a_gain_of_its_own_in_each_session_is_named(tmp_path, held):
     """Also where the gain of the held-out session is near to the mean, so that this one alone could not tell."""

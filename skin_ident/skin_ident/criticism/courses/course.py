@@ -42,7 +42,7 @@ SEEN = 0.01  # of what a step would change if it was there from the start on, th
 SECANTS = 2  # times that a delay is fitted once more, with what delays of that size change;
 SHORT = 0.1  # of a period of the band's edge: once is enough for less
 LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
-KNOT_S = 20.0
+KNOT_S = {ZERO: 20.0, DELAY: 5.0}  # between the knots of a bend; motion tells of a delay wherever it is, of a zero only what noise leaves
 START_S = 5.0  # s, within which a step is how the session began
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 ALIKE = 0.95  # of the likelihood gain of a slope in one channel, which the same in all must reach to go before it
@@ -250,7 +250,7 @@ def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
 def _knots(course: Course, s: Session) -> np.ndarray:
     """Where the straight lines of a bend meet; one for a constant."""
     t = s.motion.t
-    return np.linspace(t[0], t[-1], max(2, round((t[-1] - t[0]) / KNOT_S) + 1)) if course.shape == BEND else np.zeros(1)
+    return np.linspace(t[0], t[-1], max(2, round((t[-1] - t[0]) / KNOT_S[course.carrier]) + 1)) if course.shape == BEND else np.zeros(1)
 
 
 def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
@@ -283,9 +283,10 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
 
 
 def _free(course: Course, g: _Ground, rows: list[list[np.ndarray]]) -> np.ndarray:
-    """What spans the amplitudes, (K, L). Of slopes that last, their mean is the model's own, where it may change."""
+    """What spans the amplitudes, (K, L). Of slopes that last, and of delays that bend, the mean is the model's own, where it may change:
+    of a delay damping takes it."""
     one = np.eye(sum(map(len, rows)))
-    if not course.slopes or g.Q is None or g.alone:
+    if not (course.slopes or (course.carrier, course.shape) == (DELAY, BEND)) or g.Q is None or g.alone:
         return one
     loaded = one[[bool(np.any(row)) for own in rows for row in own]]
     return (loaded - loaded.mean(axis=0)).T if len(loaded) else loaded.T
@@ -310,6 +311,8 @@ def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
     if course.carrier == ZERO:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size, scale = SIZES[course.carrier]
+    if course.shape == BEND:
+        return f"from {size.format(scale * z.min())} to {size.format(scale * z.max())}"
     if course.shape == CONSTANT:
         return size.format(scale * z[0])
     steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True)]

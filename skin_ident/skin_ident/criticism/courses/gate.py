@@ -18,6 +18,7 @@ from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
+BRIEF_S = 2.0  # where a delay bends, whose knots are nearer
 CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18, WAVE: 0.18}  # least relative fall: noise of long memory bends
 PLAINLY = 0.15  # fall that needs no gain in likelihood
 FAINT = 0.2  # of what is left at full rate, which a course of a zero must exceed
@@ -45,7 +46,7 @@ def believed(gain: Gain, course: Course) -> bool:
     likelihood must gain, too."""
     fall = 1.0 - gain.after / max(gain.before, 1e-300)
     sure = gain.ci95[0] > SURE * (gain.before - gain.after) and fall > CLEARLY[course.shape]
-    if course.shape == BEND:  # which leaves no spikes, and is what wandering noise looks like
+    if (course.carrier, course.shape) == (ZERO, BEND):  # which leaves no spikes, and is what wandering noise looks like
         return sure and gain.lower > 0.0
     return sure and (gain.relative > 0.0 or fall > PLAINLY)
 
@@ -96,7 +97,8 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: 
     e = residual(model, s)
     known = fitted(course, model, [s], noise, free).moments if course.carrier in (DEPTH, DELAY) else None
     at = known if known and known[s.name].size else None
-    odd = ((s.t - s.t[0]) / BLOCK_S[course.shape]).astype(int) % 2
+    block = BRIEF_S if (course.carrier, course.shape) == (DELAY, BEND) else BLOCK_S[course.shape]
+    odd = ((s.t - s.t[0]) / block).astype(int) % 2
     out = e.copy()
     for side in (0, 1):
         seen = replace(s, weight=s.weight * (odd == side))

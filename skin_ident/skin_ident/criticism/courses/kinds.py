@@ -15,6 +15,7 @@ CAUSES = {
     (SLOPE, CONSTANT): "gain_error",
     (SLOPE, STEPS): "gain_error",
     (DELAY, STEPS): "time_shift",
+    (DELAY, BEND): "time_shift",
     (DEPTH, STEPS): "position_offset",
     (DRIVE, CONSTANT): "force_offset",
     (DRIVEN, CONSTANT): "gain_error",
@@ -72,10 +73,11 @@ def courses(session: Session) -> Iterator[Course]:
         yield from (Course(*kind, (c,), where) for kind in kinds)
     taxels = every[-session.n_taxels :] if session.n_taxels else ()
     if session.drive is not None:
-        yield Course(DELAY, STEPS, taxels, "clock_taxels")
+        yield from (Course(DELAY, shape, taxels, "clock_taxels") for shape in (STEPS, BEND))
         yield from (Course(carrier, CONSTANT, every, "load_cell") for carrier in (DRIVE, DRIVEN))
         return
     yield Course(DEPTH, STEPS, every, "rig")
-    yield Course(DELAY, STEPS, every, "clock_depth")
+    clocks = [(every, "clock_depth")]
     if taxels and len(taxels) < len(every):
-        yield from (Course(DELAY, STEPS, rows, where) for rows, where in ((every[:1], "clock"), (taxels, "clock_taxels")))
+        clocks += [(every[:1], "clock"), (taxels, "clock_taxels")]
+    yield from (Course(DELAY, shape, rows, where) for rows, where in clocks for shape in (STEPS, BEND))

@@ -57,9 +57,10 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
     """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
     own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little.
-    Where little of what the ranking promised is kept, from the amounts at which an effect was scanned: of a delay by half a period of the
-    motion no small one shows the way; and in its finer forms: damping may have taken all that a plain lag would explain, and leave what
-    only a lag of a part does. Where far more is, the way was longer than it seemed, and may go on: from twice as far."""
+    Where little of what the ranking promised is kept, from little, too: beside a delay damping is far off, and tells too large a one; from
+    the amounts at which an effect was scanned: of a delay by half a period of the motion no small one shows the way; and in its finer
+    forms: damping may have taken all that a plain lag would explain, and leave what only a lag of a part does. Where far more is, the way
+    was longer than it seemed, and may go on: from twice as far."""
     for share in (1.0, LITTLE):
         trial = _begun_at(ranked.best, share * ranked.best_amount, present, sessions, noise)
         if trial.cost < present.cost:
@@ -72,7 +73,8 @@ def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise:
         return trial
     large = [(d, np.sign(z) * d.probe) for d, z in zip(ranked.used, ranked.amounts, strict=True) if d.probe != PROBE]
     finer = [(replace(ranked.best, effect=e), ranked.best_amount) for e in _finer(ranked.best.effect)]
-    return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in large + finer)], key=lambda f: f.cost)
+    others = [(ranked.best, LITTLE * ranked.best_amount), *large, *finer]
+    return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in others)], key=lambda f: f.cost)
 
 
 def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session], noise: Whitener) -> Fit:
