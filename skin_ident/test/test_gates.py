@@ -209,6 +209,10 @@ def test_a_noisy_force_that_drives_is_no_damping_that_depends_on_speed():
     assert gain.passed and of_the_drive(gain, "rate_dependence", before, after, sessions[:2])
     assert "noise of that force" in encoder_does(("rate_dependence", "skin"), gain, before, after, sessions[:2], 0.0).because
     assert unread_force(before, "taxel_0", sessions, 0.0) > 0.0
+    little = replace(QUICK, before=0.02, after=0.0195, relative=0.05)
+    assert of_the_drive(little, "lag", before, after, sessions) and not of_the_drive(little, "saturation", before, after, sessions)
+    assert not of_the_drive(replace(little, relative=0.3), "lag", before, after, sessions)
+    assert not of_the_drive(little, "lag", before, after, [prepare(recorded(PLAIN))])
 
 
 def pressed_by_force(seed: int) -> Recording:

@@ -31,6 +31,8 @@ TRAVEL_S, TRAVELLED = 1.0, 1.5  # within this time the depth of a stage that mov
 OF_SPEED = ("rate_dependence", "mount_compliance")
 CLEARLY = 3.0  # standard deviations of noise
 DRIVEN = 0.3  # of what is explained in all, the least that must be while the driving force changes
+SMOOTHING = ("rate_dependence", "mount_compliance", "stress_relaxation", "hysteresis", "backlash", "lag", "time_shift")
+DILUTED = 0.15  # of the mean square, plain or whitened, that noise of what drives the test may seem to explain
 
 Part = Callable[[Session], np.ndarray]  # a mask (n,) of the samples that count
 
@@ -63,9 +65,14 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
 
 
 def of_the_drive(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> bool:
-    """Whether what depends on speed explains a channel mostly while the force that drives the test rests: damping that is less for little
-    speeds keeps noise of that force from the taxels of a simulation, and from those alone."""
-    if train[0].drive is None or cause not in OF_SPEED:
+    """Whether noise of the force that drives the test may do what a cause explains: what smooths or delays that force keeps some of its
+    noise from the taxels of a simulation, and from those alone (W. A. Fuller, Measurement Error Models, 1987, ch. 1). So it is where a
+    channel gains little, and where damping explains it mostly while the force rests."""
+    if train[0].drive is None or cause not in SMOOTHING:
+        return False
+    if gain.relative < DILUTED and gain.squares < DILUTED * gain.before**2:
+        return True
+    if cause not in OF_SPEED:
         return False
     falls = _falls(gain.channel, before, after, train)
     moving = sum(float(np.sum(fall * _driven(s))) for fall, s in zip(falls, train, strict=True))
