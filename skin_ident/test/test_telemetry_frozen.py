@@ -58,3 +58,39 @@ def test_noise_that_wanders_in_jumps_does_not_stand_still(freedom, colour, size,
         innovations = np.random.default_rng(seed).standard_t(freedom, 4000)
         told += bool(_taken_for_outliers(size * lfilter([1.0], [1.0, -colour], innovations), np.full(4000, np.nan), step))
     assert told == 0
+
+
+def _read(seed: int, step: float, noise: float) -> tuple[np.ndarray, np.ndarray]:
+    """A load (N,) that presses and rests, and a reading of it."""
+    t = np.arange(4000) * 0.0125
+    load = 2.0 + np.clip(2.0 * np.sin(1.3 * t + seed), -1.5, 1.5)
+    return load, step * np.round((load + noise * np.random.default_rng(seed).standard_normal(t.size)) / step)
+
+
+def _told(load: np.ndarray, y: np.ndarray) -> list[str]:
+    found = find_outliers(["a"], ("force",), [(y - load)[None]], [y[None]], [np.zeros(y.size, bool)], 0, 0.0125)
+    return [s.evidence["why"] for s in found]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_last_value_that_is_sent_once_more_is_found_though_it_misses_little(seed):
+    """Lost packets of a tenth of a second: within three widths of the noise, but no noise repeats itself."""
+    load, y = _read(seed, 0.004, 0.03)
+    for at in np.random.default_rng([seed, 1]).choice(np.arange(100, 3900, 50), 24, replace=False):
+        y[at : at + 8] = y[at - 1]
+    (why,) = _told(load, y)
+    assert "frozen runs" in why
+
+
+@pytest.mark.parametrize(("step", "noise"), [(0.004, 0.03), (0.03, 0.03), (0.1, 0.03), (0.03, 0.0), (0.004, 0.0)])
+def test_a_converter_of_any_step_repeats_what_it_reads(step, noise):
+    assert [why for seed in range(20) for why in _told(*_read(seed, step, noise))] == []
+
+
+def test_wide_steps_of_a_converter_are_no_frozen_runs():
+    told = 0
+    for seed in range(20):
+        load, y = _read(seed, 0.001, 0.005)
+        codes = np.cumsum(np.random.default_rng(seed).uniform(0.02, 0.08, 120))
+        told += bool(_told(load, codes[np.searchsorted(codes, y)]))
+    assert told == 0

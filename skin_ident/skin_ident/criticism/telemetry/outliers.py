@@ -12,6 +12,7 @@ from scipy.stats import poisson
 from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
+from skin_ident.criticism.telemetry.unlikely import unlikely_runs
 from skin_ident.stretches import runs
 
 LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for where there are none beyond it
@@ -51,6 +52,7 @@ def find_outliers(
         sure = sum(_sure(s, r, y, c) for s, r, y in zip(own, residuals, raw, strict=True))
         if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
             own = [np.zeros_like(s) for s in own]
+        own = _with_unlikely(own, [r[c] for r in raw], [r[c] for r in residuals], others, steps[c])
         found.append(_symptom(names, channels[c], away, own, [r[c] for r in residuals], n_taxels, dt))
     return [s for s in found if s is not None]
 
@@ -118,6 +120,16 @@ def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
         if any(o[a : b + 2].any() for o in others):
             out[a:b] = False
     return out
+
+
+def _with_unlikely(
+    still: list[np.ndarray], y: list[np.ndarray], e: list[np.ndarray], others: list[list[np.ndarray]], step: float
+) -> list[np.ndarray]:
+    """The frozen runs, and those that no noise makes where there are several."""
+    step = step or smallest_step(np.concatenate(y))
+    more = [_alone(unlikely_runs(row, rest, step), o) for row, rest, o in zip(y, e, others, strict=True)]
+    several = sum(runs(m)[0].size for m in more) >= FEWEST
+    return [s | m for s, m in zip(still, more, strict=True)] if several else still
 
 
 def _sure(still: np.ndarray, e: np.ndarray, y: np.ndarray, c: int) -> int:
