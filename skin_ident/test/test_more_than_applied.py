@@ -46,6 +46,12 @@ def test_what_no_skin_does_is_said_with_what_would_explain_it(change, said):
     assert symptom.parameters["ratio"]["value"] == pytest.approx(expected, rel=0.03)
 
 
+def test_of_several_taxels_another_may_leak_into_the_one_that_reads_too_much():
+    loud = np.array([[1.2 / share()], [1.0]])
+    (symptom,) = find_more_than_applied([replace(r, taxels=loud * r.taxels[:2]) for r in map(session, range(3))])
+    assert ("crosstalk", "taxel_0") in symptom.alternatives and symptom.channels == ("force", "taxel_0")
+
+
 @pytest.mark.parametrize("change", [lambda r: r, reading(1.05 / share())])
 def test_a_skin_may_lead_all_of_the_force_through_a_taxel(change):
     assert not find_more_than_applied(sessions(change))

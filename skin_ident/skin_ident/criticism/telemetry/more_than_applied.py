@@ -6,7 +6,7 @@ one) as the instrument, which noise of the load cell does not bend,
     ratio = sum (x - mean x) taxel / sum (x - mean x) force
 
 is k1 / (k1 + k2) of the thesis's model, below one for every skin. Above one, force and taxel are not in one unit, their columns are
-exchanged, or a calibration is wrong. Which of the two is wrong nobody can tell from the record.
+exchanged, a calibration is wrong, or another taxel leaks into this one. Which of them is wrong nobody can tell from the record.
 """
 
 from dataclasses import dataclass
@@ -88,6 +88,7 @@ def _symptom(recordings: list, i: int, ratio: Ratio) -> Symptom:
     why = "; ".join([f"{reads}, and a skin leads at most all of it through a taxel", *_guesses(channel, ratio.value)])
     evidence = {"why": why, "kind": KIND, "ratio": ratio.value, "std": ratio.std}
     rivals = (("gain_error", "load_cell"), ("gain_error", taxel), ("data_error", taxel))
+    rivals += (("crosstalk", taxel),) if n > 1 else ()
     parameters = {"ratio": {**quantity(ratio.value, "1"), "std": ratio.std}}
     return Symptom("data_error", "load_cell", ("force", channel), parameters, evidence, alternatives=rivals, apart=APART)
 
