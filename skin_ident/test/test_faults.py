@@ -110,6 +110,39 @@ def test_one_taxel_with_steps_unlike_the_others_needs_no_declaration():
     assert not find_quantization(two)
 
 
+def companded(y, rng):
+    """Steps that grow with the reading, from 0.04 to 0.2 N."""
+    edges = np.cumsum(np.linspace(0.04, 0.2, 120))
+    return edges[np.searchsorted(edges, np.clip(y + 1.0, 0.0, edges[-2]))] - 1.0
+
+
+def with_missing_codes(y, rng):
+    """Most codes never come, and what lies there goes to the next."""
+    codes = np.cumsum(np.random.default_rng(7).integers(2, 6, 400)) * 0.02 - 1.0
+    return codes[np.searchsorted(codes, y)]
+
+
+@pytest.mark.parametrize("change", [companded, with_missing_codes])
+def test_steps_of_a_converter_that_are_uneven_are_told_beside_what_is_declared(change):
+    made = [session(i, lambda y, rng: 0.02 * np.round(change(y, rng) / 0.02), Declared(taxel_step_n=(0.02,))) for i in range(2)]
+    found = find_quantization(made)
+    assert {s.where for s in found} == {"taxel_0", "taxel_1", "taxel_2"}
+    assert all("unevenly" in s.evidence["why"] for s in found)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.005, 0.02, 0.06])
+@pytest.mark.parametrize("depths", [5, 40])
+def test_few_depths_and_a_converter_as_declared_have_no_uneven_steps(noise, depths):
+    """Between the levels of a hold and those of the next there are many that nothing rests on."""
+    made = []
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        held = 5.0 * rng.uniform(size=depths)[np.minimum(np.arange(4000) * depths // 4000, depths - 1)]
+        y = 0.02 * np.round((np.vstack([held, 0.4 * held, 0.2 * held]) + noise * rng.standard_normal((3, 4000))) / 0.02)
+        made.append(Recording(f"session_{seed}", T, 1e-4 * held, held, y, declared=Declared(taxel_step_n=(0.02,))))
+    assert [s for r in made for s in find_quantization([r])] == []
+
+
 def test_how_much_was_compared_is_said():
     content = diagnosed(lambda y, rng: y).findings
     assert content["verdict"] == "nothing_wrong"

@@ -48,7 +48,8 @@ def test_what_no_skin_does_is_said_with_what_would_explain_it(change, said):
 
 def test_of_several_taxels_another_may_leak_into_the_one_that_reads_too_much():
     loud = np.array([[1.2 / share()], [1.0]])
-    (symptom,) = find_more_than_applied([replace(r, taxels=loud * r.taxels[:2], taxel_names=(), taxel_units=()) for r in map(session, range(3))])
+    made = [replace(r, taxels=loud * r.taxels[:2], taxel_names=(), taxel_units=()) for r in map(session, range(3))]
+    (symptom,) = find_more_than_applied(made)
     assert ("crosstalk", "taxel_0") in symptom.alternatives and symptom.channels == ("force", "taxel_0")
 
 

@@ -13,26 +13,28 @@ import numpy as np
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import declared_step
 from skin_ident.estimators.scale import white_scale
-from skin_ident.recordings.levels import FEWEST_LEVELS, step_of
+from skin_ident.recordings.levels import FEWEST_LEVELS
 
 COARSER = 1.5  # times the declared step
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
 FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
-FEW = 0.01  # of the samples, the most levels of a converter whose steps are uneven, and which reads
-OFTEN = 0.9  # of the samples on levels that occur again and again
+FEW = 0.05  # of the samples, the most levels of a converter whose steps are uneven, and which reads
+OFTEN = 0.9  # of the times that a level is come to, those of levels to which it comes again and again
 AGAIN = 5
+NARROW = 40.0  # percent of the spacings, which may be as narrow as was declared: at a hold noise comes to two levels side by side
 BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
 ORDERS = (3, 5, 7)  # of differences that motion of a few hertz hardly passes
 
 
-def uneven_step(y: np.ndarray) -> float | None:
-    """Mean spacing of the few levels on which `y` (N,) sits though they are not equally spaced, as those of a converter that compresses;
-    None where it does not."""
-    levels, counts = np.unique(y, return_counts=True)
+def uneven_step(y: np.ndarray, declared: float) -> float | None:
+    """Median spacing of the levels to which `y` (N,) comes again and again though they are not equally spaced, as those of a converter that
+    compresses; None where it does not, or where many are no further apart than `declared`."""
+    levels, counts = np.unique(y[np.diff(y, prepend=np.nan) != 0.0], return_counts=True)
     again = levels[counts >= AGAIN]
-    if again.size <= 2 * FEWEST_LEVELS or levels.size > FEW * y.size or step_of(y) is not None:
+    if again.size <= 2 * FEWEST_LEVELS or levels.size > FEW * y.size or np.sum(counts[counts >= AGAIN]) < OFTEN * np.sum(counts):
         return None
-    return float(np.ptp(again)) / (again.size - 1) if np.sum(counts[counts >= AGAIN]) > OFTEN * y.size else None
+    gaps = np.diff(again)
+    return float(np.median(gaps)) if np.percentile(gaps, NARROW) > COARSER * declared else None
 
 
 def find_quantization(recordings: list) -> list[Symptom]:
@@ -40,13 +42,13 @@ def find_quantization(recordings: list) -> list[Symptom]:
     declared = _declared(recordings[0])
     found = _unlike(recordings, declared)
     for channel, step in declared.items():
+        unit = "m" if channel == "depth" else "N"
         steps = [s for s in _steps(recordings, channel) if s is not None]
         if step and len(steps) == len(recordings) and min(steps) > COARSER * step:
-            unit = "m" if channel == "depth" else "N"
             found.append(_coarse(recordings, channel, float(np.median(steps)), "as rig.yaml declares", step, unit))
-        uneven = [uneven_step(y) for y in _rows(recordings, channel)]
-        if step and uneven and None not in uneven and min(uneven) > COARSER * step:
-            unit = "m" if channel == "depth" else "N"
+            continue
+        uneven = [uneven_step(y, step) for y in _rows(recordings, channel)] if step else []
+        if uneven and None not in uneven:
             s = _coarse(recordings, channel, float(np.median(uneven)), "on average as rig.yaml declares, and unevenly", step, unit)
             found.append(replace(s, evidence={**s.evidence, "uneven": True}))
     return found
