@@ -46,21 +46,23 @@ def find_outliers(
     steps = steps or [0.0] * len(channels)
     every = [_of_channel([r[c] for r in residuals], [r[c] for r in raw], jumps, steps[c]) for c in range(len(channels))]
     found = []
-    for c, (away, still) in enumerate(every):
+    for c, (away, still, unlikely) in enumerate(every):
         others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
         own = [_alone(s, o) for s, o in zip(still, others, strict=True)]
         sure = sum(_sure(s, r, y, c) for s, r, y in zip(own, residuals, raw, strict=True))
         if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
             own = [np.zeros_like(s) for s in own]
-        own = _with_unlikely(own, [r[c] for r in raw], [r[c] for r in residuals], others, steps[c])
+        lost = [_alone(u, o) for u, o in zip(unlikely, others, strict=True)]
+        if sum(runs(m)[0].size for m in lost) >= FEWEST:
+            own = [s | m for s, m in zip(own, lost, strict=True)]
         found.append(_symptom(names, channels[c], away, own, [r[c] for r in residuals], n_taxels, dt))
     return [s for s in found if s is not None]
 
 
 def _of_channel(
     e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray], step: float
-) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Masks of excursions and of frozen runs, each for every session."""
+) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
+    """Masks of excursions, of frozen runs, and of those that no noise makes, each for every session."""
     step = step or smallest_step(np.concatenate(y))
     limit = reach(np.concatenate([np.diff(row) for row in e]), step)
 
@@ -73,8 +75,9 @@ def _of_channel(
     away = [fill_clusters(f) for f in far] if level else _standing(e, y, LOWEST * limit) or _to_one_reading(far, y, limit, step)
     values, counts = np.unique(np.concatenate(y), return_counts=True)
     idle = float(values[np.argmax(counts)])
-    still = [_frozen(b, a, limit, step, j | (np.abs(b - idle) < limit)) for a, b, j in zip(e, y, jumps, strict=True)]
-    return away, still
+    resting = [j | (np.abs(b - idle) < limit) for b, j in zip(y, jumps, strict=True)]
+    still = [_frozen(b, a, limit, step, rest) for a, b, rest in zip(e, y, resting, strict=True)]
+    return away, still, [unlikely_runs(b, a, step, rest) for a, b, rest in zip(e, y, resting, strict=True)]
 
 
 def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np.ndarray] | None:
@@ -120,16 +123,6 @@ def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
         if any(o[a : b + 2].any() for o in others):
             out[a:b] = False
     return out
-
-
-def _with_unlikely(
-    still: list[np.ndarray], y: list[np.ndarray], e: list[np.ndarray], others: list[list[np.ndarray]], step: float
-) -> list[np.ndarray]:
-    """The frozen runs, and those that no noise makes where there are several."""
-    step = step or smallest_step(np.concatenate(y))
-    more = [_alone(unlikely_runs(row, rest, step), o) for row, rest, o in zip(y, e, others, strict=True)]
-    several = sum(runs(m)[0].size for m in more) >= FEWEST
-    return [s | m for s, m in zip(still, more, strict=True)] if several else still
 
 
 def _sure(still: np.ndarray, e: np.ndarray, y: np.ndarray, c: int) -> int:

@@ -12,23 +12,23 @@ from skin_ident.criticism.telemetry.excursions import held
 from skin_ident.estimators.scale import normal_scale
 
 LEAST = 4  # samples
-AROUND = 100  # samples to either side, by which noise is known
+AROUND = 100  # samples to either side, on the quieter of which noise is known; half of them must not rest either
 CHANCE = 1e-4  # runs that chance may bring
 MOVED = 2.0  # steps, by which the load moves meanwhile: a plunger at rest, or about to turn, is quieter than one that moves
 
 
-def unlikely_runs(y: np.ndarray, e: np.ndarray, step: float) -> np.ndarray:
-    """Mask (N,) of runs of one reading of `y`, whose model leaves `e`, that go on while the load does and noise would not."""
+def unlikely_runs(y: np.ndarray, e: np.ndarray, step: float, resting: np.ndarray) -> np.ndarray:
+    """Mask (N,) of runs of one reading of `y`, whose model leaves `e`, that go on while the load does and noise would not; of none that is
+    `resting` (N,)."""
     mask = np.zeros(y.size, bool)
     again = np.diff(y, prepend=np.nan) == 0.0
     for a, b in zip(*held(y, LEAST), strict=True):
         moved = abs((y[b - 1] - e[b - 1]) - (y[a] - e[a]))
-        near = np.r_[max(a - AROUND, 0) : a, b : min(b + AROUND, y.size)]
-        if near.size < AROUND or moved < MOVED * step or _wide(y, y[a], 0.5 * moved, b - a):
+        if a < AROUND or y.size - b < AROUND or resting[a - AROUND // 2 : b + AROUND // 2].any() or moved < MOVED * step:
             continue
-        spread = normal_scale(np.diff(e[near]))
-        p = max(np.mean(again[near]), step / max(np.sqrt(np.pi) * spread, step))
-        mask[a:b] = y.size * p ** (b - a - 1) < CHANCE
+        sides = slice(a - AROUND, a), slice(b, b + AROUND)
+        p = max(max(np.mean(again[side]), step / max(np.sqrt(np.pi) * normal_scale(np.diff(e[side])), step)) for side in sides)
+        mask[a:b] = y.size * p ** (b - a - 1) < CHANCE and not _wide(y, y[a], 0.5 * moved, b - a)
     return mask
 
 
