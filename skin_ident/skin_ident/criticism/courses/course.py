@@ -312,7 +312,7 @@ def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size, scale = SIZES[course.carrier]
     if course.shape == BEND:
-        return f"from {size.format(scale * z.min())} to {size.format(scale * z.max())}"
+        return f"between {size.format(scale * z.min())} and {size.format(scale * z.max())}"
     if course.shape == CONSTANT:
         return size.format(scale * z[0])
     steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True)]
