@@ -25,9 +25,9 @@ BOUND = 10.0  # fall of the squared whitened error, by which larger zeros may ex
 Zeros = dict[str, np.ndarray]  # N, (C,) by session
 
 
-def zeros(model: Model, sessions: list[Session], noise: Whitener, free: bool) -> tuple[Zeros, float]:
-    """What a tare may have left of every channel's zero in `sessions`, and the fall of the squared whitened error with it, beside the
-    model's own numbers where they are `free`; no fall where no tare leaves so much."""
+def zeros(model: Model, sessions: list[Session], noise: Whitener, *, free: bool) -> tuple[Zeros, float]:
+    """What tares may have left of every channel's zero in `sessions`, and the fall of the squared whitened error with it, beside the
+    model's own numbers where they are `free`; nothing, where they do not leave so much."""
     channels = sessions[0].channels
     steps = np.tile([0.0 if c in sessions[0].stuck else converter_step(sessions, c) for c in channels], len(sessions))
     z, fall, able = np.zeros(steps.size), 0.0, steps > 0.0
@@ -39,9 +39,10 @@ def zeros(model: Model, sessions: list[Session], noise: Whitener, free: bool) ->
             A, r = A - Q @ (Q.T @ A), r - Q @ (Q.T @ r)
         basis, triangle = np.linalg.qr(A)
         seen = basis.T @ r
-        z[able] = lsq_linear(triangle, seen, (-steps[able], steps[able])).x
-        beyond = float(np.sum((seen - triangle @ z[able]) ** 2))  # what larger ones explain
-        fall = float(seen @ seen) - beyond if beyond < BOUND else 0.0
+        bounded = lsq_linear(triangle, seen, (-steps[able], steps[able])).x
+        beyond = float(np.sum((seen - triangle @ bounded) ** 2))  # what larger ones explain
+        if beyond < BOUND:
+            z[able], fall = bounded, float(seen @ seen) - beyond
     return dict(zip((s.name for s in sessions), z.reshape(len(sessions), -1), strict=True)), fall
 
 

@@ -16,18 +16,17 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 WORTH_SAYING = 0.2  # of a step
-ZERO = "force_offset"  # which is judged by its own size
+ZERO = "force_offset"
 
 
 def take_tare(search: "Search", cause: str, explained: float) -> bool:
     """Whether zeros as tares leave them explain in training what a `cause` has `explained`, and were taken for that, in all sessions."""
-    model, noise = search.present.model, search.noise
-    found, fall = zeros(model, search.train, noise, True)
-    if cause == ZERO or fall < explained:
+    found = _instead(search, search.train, cause, explained, free=True)
+    if not found:
         return False
     search.train = _without(search.train, found)
-    search.present = fit(model, search.train, noise)
-    others = zeros(search.present.model, search.held, noise, False)[0] if search.held else {}
+    search.present = fit(search.present.model, search.train, search.noise)
+    others = zeros(search.present.model, search.held, search.noise, free=False)[0] if search.held else {}
     search.held = _without(search.held, others)
     _said(search, found | others)
     return True
@@ -35,12 +34,20 @@ def take_tare(search: "Search", cause: str, explained: float) -> bool:
 
 def take_tare_of_held(search: "Search", cause: str, explained: float) -> bool:
     """The same of what a `cause` has `explained` in held-out sessions alone."""
-    found, fall = zeros(search.present.model, search.held, search.noise, False)
-    if cause == ZERO or fall < explained:
+    found = _instead(search, search.held, cause, explained, free=False)
+    if not found:
         return False
     search.held = _without(search.held, found)
     _said(search, found)
     return True
+
+
+def _instead(search: "Search", sessions: list[Session], cause: str, explained: float, *, free: bool) -> Zeros:
+    """The zeros that explain as much as a cause has; none of another zero, which is judged by its own size."""
+    if cause == ZERO:
+        return {}
+    found, fall = zeros(search.present.model, sessions, search.noise, free=free)
+    return found if fall >= explained else {}
 
 
 def _without(sessions: list[Session], found: Zeros) -> list[Session]:

@@ -33,7 +33,7 @@ def unlikely_runs(y: np.ndarray, e: np.ndarray, step: float, resting: np.ndarray
 
 
 def _wide(y: np.ndarray, reading: float, within: float, count: int) -> bool:
-    """Whether a step is so wide that readings `within` newtons of this one are rarer than itself, `count` times aside."""
-    close = np.abs(y - reading) < within
-    same = int(np.count_nonzero(y[close] == reading))
-    return np.count_nonzero(close) - same <= same - count
+    """Whether the step of a `reading` is wide: beside the `count` samples of a run it is read more often than all others `within` N."""
+    close = y[np.abs(y - reading) < within]
+    same = int(np.count_nonzero(close == reading))
+    return close.size - same <= same - count
