@@ -8,7 +8,7 @@ import pytest
 
 from skin_ident.criticism.telemetry.copied import find_copies
 from skin_ident.criticism.telemetry.dead import find_dead_taxels
-from skin_ident.criticism.telemetry.quantization import step_of
+from skin_ident.recordings.levels import step_of
 from skin_ident.recordings.recording import Recording
 
 PLACES = [Path(os.environ.get("SKIN_MEASURED", "/nowhere")), *(q / "shared/measured" for q in Path(__file__).resolve().parents)]
