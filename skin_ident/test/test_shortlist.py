@@ -31,6 +31,12 @@ def test_those_that_rank_next_are_tried_where_physics_rules_out_all_that_rank_hi
     assert listed(ranked[:1], ruled_out={"no skin does this"}) == []
 
 
+def test_what_physics_rules_out_is_no_measure_of_the_others():
+    ranked = [cause("no skin does this", 160.0), cause("damping", 57.0), cause("play", 50.0), cause("far", 15.0)]
+    assert listed(ranked, ruled_out={"no skin does this"}) == ["damping", "play"]
+    assert listed(ranked) == ["no skin does this", "damping"]
+
+
 def test_what_is_named_already_goes_before_a_rival_that_it_equals():
     ranked = [cause(f"c{i}", 100.0 - 0.1 * i) for i in range(6)]
     assert listed(ranked, known={"c5"})[0] == "c5"

@@ -30,10 +30,15 @@ def shortlisted(
 
 
 def _best(ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key]) -> list[Trial]:
-    """The best few, and those near them that are known; where physics rules all of them out, those that rank next."""
+    """The best few, and those near them that are known. What physics rules out is no measure of the others: where it rules out the best,
+    those near the next that it leaves; where all of them, those that rank next."""
     near = [r for r in ranked if r.score > WITHIN * ranked[0].score]
-    queue = iter(near[:LONGEST])
+    queue, after = iter(near[:LONGEST]), ranked[len(near) :]
     trials = list(islice(tried(queue), SHORTLIST))
     trials += tried([r for r in (*queue, *near[LONGEST:]) if r.key in known])
-    after = ranked[len(near) :]
-    return trials if trials or not after else _best(after, tried, known)
+    if not trials:
+        return _best(after, tried, known) if after else []
+    best = max(t.ranked.score for t in trials)
+    if best < ranked[0].score:
+        trials += islice(tried(r for r in after[:LONGEST] if r.score > WITHIN * best), max(SHORTLIST - len(trials), 0))
+    return trials
