@@ -68,7 +68,7 @@ def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndar
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
     """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. Where what good
     hardware does explains most, it is the only one, and not `worth` a name."""
-    Q = _basis(stack(own_rows(model, sessions, sessions), sessions, noise))
+    Q = basis(stack(own_rows(model, sessions, sessions), sessions, noise))
     return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 
 
@@ -168,10 +168,10 @@ def _ground(model: Model, sessions: list[Session], noise: Whitener, Q: np.ndarra
 
 
 def _held_ground(model: Model, held: list[Session], noise: Whitener, free: Open) -> _Ground:
-    return _ground(model, held, noise, _basis(free.rows(held, noise)), alone=True)
+    return _ground(model, held, noise, basis(free.rows(held, noise)), alone=True)
 
 
-def _basis(A: np.ndarray) -> np.ndarray:
+def basis(A: np.ndarray) -> np.ndarray:
     """Of the span of the columns of `A` that are not nothing: for one that is, QR would invent a direction."""
     return np.linalg.qr(A[:, np.any(A != 0.0, axis=0)])[0]
 
@@ -286,7 +286,7 @@ def _free(course: Course, g: _Ground, rows: list[list[np.ndarray]]) -> np.ndarra
     """What spans the amplitudes, (K, L). Of slopes that last, and of delays that bend, the mean is the model's own, where it may change:
     of a delay damping takes it."""
     one = np.eye(sum(map(len, rows)))
-    if not (course.slopes or (course.carrier, course.shape) == (DELAY, BEND)) or g.Q is None or g.alone:
+    if not (course.slopes or course.wanders) or g.Q is None or g.alone:
         return one
     loaded = one[[bool(np.any(row)) for own in rows for row in own]]
     return (loaded - loaded.mean(axis=0)).T if len(loaded) else loaded.T

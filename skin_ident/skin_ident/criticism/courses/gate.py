@@ -46,7 +46,7 @@ def believed(gain: Gain, course: Course) -> bool:
     likelihood must gain, too."""
     fall = 1.0 - gain.after / max(gain.before, 1e-300)
     sure = gain.ci95[0] > SURE * (gain.before - gain.after) and fall > CLEARLY[course.shape]
-    if (course.carrier, course.shape) == (ZERO, BEND):  # which leaves no spikes, and is what wandering noise looks like
+    if course.shape == BEND and not course.wanders:  # which leaves no spikes, and is what wandering noise looks like
         return sure and gain.lower > 0.0
     return sure and (gain.relative > 0.0 or fall > PLAINLY)
 
@@ -97,7 +97,7 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: 
     e = residual(model, s)
     known = fitted(course, model, [s], noise, free).moments if course.carrier in (DEPTH, DELAY) else None
     at = known if known and known[s.name].size else None
-    block = BRIEF_S if (course.carrier, course.shape) == (DELAY, BEND) else BLOCK_S[course.shape]
+    block = BRIEF_S if course.wanders else BLOCK_S[course.shape]
     odd = ((s.t - s.t[0]) / block).astype(int) % 2
     out = e.copy()
     for side in (0, 1):

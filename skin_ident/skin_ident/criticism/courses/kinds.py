@@ -51,6 +51,11 @@ class Course:
         """Whether it is a slope that lasts as long as the session."""
         return (self.carrier, self.shape) == (SLOPE, CONSTANT)
 
+    @property
+    def wanders(self) -> bool:
+        """Whether it is a delay that bends."""
+        return (self.carrier, self.shape) == (DELAY, BEND)
+
     def shows(self, gain: Gain) -> bool:
         """Whether a gain is where the course is; what is wrong with the force that drives a test shows in the taxels."""
         return self.carrier in (DRIVE, DRIVEN) or gain.shows_at(self.where)

@@ -14,6 +14,7 @@ from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 
 from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.courses.course import basis
 from skin_ident.criticism.gates.resolution import converter_step
 from skin_ident.criticism.gates.uncertain import own_rows
 from skin_ident.criticism.noise.whitening import Whitener, stack
@@ -35,10 +36,10 @@ def zeros(model: Model, sessions: list[Session], noise: Whitener, *, free: bool)
         A = block_diag(*(stack([_of_each(s)], [s], noise) for s in sessions))[:, able]
         r = stack([residual(model, s) for s in sessions], sessions, noise)
         if free:
-            Q = np.linalg.qr(stack(own_rows(model, sessions, sessions), sessions, noise))[0]
+            Q = basis(stack(own_rows(model, sessions, sessions), sessions, noise))
             A, r = A - Q @ (Q.T @ A), r - Q @ (Q.T @ r)
-        basis, triangle = np.linalg.qr(A)
-        seen = basis.T @ r
+        span, triangle = np.linalg.qr(A)
+        seen = span.T @ r
         bounded = lsq_linear(triangle, seen, (-steps[able], steps[able])).x
         beyond = float(np.sum((seen - triangle @ bounded) ** 2))  # what larger ones explain
         if beyond < BOUND:

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.courses.carriers import ZERO
 from skin_ident.criticism.courses.course import added
+from skin_ident.criticism.courses.kinds import CAUSES, CONSTANT
 from skin_ident.criticism.courses.tare import Zeros, zeros
 from skin_ident.criticism.gates.resolution import converter_step
 from skin_ident.criticism.search.hardware import tare_does
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 WORTH_SAYING = 0.2  # of a step
-ZERO = "force_offset"
+OFFSET = CAUSES[ZERO, CONSTANT]
 
 
 def take_tare(search: "Search", cause: str, explained: float) -> bool:
@@ -44,7 +46,7 @@ def take_tare_of_held(search: "Search", cause: str, explained: float) -> bool:
 
 def _instead(search: "Search", sessions: list[Session], cause: str, explained: float, *, free: bool) -> Zeros:
     """The zeros that explain as much as a cause has; none of another zero, which is judged by its own size."""
-    if cause == ZERO:
+    if cause == OFFSET:
         return {}
     found, fall = zeros(search.present.model, sessions, search.noise, free=free)
     return found if fall >= explained else {}
@@ -58,4 +60,4 @@ def _said(search: "Search", found: Zeros) -> None:
     for channel, largest in zip(search.train[0].channels, np.max(np.abs([*found.values()]), axis=0).tolist(), strict=True):
         step = converter_step(search.train, channel)
         if largest > WORTH_SAYING * step:
-            search.tared[ZERO, place_of(channel, search.train[0].n_taxels)] = tare_does(largest, step)
+            search.tared[OFFSET, place_of(channel, search.train[0].n_taxels)] = tare_does(largest, step)

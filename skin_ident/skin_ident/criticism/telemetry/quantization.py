@@ -30,10 +30,11 @@ def uneven_step(y: np.ndarray, declared: float) -> float | None:
     """Median spacing of the levels to which `y` (N,) comes again and again though they are not equally spaced, as those of a converter that
     compresses; None where it does not, or where many are no further apart than `declared`."""
     levels, counts = np.unique(y[np.diff(y, prepend=np.nan) != 0.0], return_counts=True)
-    again = levels[counts >= AGAIN]
-    if again.size <= 2 * FEWEST_LEVELS or levels.size > FEW * y.size or np.sum(counts[counts >= AGAIN]) < OFTEN * np.sum(counts):
+    again = counts >= AGAIN
+    few = np.count_nonzero(again) <= 2 * FEWEST_LEVELS
+    if few or levels.size > FEW * y.size or np.sum(counts[again]) < OFTEN * np.sum(counts):
         return None
-    gaps = np.diff(again)
+    gaps = np.diff(levels[again])
     return float(np.median(gaps)) if np.percentile(gaps, NARROW) > COARSER * declared else None
 
 
