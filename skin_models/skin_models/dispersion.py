@@ -83,6 +83,16 @@ class Dispersion:
         """Sensed force of skin that recovers while nothing touches it, (k1 - b1 / tau) u, N; the dispersed force is its opposite."""
         return self.free_stiffness * surface.depth * (1 - surface.touched)
 
+    def unpulled(self, forces: np.ndarray) -> np.ndarray:
+        """Sensed and dispersed force (2,) or (2, N) of skin that cannot pull at the plunger: where they add up to less than nothing, its
+        surface comes back as much slower as lets them hold each other, b1 of b1 + b2 of it on the sensed branch."""
+        pull = np.minimum(forces.sum(axis=0), 0.0)
+        if not np.any(pull):  # nearly always, and this runs for every single sample
+            return forces
+        share = min(max(self.b1 / (self.b1 + self.b2), 0.0), 1.0) if self.b1 + self.b2 > 0.0 else 0.0
+        sensed = forces[0] - share * pull
+        return np.array([sensed, np.where(pull < 0.0, -sensed, forces[1])])
+
     def contact(self, s: Motion) -> np.ndarray:
         """Whether the plunger touches the skin, (N,) of bool."""
         return self.surface(s).touched

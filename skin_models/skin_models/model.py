@@ -141,7 +141,7 @@ class Model:
         if place is Place.SKIN:
             return self.dispersion.branches(run.tip)
         if place is Place.SURFACE:
-            return _pressing(run, run.skin)
+            return self._pressing(run, run.skin)
         return run.response.force_truth if place is Place.LOAD_CELL else run.response.taxels_truth
 
     def _behind(self, run: "Run", place: Place, y: np.ndarray) -> Response:
@@ -164,8 +164,14 @@ class Model:
 
     def _from_skin(self, run: "Run", skin: Any, act: Callable) -> "Run":
         # `Run(…)` and not `replace` here and below: these lines run for every single sample.
-        surface = self._through(Place.SURFACE, _pressing(run, skin), run.tip, act)
+        surface = self._through(Place.SURFACE, self._pressing(run, skin), run.tip, act)
         return self._from_surface(Run(run.motion, run.tip, run.contact, skin), surface, act)
+
+    def _pressing(self, run: "Run", skin: Any) -> Any:
+        """What of the skin's forces presses on the surface, (2,) or (2, N)."""
+        if _pressed(run.tip):
+            return skin * run.contact.touched
+        return self.dispersion.unpulled(skin) * run.contact.touched
 
     def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":
         applied = surface.sum(axis=0) + self.dispersion.inertial(run.tip) * run.contact.touched
@@ -236,13 +242,6 @@ def _twins(positions: tuple) -> str:
     """The first two taxels that share a place, by name."""
     j = next(j for j, place in enumerate(positions) if place in positions[:j])
     return f"taxel_{positions.index(positions[j])} and taxel_{j}"
-
-
-def _pressing(run: "Run", skin: Any) -> Any:
-    """What of the skin's forces presses on the surface, (2,) or (2, N)."""
-    pressing = skin * run.contact.touched
-    # Effects of the skin may make it press less, never pull.
-    return pressing if _pressed(run.tip) else pressing * (pressing.sum(axis=0) > 0.0)
 
 
 def _pressed(s: Any) -> bool:

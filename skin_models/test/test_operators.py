@@ -8,6 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from skin_models.operators.draws import BLOCK, Stream, gaussian, uniform, whole
 from skin_models.operators.growing_root import growing_root
+from skin_models.operators.lagging import lagged, lagged_in_contact, lagged_in_contact_step
 from skin_models.operators.play import play, play_step, stop
 from skin_models.operators.relay import relay, relay_step
 from skin_models.operators.scan import running_affine, running_clamp
@@ -121,3 +122,21 @@ def test_a_function_that_stays_negative_ends_beyond_the_highest():
     assert 1.0 < x[0] <= 9.0 + 1e-9
     x, _ = growing_root(lambda x: np.full(1, -9.0), np.zeros(1), np.full(1, 1e-3), np.full(1, 1e3), np.full(1, 9.0), 1.0)
     assert x[0] > 1.0
+
+
+@given(records, st.floats(0.05, 30.0))
+def test_a_lag_in_contact_begins_anew_at_every_touch(x, tau):
+    state, one_by_one = None, []
+    for depth in x:
+        state, z = lagged_in_contact_step(state, depth, tau, 1.0)
+        one_by_one.append(z)
+    whole = lagged_in_contact(x, tau, 1.0)
+    assert np.allclose(whole, one_by_one, atol=1e-9 * max(np.abs(x).max(), 1e-3)) and not whole[x <= 0.0].any()
+    for a, b in zip(*touches(x > 0.0), strict=True):
+        if a > 0:
+            assert np.allclose(whole[a:b], lagged(np.append(0.0, x[a:b]), tau, 1.0)[1:], atol=1e-9 * max(np.abs(x).max(), 1e-3))
+
+
+def touches(mask):
+    edges = np.diff(np.concatenate([[0], mask.astype(int), [0]]))
+    return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)

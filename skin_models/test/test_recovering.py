@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from skin_models.dispersion import Dispersion
+from skin_models.effects.hysteresis import SkinHysteresis
 from skin_models.materials import material, names
 from skin_models.model import Model
 from skin_models.signals import Sample, motion
@@ -56,3 +57,16 @@ def test_branches_that_recover_alike_press_on_no_taxel():
     even = replace(SKINS[0], b1=100.0, k1=1000.0, b2=200.0, k2=2000.0)
     t, out = pulled_away(even)
     assert not out.taxels[:, t > LEFT_S + 2.0 * DT].any(where=out.force[t > LEFT_S + 2.0 * DT] == 0.0)
+
+
+@pytest.mark.parametrize("dispersion", SKINS, ids=names())
+def test_effects_that_would_pull_let_the_branches_hold_each_other(dispersion):
+    """An arm that relaxes makes a plunger which is still pressing, as the skin alone would say, let go: the taxel below feels no jump."""
+    t, (k, r) = np.arange(4000) * DT, (0.6 * (dispersion.k1 + dispersion.k2), 0.25e-3)
+    x = 1e-3 * np.clip(1.2 * np.sin(2.0 * np.pi * 0.5 * t), 0.0, None)
+    model = Model(replace(dispersion, m=0.0), effects=(SkinHysteresis("skin", k_sensed=0.5 * k, k_dispersed=0.5 * k, threshold=r),))
+    out = model.simulate(motion(t, x))
+    let_go = (x > 0.0) & (out.force == 0.0)
+    assert out.force.min() == 0.0 and out.taxels[0][let_go].any()
+    down = np.diff(out.taxels[0])[(x[1:] > 0.05e-3) & (np.diff(x) < 0.0)]
+    assert np.abs(down).max() < 0.1 * out.taxels[0].max()

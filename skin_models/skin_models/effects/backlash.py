@@ -31,7 +31,7 @@ class Backlash(Dynamic):
     places: ClassVar = {"rig": Place.DEPTH}
     source: ClassVar[str] = "Nordin and Gutman 2002"
 
-    gap: float = quantity("m", 0.0, lower=0.0, upper=5e-3, typical=0.1e-3, scan=(2e-6, 10e-6), doc="whole width of the gap")
+    gap: float = quantity("m", 0.0, lower=0.0, upper=5e-3, typical=0.1e-3, scan=(2e-6, 10e-6, 100e-6), doc="whole width of the gap")
 
     def initial(self, rng=None) -> None:
         """None: the first sample is taken as rest. From then on the state is the tip's depth, m."""

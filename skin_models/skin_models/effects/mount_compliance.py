@@ -28,7 +28,7 @@ import numpy as np
 from scipy.special import wrightomega
 
 from skin_models.effect import Dynamic, Memoryless, Place
-from skin_models.operators.lagging import in_part, lagged, lagged_step
+from skin_models.operators.lagging import in_part, lagged_in_contact, lagged_in_contact_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
@@ -94,13 +94,13 @@ class DampedMount(Dynamic):
         return None
 
     def step(self, state, y, s: Sample, dt: float):
-        """tip[n] = e tip[n-1] + (g - e) x[n-1] + (1 - g) x[n] with x not below 0; e and g as in `lag`, for T."""
-        state, tip = lagged_step(state, np.maximum(y, 0.0), self.late, dt)
+        """tip[n] = e tip[n-1] + (g - e) x[n-1] + (1 - g) x[n] in contact, 0 in the air; e and g as in `lag`, for T."""
+        state, tip = lagged_in_contact_step(state, y, self.late, dt)
         return state, self._tip(tip, y)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """The same recursion as a filter, at rest at x[0]."""
-        return self._tip(lagged(np.maximum(y, 0.0), self.late, s.dt), y)
+        """The same recursion over the whole recording, at rest at x[0]."""
+        return self._tip(lagged_in_contact(y, self.late, s.dt), y)
 
     def _tip(self, tip, y):
         return np.where(y > 0.0, tip, y)[()] if self.late else y
@@ -125,13 +125,13 @@ class YieldingMount(Dynamic):
         return None
 
     def step(self, state, y, s: Sample, dt: float):
-        """z[n] = e z[n-1] + (g - e) x[n-1] + (1 - g) x[n] with x not below 0; e and g as in `lag`, for T."""
-        state, z = lagged_step(state, np.maximum(y, 0.0), self.settling, dt)
+        """z[n] = e z[n-1] + (g - e) x[n-1] + (1 - g) x[n] in contact, 0 in the air; e and g as in `lag`, for T."""
+        state, z = lagged_in_contact_step(state, y, self.settling, dt)
         return state, self._tip(z, y)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """The same recursion as a filter, at rest at x[0]."""
-        return self._tip(lagged(np.maximum(y, 0.0), self.settling, s.dt), y)
+        """The same recursion over the whole recording, at rest at x[0]."""
+        return self._tip(lagged_in_contact(y, self.settling, s.dt), y)
 
     def _tip(self, z, y):
         return np.where(y > 0.0, in_part(y, z, self.late, self.settling), y)[()] if self.late else y

@@ -38,6 +38,22 @@ def _next(z: Any, last: Any, y: Any, e: Any, g: Any) -> Any:
     return e * z + (g - e) * last + (1.0 - g) * y
 
 
+def lagged_in_contact(x: np.ndarray, tau: float, dt: float) -> np.ndarray:
+    """z (N,) of a depth x that lags where it is positive; in the air z is 0, and begins from there again at the next contact."""
+    e, _ = lag_factors(tau, dt)
+    z = lagged(np.maximum(x, 0.0), tau, dt)
+    n = np.arange(x.size)
+    air = np.maximum.accumulate(np.where(x <= 0.0, n, -1))  # the last sample in the air, by which z would have fallen to z[air] only
+    return z - np.where(air >= 0, e ** (n - air) * z[air], 0.0)
+
+
+def lagged_in_contact_step(state: tuple | None, x: Any, tau: float, dt: float) -> tuple[tuple, Any]:
+    """One sample of the same: state and z as in `lagged_step`."""
+    (z, last), _ = lagged_step(state, np.maximum(x, 0.0), tau, dt)
+    z = np.where(np.asarray(x) > 0.0, z, 0.0)[()]
+    return (z, last), z
+
+
 def lagged_either_way(y: np.ndarray, up: float, down: float, dt: float) -> np.ndarray:
     """z (..., N) of y, at rest at y[..., 0], with one time constant while y is above z and another one elsewhere."""
     rising, falling = lag_factors(up, dt), lag_factors(down, dt)
