@@ -37,11 +37,11 @@ from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, motion_under, with_reference
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
-from skin_ident.criticism.telemetry.lines import remains
 from skin_ident.criticism.telemetry.noise_level import find_noise
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import depth_resolution, find_buried
+from skin_ident.criticism.telemetry.remaining import remains
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import Experiments, as_findings
 from skin_ident.criticism.telling.judging import judge
@@ -206,8 +206,8 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
         *find_noise(recordings, channels, rest, calm, [stiffness(model, c) for c in channels]),
     ]
-    dts = [r.dt for r in recordings]
-    told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, channels, rest, dts)]
+    names, dts = [s.name for s in sessions], [r.dt for r in recordings]
+    told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, names, channels, rest, dts, model)]
     return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]
 
 

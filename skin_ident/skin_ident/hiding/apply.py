@@ -33,10 +33,17 @@ def changed(effect: Effect, recording: Recording, session: Session, model: Model
     if effect.place is Place.TAXEL:
         return replace(recording, taxels=effect.batch(recording.taxels, session.motion, rng))
     difference = simulated(model.extended(effect), session) - simulated(model, session)
+    pulls = effect.place not in (Place.DEPTH, Place.SKIN)
     if "force" not in session.channels:
-        return replace(recording, taxels=recording.taxels + difference)
-    taxels = recording.taxels + difference[1:] if len(recording.taxels) else recording.taxels
-    return replace(recording, force=recording.force + difference[0], taxels=taxels)
+        return replace(recording, taxels=_added(recording.taxels, difference, pulls))
+    taxels = _added(recording.taxels, difference[1:], pulls) if len(recording.taxels) else recording.taxels
+    return replace(recording, force=_added(recording.force, difference[0], pulls), taxels=taxels)
+
+
+def _added(y: np.ndarray, difference: np.ndarray, pulls: bool) -> np.ndarray:
+    """`y` and what the effect adds. One that `pulls` not leaves nothing where it takes more than there is: the skin that the model still
+    presses is left by then."""
+    return y + difference if pulls else np.maximum(y + difference, np.minimum(y, 0.0))
 
 
 def _converted(before: Recording, after: Recording) -> Recording:

@@ -13,7 +13,10 @@ from skin_models.parameter import AMPLITUDE, Parameter, parameters_of
 ANYTHING = "any"
 APART = {"time_shift": ("delay", "skew")}  # amplitudes of which only one is hidden at a time
 ARRAY = ("crosstalk",)  # causes that one taxel cannot show
-POSSIBLE = {("crosstalk", "share"): (0.0, 0.5)}  # where a fit may look beyond: what leaks adds, and the larger part stays where it is
+POSSIBLE = {  # where a fit may look beyond
+    ("crosstalk", "share"): (0.0, 0.5),  # what leaks adds, and the larger part stays where it is
+    ("mount_compliance", "late"): (0.0, 0.1),  # s, of skin that damps by 1 kN s/m on a mount that gives 0.1 mm under 1 N
+}
 KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that stay at their typical value
 
 

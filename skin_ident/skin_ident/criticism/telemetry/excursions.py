@@ -15,6 +15,7 @@ OWN = 0.6  # of a jump in the residual that must be in the measurement itself
 SLOPE = 0.35  # of a jump that the change beside it may be
 STILL = 0.5  # of a jump that the model itself may move by
 AROUND = 3  # samples of it: the model may place a contact wrongly by so many
+PUSHED, BESIDE = 0.35, 8  # of an excursion, which the model makes as well, and samples to either side of it: depth is smoothed, forces are not
 CLUSTER = 12  # samples between excursions of one burst
 MEMBERS = 3  # excursions that make a burst
 
@@ -26,13 +27,25 @@ def excursions(e: np.ndarray, y: np.ndarray, limit: float) -> np.ndarray:
     if not sharp.any():
         return np.zeros(e.size, bool)
     calm = maximum_filter1d(np.abs(dy - d), 2 * AROUND + 1) < STILL * np.abs(d)
-    return paired(e, d, np.flatnonzero(sharp & calm))
+    return _of_their_own(paired(e, d, np.flatnonzero(sharp & calm)), e, y - e)
 
 
 def _sudden(d: np.ndarray) -> np.ndarray:
     """Where a change (N-1,) is not part of a slope that takes two samples or more, as the push of a mass does."""
     padded = np.pad(d, 1)
     return np.maximum(padded[:-2] * np.sign(d), padded[2:] * np.sign(d)) < SLOPE * np.abs(d)
+
+
+def _of_their_own(mask: np.ndarray, e: np.ndarray, model: np.ndarray) -> np.ndarray:
+    """The mask without the excursions which the model makes as well, only lower: a plunger that hurries on by a step pushes for a sample."""
+    out = mask.copy()
+    for a, b in zip(*runs(mask), strict=True):
+        far = e[a] - e[a - 1]
+        m = model[max(a - BESIDE, 0) : b + BESIDE] * np.sign(far)
+        top = int(np.argmax(m))
+        if m[top] - max(m[: top + 1].min(), m[top:].min()) > PUSHED * abs(far):
+            out[a:b] = False
+    return out
 
 
 def paired(e: np.ndarray, d: np.ndarray, sharp: np.ndarray) -> np.ndarray:

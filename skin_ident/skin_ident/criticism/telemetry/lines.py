@@ -53,13 +53,12 @@ def find_interference(
     return found
 
 
-def remains(symptom: Symptom, channels: tuple[str, ...], rests: list[np.ndarray], dts: list[float]) -> bool:
-    """Whether a symptom's line is still in measured less simulated (C, N) N, sampled every `dts` s, of a model that knows more. What named
-    causes account for was brought by the motion. Other symptoms remain."""
-    if symptom.cause != "interference" or symptom.channels[0] not in channels or "amplitude" not in symptom.parameters:
+def is_left(symptom: Symptom, row: list[np.ndarray], dts: list[float]) -> bool:
+    """Whether a line is still in measured less simulated, e (N,) N for each session, sampled every `dts` s, of a model that knows more. What
+    named causes account for was brought by the motion."""
+    if "amplitude" not in symptom.parameters:
         return True
-    row, frequency = channels.index(symptom.channels[0]), symptom.parameters["frequency"]["value"]
-    left = [_amplitude(e[row], frequency, dt) for e, dt in zip(rests, dts, strict=True)]
+    left = [_amplitude(e, symptom.parameters["frequency"]["value"], dt) for e, dt in zip(row, dts, strict=True)]
     return float(np.median(left)) > LEFT * symptom.parameters["amplitude"]["value"]
 
 

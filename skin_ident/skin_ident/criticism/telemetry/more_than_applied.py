@@ -15,6 +15,7 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import FOLLOWS, declared_step, load_of, pressed
+from skin_models.model import Model
 
 KIND = "more than applied"
 MORE, SURE = 1.1, 3.0  # a ratio from which it is said, and standard errors above one
@@ -47,6 +48,13 @@ def find_more_than_applied(recordings: list, known: tuple[str, ...] = ()) -> lis
     asked = [i for i in range(len(first.taxels)) if f"taxel_{i}" not in known and in_newtons(recordings, i)]
     found = [(worst.value, i, worst) for i in asked if (worst := _worst([(r, _ratio(r, i)) for r in recordings]))]
     return [_symptom(recordings, *max(found)[1:])] if found else []
+
+
+def is_left(symptom: Symptom, model: Model) -> bool:
+    """Whether the taxel reads more than what is applied in a model that knows more, too: in one whose taxel drifts away, or whose load cell
+    bends under the load, the skin itself may lead less than all of it there."""
+    i = int(symptom.channels[-1].rpartition("_")[2])
+    return model.shares[i] * model.dispersion.sensed_share >= 1.0
 
 
 def in_newtons(recordings: list, i: int) -> bool:

@@ -4,10 +4,10 @@ A force stands still for a while whenever the plunger does: at a reversal with p
 simulation then runs ahead of it, its depth being smoothed. A frozen run misses a movement from its beginning on, and alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.stats import poisson
+from scipy.stats import binom, poisson
 
 from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
@@ -26,6 +26,8 @@ SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
 EARLY = 0.25  # of that change, which the first half of the run must have missed
 SEEN = 0.4  # of that change, which another channel must have seen by the end of the run if it can see it
 CLEAR = 3.0  # noise widths above which it can
+LEFT = 0.5  # of their size, that outliers still have under a model that knows more
+BOUNCING = 0.05  # chance below which it is none that excursions are at landings
 
 
 def find_outliers(
@@ -59,6 +61,14 @@ def find_outliers(
     return [s for s in found if s is not None]
 
 
+def are_left(symptom: Symptom, names: list[str], row: list[np.ndarray]) -> bool:
+    """Whether samples that were found to be outliers lie as far from those around them in what a model leaves that knows more, e (N,) for
+    each session by name, as they did: with a depth that gives way a landing is no jump away and back."""
+    masks = [symptom.bad.get((name, symptom.channels[0]), np.zeros(e.size, bool)) for name, e in zip(names, row, strict=True)]
+    wrong = np.concatenate([_away(e, m) for e, m in zip(row, masks, strict=True)])
+    return wrong.size == 0 or _rms(wrong) > LEFT * symptom.parameters["size"]["value"]
+
+
 def _of_channel(
     e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray], step: float
 ) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
@@ -77,7 +87,16 @@ def _of_channel(
     idle = float(values[np.argmax(counts)])
     resting = [j | (np.abs(b - idle) < limit) for b, j in zip(y, jumps, strict=True)]
     still = [_frozen(b, a, limit, step, rest) for a, b, rest in zip(e, y, resting, strict=True)]
-    return away, still, [unlikely_runs(b, a, step, rest) for a, b, rest in zip(e, y, resting, strict=True)]
+    return _between_landings(away, jumps), still, [unlikely_runs(b, a, step, rest) for a, b, rest in zip(e, y, resting, strict=True)]
+
+
+def _between_landings(away: list[np.ndarray], jumps: list[np.ndarray]) -> list[np.ndarray]:
+    """The excursions, without those at landings where more of them are than chance would put there: a plunger that lands may bounce."""
+    share = float(np.concatenate(jumps).mean())
+    at = np.concatenate([j[runs(a)[0]] for a, j in zip(away, jumps, strict=True)])
+    if binom.sf(at.sum() - 1, at.size, share) > BOUNCING:
+        return away
+    return [_without(a, lambda b, _, j=j: j[b]) for a, j in zip(away, jumps, strict=True)]
 
 
 def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np.ndarray] | None:
@@ -118,9 +137,14 @@ def _startled(e: np.ndarray) -> np.ndarray:
 
 def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
     """The frozen runs that no other channel shares: what stands still, or jumps at the end, in several is the plunger or the skin."""
-    out = still.copy()
-    for a, b in zip(*runs(still), strict=True):
-        if any(o[a : b + 2].any() for o in others):
+    return _without(still, lambda a, b: any(o[a : b + 2].any() for o in others))
+
+
+def _without(mask: np.ndarray, dropped: Callable[[int, int], bool]) -> np.ndarray:
+    """The mask without the runs a..b (exclusive) that are `dropped`."""
+    out = mask.copy()
+    for a, b in zip(*runs(mask), strict=True):
+        if dropped(a, b):
             out[a:b] = False
     return out
 
@@ -166,6 +190,10 @@ def _away(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
     return e[mask] - np.interp(np.flatnonzero(mask), good, e[good])
 
 
+def _rms(e: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(e**2)))
+
+
 def _symptom(
     names: list[str], channel: str, away: list[np.ndarray], still: list[np.ndarray], e: list[np.ndarray], n_taxels: int, dt: float
 ) -> Symptom | None:
@@ -180,5 +208,5 @@ def _symptom(
     belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
     why = f"{belong}, up to {largest:.3g} N from where the samples around them lead"
     bad = {(name, channel): m for name, m in zip(names, masks, strict=True) if m.any()}
-    parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(np.sqrt(np.mean(wrong**2)), "N")}
+    parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(_rms(wrong), "N")}
     return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, {"why": why, "count": count, "excursions": ran}, bad)

@@ -1,0 +1,24 @@
+"""Which symptoms are still there once the causes that were named have had their say.
+
+Telemetry looks at what a first fit leaves. A large effect leaves much, and some of it looks like a fault of the record: what the extended
+model accounts for was none.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.telemetry import lines, more_than_applied, outliers
+from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_models.model import Model
+
+
+def remains(symptom: Symptom, names: list[str], channels: tuple[str, ...], rests: list[np.ndarray], dts: list[float], model: Model) -> bool:
+    """Whether a symptom is still there in measured less simulated (C, N) N of each session by name, sampled every `dts` s, under the
+    extended `model`. Symptoms that no model could account for remain."""
+    if symptom.evidence.get("kind") == more_than_applied.KIND:
+        return more_than_applied.is_left(symptom, model)
+    if symptom.channels[0] not in channels:
+        return True
+    row = [e[channels.index(symptom.channels[0])] for e in rests]
+    if symptom.cause == "interference":
+        return lines.is_left(symptom, row, dts)
+    return symptom.cause != "outliers" or outliers.are_left(symptom, names, row)

@@ -1,0 +1,48 @@
+"""Effects many times as large as the noise: named alone, though a first fit leaves much that looks like faults of the record."""
+
+import numpy as np
+import pytest
+
+from skin_ident.criticism.telemetry.excursions import excursions
+from skin_ident.criticism.telemetry.outliers import find_outliers
+from skin_ident.hiding.campaign import Case, result
+
+LARGE = [
+    ("backlash", 30.0), ("backlash", 5.0), ("stress_relaxation", 30.0), ("rate_dependence", 5.0), ("nonlinear_stiffness", 5.0),
+    ("mount_compliance", 5.0), ("drift", 30.0), ("saturation", 30.0), ("friction", 20.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("cause", "size"), LARGE)
+def test_a_large_effect_is_named_alone(cause, size):
+    r = result(Case(cause, size, 0))
+    assert r["named"] == [(cause, r["where"])] and r["verdict"] == "explained"
+    assert r["over_oracle"] is None or r["over_oracle"] < 1.1
+
+
+def noisy(seed=0, n=4000):
+    return 0.02 * np.random.default_rng(seed).standard_normal(n)
+
+
+def found(wrong, model, jumps):
+    e = noisy() + wrong
+    return find_outliers(["a"], ("force",), [e[None]], [(model + e)[None]], [jumps], 0, 0.01)
+
+
+def test_a_push_that_the_model_smooths_is_no_excursion():
+    """A plunger that hurries on by 50 µm between two samples pushes for that time; of a smoothed depth it pushes less, and for longer."""
+    model, push = np.zeros(4000), np.zeros(4000)
+    model[1998:2003] += [0.4, 0.8, 1.0, 0.8, 0.4]
+    push[2000] += 2.0
+    assert not excursions(push + noisy(), model + push + noisy(), 0.5).any()
+    assert excursions(push + noisy(), push + noisy(), 0.5).any()
+
+
+@pytest.mark.parametrize("at_landings", [True, False])
+def test_jumps_at_landings_alone_are_no_outliers(at_landings):
+    jumps = np.zeros(4000, bool)
+    for a in range(200, 4000, 400):
+        jumps[a : a + 20] = True
+    wrong = np.zeros(4000)
+    wrong[(210 if at_landings else 310) : 4000 : 400] = 3.0
+    assert bool(found(wrong, np.zeros(4000), jumps)) is not at_landings
