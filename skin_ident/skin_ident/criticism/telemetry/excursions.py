@@ -15,7 +15,7 @@ OWN = 0.6  # of a jump in the residual that must be in the measurement itself
 SLOPE = 0.35  # of a jump that the change beside it may be
 STILL = 0.5  # of a jump that the model itself may move by
 AROUND = 3  # samples of it: the model may place a contact wrongly by so many
-PUSHED, BESIDE = 0.35, 8  # of an excursion, which the model makes as well, and samples to either side of it: depth is smoothed, forces are not
+PUSHED, BESIDE = 0.35, 8  # of an excursion, that the model makes as well, and samples beside it: depth is smoothed, forces are not
 CLUSTER = 12  # samples between excursions of one burst
 MEMBERS = 3  # excursions that make a burst
 
@@ -37,7 +37,7 @@ def _sudden(d: np.ndarray) -> np.ndarray:
 
 
 def _of_their_own(mask: np.ndarray, e: np.ndarray, model: np.ndarray) -> np.ndarray:
-    """The mask without the excursions which the model makes as well, only lower: a plunger that hurries on by a step pushes for a sample."""
+    """The mask without excursions that the model makes as well, only lower: a plunger that hurries on by a step pushes for a sample."""
     out = mask.copy()
     for a, b in zip(*runs(mask), strict=True):
         far = e[a] - e[a - 1]

@@ -54,8 +54,8 @@ def find_interference(
 
 
 def is_left(symptom: Symptom, row: list[np.ndarray], dts: list[float]) -> bool:
-    """Whether a line is still in measured less simulated, e (N,) N for each session, sampled every `dts` s, of a model that knows more. What
-    named causes account for was brought by the motion."""
+    """Whether a line is still in what a model leaves that knows more, e (N,) N for each session, sampled every `dts` s. What named causes
+    account for was brought by the motion."""
     if "amplitude" not in symptom.parameters:
         return True
     left = [_amplitude(e, symptom.parameters["frequency"]["value"], dt) for e, dt in zip(row, dts, strict=True)]
