@@ -31,7 +31,8 @@ def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: l
     """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
     every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
     own = len(tangents[0])
-    first, words = _pass(residuals, every, own, white(residuals, order_for([s.weight for s in sessions])), sessions)
+    weights = [s.weight for s in sessions]
+    first, words = _pass(residuals, every, own, white(residuals, order_for(weights), weights), sessions)
     again, fewer = _pass(residuals, every, own, first, sessions)
     return first if len(sessions) > 1 and words < fewer + AS_FEW else again
 

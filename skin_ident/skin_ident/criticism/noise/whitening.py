@@ -155,12 +155,15 @@ def order_for(weights: list[np.ndarray]) -> int:
     return next((order for order in ORDERS if enough(order)), 0)
 
 
-def white(residuals: list[np.ndarray], order: int = ORDERS[0]) -> Whitener:
-    """White noise, independent in each channel, of the size that neighbouring samples of the residuals differ by."""
+def white(residuals: list[np.ndarray], order: int = ORDERS[0], weights: list[np.ndarray] | None = None) -> Whitener:
+    """White noise, independent in each channel, of the size that neighbouring samples of the residuals (C, n) differ by: of those that are
+    believed, where `weights` (C, n) are given."""
     steps = np.concatenate([np.diff(e, axis=1) for e in residuals], axis=1)
-    size = np.maximum(np.sqrt(np.mean(steps**2, axis=1) / 2.0), 1e-12)
+    known = np.concatenate([w[:, 1:] * w[:, :-1] > 0.0 for w in weights], axis=1) if weights else np.ones(steps.shape, bool)
+    size = np.sqrt((steps**2 * known).sum(axis=1) / np.maximum(2.0 * known.sum(axis=1), 1.0))
     n = size.size
-    return Whitener(np.eye(n), np.eye(1, order + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), np.diag(size), Growth.none(n))
+    root = np.diag(np.maximum(size, 1e-12))
+    return Whitener(np.eye(n), np.eye(1, order + 1).repeat(n, axis=0), np.zeros((n, MEMORIES.size)), root, Growth.none(n))
 
 
 def _predictor(rows: list[np.ndarray], weights: list[np.ndarray], order: int, unseen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
