@@ -7,7 +7,7 @@ from test_gates import DEPTH, PLAIN, recorded
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.courses.tare import zeros
+from skin_ident.criticism.courses.tare import added_by, zeros
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.sessions.session import prepare
@@ -30,9 +30,24 @@ def test_zeros_within_a_step_are_found():
     whole = [prepare(r) for r in sessions()]
     noise = fit_whitener([residual(PLAIN, s) for s in whole], whole)
     found, fall = zeros(PLAIN, whole, noise, free=False)
-    assert fall > 30.0 and np.allclose([found[s.name] for s in whole], OFF, atol=0.004)
+    assert fall > 30.0 and np.allclose(shifts(found, whole), OFF, atol=0.004)
     beside, less = zeros(fit(PLAIN, whole, noise).model, whole, noise, free=True)
-    assert 30.0 < less <= fall and all(np.all(np.abs(z) <= 1.05 * STEP) for z in beside.values())
+    assert 30.0 < less <= fall and all(np.all(np.abs(z[:-1]) <= 1.05 * STEP) for z in beside.values())
+
+
+def test_zeros_of_depth_within_a_step_of_the_encoder_are_found():
+    off = np.array([4e-6, -3e-6, 2e-6])
+    whole = [prepare(replace(r, depth=r.depth + x)) for r, x in zip(sessions(scale=0.0), off, strict=True)]
+    noise = fit_whitener([residual(PLAIN, s) for s in whole], whole)
+    found, fall = zeros(PLAIN, whole, noise, encoder_step=5e-6, free=False)
+    k = PLAIN.dispersion
+    assert fall > 30.0 and np.allclose(shifts(found, whole), -np.outer(off, [k.k1 + k.k2, k.k1]), atol=0.006)
+
+
+def shifts(found, whole):
+    """By how much zeros move the channels of each session, N on average."""
+    moved = added_by(found, PLAIN, whole)
+    return [moved[s.name].mean(axis=1) for s in whole]
 
 
 def test_larger_zeros_are_no_tare():

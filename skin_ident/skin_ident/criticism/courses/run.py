@@ -14,6 +14,11 @@ LEAST = 30.0  # likelihood gain: what a few free moments find in any noise
 Moments = dict[str, np.ndarray]  # s, by session
 
 
+def least_depth(encoder_step: float) -> float:
+    """How far off a good stage is at rest, or how finely its encoder tells, m."""
+    return max(AT_REST, encoder_step)
+
+
 @dataclass(frozen=True)
 class Run:
     """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
@@ -38,7 +43,7 @@ class Run:
 
     def least(self, encoder_step: float) -> float:
         """What a good stage does at rest, or its encoder cannot tell, or a good clock does, in the unit of the amplitudes."""
-        return {DEPTH: max(AT_REST, encoder_step), DELAY: SLIP * self.period}.get(self.course.carrier, 0.0)
+        return {DEPTH: least_depth(encoder_step), DELAY: SLIP * self.period}.get(self.course.carrier, 0.0)
 
     @property
     def of_the_tare(self) -> bool:

@@ -1,20 +1,23 @@
-"""Zeros as a tare leaves them: a reading in steps sets each channel's zero, in each session, no better than to one of them.
+"""Zeros as good hardware leaves them: a reading in steps sets each channel's zero, in each session, no better than to one of them, and a
+stage, or its encoder, the zero of depth no better than to a few micrometres.
 
 All of them together feign what no single one does: under a load that never ends a slope that differs between sessions, under one motion
 that is repeated a loop. So they are fitted at once,
 
     min |r - A z|,
 
-where r is the whitened residual and A the whitened zeros, both less what the model may change by itself. They are a tare's as long as they
-explain as much with |z| at most a step of the converter each.
+where r is the whitened residual and A what zeros change, whitened, both less what the model may change by itself. They are a tare's as long
+as they explain as much with |z| at most a step of the converter, or what a good stage does, each.
 """
 
 import numpy as np
 from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 
-from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.residual import residual, simulated
+from skin_ident.criticism.courses.carriers import DEPTH, carried
 from skin_ident.criticism.courses.course import basis
+from skin_ident.criticism.courses.run import least_depth
 from skin_ident.criticism.gates.resolution import converter_step
 from skin_ident.criticism.gates.uncertain import own_rows
 from skin_ident.criticism.noise.whitening import Whitener, stack
@@ -22,32 +25,46 @@ from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 BOUND = 10.0  # fall of the squared whitened error, by which larger zeros may explain more
+EVENLY = 0.5  # standard errors that a zero of a whole step is worth: under a load that never ends a zero of depth is one of the force
 
-Zeros = dict[str, np.ndarray]  # N, (C,) by session
+Zeros = dict[str, np.ndarray]  # by session, of every channel, N, and of depth, m: (C + 1,)
 
 
-def zeros(model: Model, sessions: list[Session], noise: Whitener, *, free: bool) -> tuple[Zeros, float]:
-    """What tares may have left of every channel's zero in `sessions`, and the fall of the squared whitened error with it, beside the
-    model's own numbers where they are `free`; nothing, where they do not leave so much."""
-    channels = sessions[0].channels
-    steps = np.tile([0.0 if c in sessions[0].stuck else converter_step(sessions, c) for c in channels], len(sessions))
+def zeros(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0, *, free: bool) -> tuple[Zeros, float]:
+    """What tares may have left of every channel's zero and of depth's in `sessions`, and the fall of the squared whitened error with it,
+    beside the model's own numbers where they are `free`; nothing, where they do not leave so much."""
+    steps = np.tile(_steps(sessions, encoder_step), len(sessions))
     z, fall, able = np.zeros(steps.size), 0.0, steps > 0.0
     if able.any():
-        A = block_diag(*(stack([_of_each(s)], [s], noise) for s in sessions))[:, able]
+        A = block_diag(*(stack([s.band.thin(_of_each(model, s))], [s], noise) for s in sessions))[:, able] * steps[able]
         r = stack([residual(model, s) for s in sessions], sessions, noise)
         if free:
             Q = basis(stack(own_rows(model, sessions, sessions), sessions, noise))
             A, r = A - Q @ (Q.T @ A), r - Q @ (Q.T @ r)
         span, triangle = np.linalg.qr(A)
         seen = span.T @ r
-        bounded = lsq_linear(triangle, seen, (-steps[able], steps[able])).x
+        evenly = np.concatenate([triangle, EVENLY * np.eye(len(triangle))]), np.concatenate([seen, np.zeros(len(triangle))])
+        bounded = lsq_linear(*evenly, (-1.0, 1.0)).x
         beyond = float(np.sum((seen - triangle @ bounded) ** 2))  # what larger ones explain
         if beyond < BOUND:
-            z[able], fall = bounded, float(seen @ seen) - beyond
+            z[able], fall = bounded * steps[able], float(seen @ seen) - beyond
     return dict(zip((s.name for s in sessions), z.reshape(len(sessions), -1), strict=True)), fall
 
 
-def _of_each(s: Session) -> np.ndarray:
-    """A zero of one in every channel in turn, (C, C, n)."""
-    one = np.eye(len(s.channels))[..., None] * np.ones(s.motion.t.size)
-    return s.band.thin(one)
+def added_by(found: Zeros, model: Model, sessions: list[Session]) -> dict[str, np.ndarray]:
+    """What zeros that were found add to what a model says of each session, (C, N) N."""
+    return {s.name: np.tensordot(found[s.name], _of_each(model, s), 1) for s in sessions}
+
+
+def _steps(sessions: list[Session], encoder_step: float) -> list[float]:
+    """The largest zero of every channel, N, and of depth, m; 0 where there is none."""
+    first = sessions[0]
+    channels = [0.0 if c in first.stuck else converter_step(sessions, c) for c in first.channels]
+    return [*channels, least_depth(encoder_step) if first.drive is None else 0.0]
+
+
+def _of_each(model: Model, s: Session) -> np.ndarray:
+    """What a zero of one in every channel in turn, and in depth, changes, (C + 1, C, N)."""
+    channels = np.eye(len(s.channels))[..., None] * np.ones(s.motion.t.size)
+    depth = carried(DEPTH, (), model, s, simulated(model, s)) if s.drive is None else np.zeros(channels.shape[1:])
+    return np.concatenate([channels, depth[None]])

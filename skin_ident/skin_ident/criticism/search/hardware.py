@@ -3,7 +3,7 @@
 import numpy as np
 
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH
-from skin_ident.criticism.courses.run import AT_REST, Run
+from skin_ident.criticism.courses.run import AT_REST, Run, least_depth
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.search.growing import instances
@@ -15,7 +15,7 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 FINER = "an encoder, and converters, with finer steps and less noise"
 TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
-KINDS = {DEPTH: ("the zero of depth", 1e6, "µm"), DELAY: ("the delay", 1e3, "ms")}
+KINDS = {DELAY: ("the delay", 1e3, "ms")}
 
 
 def converter_does(cause: str, gain: Gain, train: list[Session]) -> Seen | None:
@@ -64,10 +64,17 @@ def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Se
 
 def stage_does(run: Run, encoder_step: float) -> Seen:
     """Why what sessions have of their own is no finding, where it is less than a good stage or clock does, or an encoder tells."""
+    if run.course.carrier == DEPTH:
+        return zeros_do(run.largest, encoder_step)
     what, scale, unit = KINDS[run.course.carrier]
     found, least = (f"{scale * x:.3g} {unit}" for x in (run.largest, run.least(encoder_step)))
-    why = f"within single sessions {what} would step by {found}"
-    if run.course.carrier == DEPTH and encoder_step >= AT_REST:
+    return Seen(np.inf, f"within single sessions {what} would step by {found}, and good hardware does up to {least} by itself")
+
+
+def zeros_do(largest: float, encoder_step: float) -> Seen:
+    """Why zeros of depth that sessions have of their own, the `largest` of them in m, are no finding, where stage or encoder do as much."""
+    why, least = f"within single sessions the zero of depth would step by {_micrometres(largest)}", _micrometres(least_depth(encoder_step))
+    if encoder_step >= AT_REST:
         return Seen(np.inf, f"{why}, but the encoder reads no finer than {least}", FINER)
     return Seen(np.inf, f"{why}, and good hardware does up to {least} by itself")
 
