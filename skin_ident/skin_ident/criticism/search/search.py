@@ -30,7 +30,17 @@ from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import hanging, heaviest_of, held_again, lighter, settles, tells_more, weighed, with_mass
+from skin_ident.criticism.search.weighing import (
+    counts_beside,
+    hanging,
+    heaviest_of,
+    held_again,
+    lighter,
+    settles,
+    tells_more,
+    weighed,
+    with_mass,
+)
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -91,7 +101,8 @@ class Search:
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
             less = free is not None and lighter(self.present.model, free.model)
-            if free and (tells_more(free, self.present, best) or (less and not self.declared) or settles(self, free, best)):
+            light = less and not self.declared and counts_beside(free, self.present, best)
+            if free and (tells_more(free, self.present, best) or light or settles(self, free, best)):
                 self._weigh(free)
                 continue
             own, shared = self.choose(trials, runs)
@@ -116,14 +127,16 @@ class Search:
                 return
 
     def _weigh(self, free: Fit) -> None:
-        """Take the fit with another mass: from now on it is fitted, and what has been named without it must be found again."""
+        """Take the fit with another mass: from now on it is fitted, and what has been named without it must be found again, unless it is
+        no more than what was assumed of the skin's own."""
         self.progress("fitting the mass, too")
-        heaviest = heaviest_of(self.present.model, free.model)
+        heaviest, kept = heaviest_of(self.present.model, free.model), lighter(self.present.model, free.model) and not self.declared
         self.train, self.held = weighed(self.train, heaviest), weighed(self.held, heaviest)
         self.hanging = hanging(self.present.model, free.model)
-        self.present = fit(replace(free.model, effects=self.hanging), self.train, self.noise)
+        self.present = fit(free.model if kept else replace(free.model, effects=self.hanging), self.train, self.noise)
         self.present = fit(self.present.model, self.train, self.survey().noise)  # that of the other mass was the noise of a wrong model
-        self.named, self.befores, self.wandering = [n for n in self.named if n.courses], {}, 0.0
+        if not kept:
+            self.named, self.befores, self.wandering = [n for n in self.named if n.courses], {}, 0.0
         self.most = len(self.rounds) + MOST_FINDINGS
 
     def unweigh(self) -> None:

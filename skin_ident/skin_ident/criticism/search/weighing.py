@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
+COUNTS = 0.25  # of what the best of all causes explains, below which such a mass waits,
 HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
 
 
@@ -67,6 +68,12 @@ def tells_more(free: Fit, present: Fit, best: float) -> bool:
     if lighter(present.model, free.model):
         return _gained(present, free) > reach(best)
     return free.model.dispersion.m > present.model.dispersion.m and reach(_gained(present, free)) > best
+
+
+def counts_beside(free: Fit, present: Fit, best: float) -> bool:
+    """Whether the `free` mass explains enough to matter beside the `best` of all causes: while newtons are unexplained, millinewtons of
+    weight can wait."""
+    return _gained(present, free) > COUNTS * best
 
 
 def settles(search: "Search", free: Fit, best: float) -> bool:
