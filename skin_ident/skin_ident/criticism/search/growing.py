@@ -20,6 +20,7 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
 MOST = 3  # instances of one cause at one place
+LARGE = 1.0  # times what all noise is worth, from which an effect is large
 AT_SHAPE = 3  # iterations
 PROMISED = 0.5  # of what the ranking promised
 EXCEEDED, FARTHER = 3.0, 2.0  # times that, and times the amount that was found then
@@ -55,6 +56,21 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
 
 
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
+    """Of a large effect, in the best of its forms: small amounts, which were ranked, do not tell them apart."""
+    if ranked.gain < LARGE * present.count:
+        return _in_form(present, ranked, sessions, noise)
+    return min((_in_form(present, r, sessions, noise) for r in _forms(ranked)), key=lambda f: f.cost)
+
+
+def _forms(ranked: Ranked) -> list[Ranked]:
+    """The cause as ranked, and begun at the largest amount of every other form that explains it together with the best."""
+    found = {type(ranked.best.effect): ranked}
+    for d, z in sorted(zip(ranked.used, ranked.amounts, strict=True), key=lambda used: -abs(used[1])):
+        found.setdefault(type(d.effect), replace(ranked, best=d, best_amount=float(z)))
+    return [*found.values()]
+
+
+def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
     """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
     own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little.
     Where little of what the ranking promised is kept, from little, too: beside a delay damping is far off, and tells too large a one; from

@@ -30,17 +30,7 @@ from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import (
-    counts_beside,
-    hanging,
-    heaviest_of,
-    held_again,
-    lighter,
-    settles,
-    tells_more,
-    weighed,
-    with_mass,
-)
+from skin_ident.criticism.search.weighing import counts_beside, held_again, lighter, settles, tells_more, weigh, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -83,7 +73,7 @@ class Search:
         self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
         self.tared: dict[tuple[str, str], Seen] = {}  # zeros of sessions that were taken into the baseline
         self.doubts: dict[tuple[str, str], Seen] = {}  # what training speaks for, and others leave in doubt
-        self.most = MOST_FINDINGS  # rounds
+        self.most = MOST_FINDINGS  # rounds, and that many more where the mass is weighed
         self.refused = 0.0  # what the best cause would explain that was not believed in the last round
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
@@ -103,7 +93,7 @@ class Search:
             less = free is not None and lighter(self.present.model, free.model)
             light = less and not self.declared and counts_beside(free, self.present, best)
             if free and (tells_more(free, self.present, best) or light or settles(self, free, best)):
-                self._weigh(free)
+                weigh(self, free)
                 continue
             own, shared = self.choose(trials, runs)
             taken = own or shared
@@ -111,7 +101,7 @@ class Search:
                 continue
             alone = not taken and take_alone(self)
             if less and not (taken or alone or self.named):
-                self._weigh(free)
+                weigh(self, free)
                 continue
             pair = () if taken or self.named or self.usual else two_at_once(self, trials, runs)
             alone = alone or (not (taken or pair) and take_wave(self))
@@ -125,19 +115,6 @@ class Search:
                     self.accept(after, finding)
             elif not alone:
                 return
-
-    def _weigh(self, free: Fit) -> None:
-        """Take the fit with another mass: from now on it is fitted, and what has been named without it must be found again, unless it is
-        no more than what was assumed of the skin's own."""
-        self.progress("fitting the mass, too")
-        heaviest, kept = heaviest_of(self.present.model, free.model), lighter(self.present.model, free.model) and not self.declared
-        self.train, self.held = weighed(self.train, heaviest), weighed(self.held, heaviest)
-        self.hanging = hanging(self.present.model, free.model)
-        self.present = fit(free.model if kept else replace(free.model, effects=self.hanging), self.train, self.noise)
-        self.present = fit(self.present.model, self.train, self.survey().noise)  # that of the other mass was the noise of a wrong model
-        if not kept:
-            self.named, self.befores, self.wandering = [n for n in self.named if n.courses], {}, 0.0
-        self.most = len(self.rounds) + MOST_FINDINGS
 
     def unweigh(self) -> None:
         """Hold the mass again where that which was assumed does as well, now that causes are named."""

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
+MORE = 5  # rounds for what is named then
 COUNTS = 0.25  # of what the best of all causes explains, below which such a mass waits,
 HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
 
@@ -83,6 +84,22 @@ def settles(search: "Search", free: Fit, best: float) -> bool:
     ahead = search.ahead(free)
     ahead.train = weighed(search.train, heaviest_of(search.present.model, free.model))
     return ahead.look().ranked[0].score < search.least(free.count)
+
+
+def weigh(search: "Search", free: Fit) -> None:
+    """Take the fit with another mass: from now on it is fitted, and what has been named without it must be found again, unless it is no
+    more than what was assumed of the skin's own."""
+    search.progress("fitting the mass, too")
+    before, noise = search.present.model, search.noise
+    heaviest, kept = heaviest_of(before, free.model), lighter(before, free.model) and not search.declared
+    search.train, search.held = weighed(search.train, heaviest), weighed(search.held, heaviest)
+    search.hanging = hanging(before, free.model)
+    search.present = fit(free.model if kept else replace(free.model, effects=search.hanging), search.train, noise)
+    # That of the other mass was the noise of a wrong model.
+    search.present = fit(search.present.model, search.train, search.survey().noise)
+    if not kept:
+        search.named, search.befores, search.wandering = [n for n in search.named if n.courses], {}, 0.0
+    search.most = len(search.rounds) + MORE
 
 
 def _gained(present: Fit, free: Fit) -> float:
