@@ -46,3 +46,9 @@ def test_what_the_record_itself_has_shown_goes_first():
     ranked = [cause("a", 100.0), cause("b", 50.0), cause("shown", 40.0)]
     assert listed(ranked, suspected={"shown"})[0] == "shown"
     assert listed([*ranked[:2], cause("shown", 20.0)], suspected={"shown"})[0] == "a"
+
+
+def test_of_causes_that_explain_as_much_the_commoner_goes_first():
+    ranked = [cause("mount_compliance", 595.0), cause("nonlinear_stiffness", 594.0)]
+    assert listed(ranked)[0] == "nonlinear_stiffness"
+    assert listed([ranked[0], cause("nonlinear_stiffness", 580.0)])[0] == "mount_compliance"

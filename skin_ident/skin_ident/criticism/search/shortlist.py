@@ -6,8 +6,11 @@ from itertools import islice
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.trial import Trial, all_alike
+from skin_ident.criticism.vocabulary import CAUSES
 
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
+TIED = 4.0  # twice nats: a ratio of likelihoods of seven
+ORDER = {cause.name: i for i, cause in enumerate(CAUSES)}
 WITHIN = 0.35  # of the best score: further down, no refit makes up for it
 
 Key = tuple[str, str]
@@ -16,17 +19,26 @@ Key = tuple[str, str]
 def shortlisted(
     ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], suspected: set[Key]
 ) -> list[Trial]:
-    """The most promising causes as `tried`, which leaves out what physics rules out; the best first. One that is `known` already is tried
-    wherever it ranks, and goes before rivals it equals, all taxels alike before one of them, and one that is `suspected`, for the record
-    itself has shown it, before all that explain little more."""
+    """The most promising causes as `tried`, which leaves out what physics rules out; the best first, and of equals the commoner. One that
+    is `known` already is tried wherever it ranks, and goes before rivals it equals, all taxels alike before one of them, and one that is
+    `suspected`, for the record itself has shown it, before all that explain little more."""
     shown = [r for r in ranked if r.key in suspected - known and r.score > 0.0]
     others = [r for r in ranked if r.score > 0.0 and r not in shown]
     trials = [*tried(shown), *_best(others, tried, known)]
     enough = WITHIN * max((t.score for t in trials), default=0.0)
     trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
+    trials = _commoner_first(trials)
     again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
     first = again[:1] or all_alike(trials)
     return first + [t for t in trials if t not in first]
+
+
+def _commoner_first(trials: list[Trial]) -> list[Trial]:
+    """Of causes that explain as much as the best to within what nobody would bet on, that which comes first in the vocabulary: skins are
+    nonlinear more often than joints are loose."""
+    tied = [t for t in trials if t.score > trials[0].score - TIED]
+    first = min(tied, key=lambda t: ORDER.get(t.key[0], len(ORDER)), default=None)
+    return trials if first is None else [first, *(t for t in trials if t is not first)]
 
 
 def _best(ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key]) -> list[Trial]:
