@@ -125,3 +125,28 @@ def test_one_that_dies_while_the_plunger_rests_is_dead_from_then_on(tmp_path, se
 @pytest.mark.parametrize("seed", range(6))
 def test_sound_ones_under_a_plunger_that_rests_are_alive(tmp_path, seed):
     assert named(tmp_path, make_sessions("null", seed=seed, n_sessions=3, n_taxels=2, protocol="holds_only")[0]) == ()
+
+
+def faded(sessions, taxel, others=None):
+    """The taxel fades through the first session and holds zero throughout the second; there others read so many times as much."""
+    out = []
+    for k, s in enumerate(sessions):
+        taxels = s.taxels.copy()
+        if k and others is not None:
+            taxels *= others
+        n = len(taxels)
+        taxels[:, taxel] *= 0.0 if k else np.clip(1.0 - (np.arange(n) / n - 0.4) / 0.3, 0.0, 1.0)
+        out.append(replace(s, taxels=taxels))
+    return out
+
+
+def test_a_taxel_that_fades_and_then_holds_one_reading_throughout_a_session_is_dead(tmp_path):
+    (symptom,) = named(tmp_path, faded(three("row_5mm"), 0))
+    assert (symptom.cause, symptom.where, symptom.evidence["kind"]) == ("dead_taxel", "taxel_0", "dies")
+    shares = sorted(float(m.mean()) for m in symptom.bad.values())
+    assert shares[1] == 1.0 and 0.3 < shares[0] < 0.65
+
+
+def test_a_taxel_that_holds_one_reading_where_others_feel_another_place_is_not(tmp_path):
+    elsewhere = faded(three("row_5mm"), 0, others=np.array([1.0, 3.0, 0.2]))
+    assert not [s for s in named(tmp_path, elsewhere) if s.cause == "dead_taxel"]

@@ -17,6 +17,9 @@ ALIVE = 0.3  # of the usual slope in a piece
 GONE = 0.03
 SURE = 0.8  # correlation in a piece in which it surely lives
 FEWEST = 4  # dead pieces in a row, to the end of the session, in which the load moved; or an eighth of a session that says as much
+PROMISED = 5.0  # steps of its converter that a taxel should have moved by, rms, if it is said to stand
+WHOLE = 0.8  # of the usual slope, while it does not fade yet
+ALIKE = 0.6  # of its slope in one session, which a taxel has in another at the same place
 MUCH = 0.5  # of the load's standard deviation
 
 
@@ -74,10 +77,58 @@ def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
             bad[r.name, name] = np.arange(len(r)) >= start
             when.append(start * r.dt)
     if not bad:
-        return []
+        return _standing(recordings, i, n)
     bad |= {(r.name, name): np.ones(len(r), bool) for r in recordings if np.ptp(r.taxels[i]) == 0.0}
     why = f"{name} follows the load up to {when[0]:.1f} s and not at all from there to the end, in {len(bad)} of {len(recordings)} sessions"
     return [_symptom(name, n, when[0], why, "dies", 0.0, bad)]
+
+
+def _standing(recordings: list, i: int, n: int) -> list[Symptom]:
+    """The taxel follows the load in some sessions, and holds one reading throughout others that press as hard at the same place."""
+    name = f"taxel_{i}"
+    living = [(r, usual) for r in recordings if (usual := _usual(r, i)) > 0.0]
+    still = [r for r in recordings if np.ptp(r.taxels[i]) == 0.0]
+    dead = [r for r in still if any(_would_move(r, i, other, usual) and _felt_alike(r, other, i) for other, usual in living)]
+    if not dead:
+        return []
+    level = float(dead[0].taxels[i][0])
+    bad = {(r.name, name): np.ones(len(r), bool) for r in dead}
+    fades = {r.name: _fading(r, i, usual) for r, usual in living if r.taxels[i][-1] == level}
+    bad |= {(r.name, name): np.arange(len(r)) >= fades[r.name] for r, _ in living if r.name in fades}
+    elsewhere = f"holds {level:.3g} N throughout {len(dead)} of {len(recordings)} sessions that press as hard at the same place"
+    since = min((fades[r.name] * r.dt for r, _ in living if r.name in fades), default=0.0)
+    return [_symptom(name, n, since, f"{name} follows the load in {living[0][0].name}, and {elsewhere}", "dies", level, bad)]
+
+
+def _usual(recording, i: int) -> float:
+    """The steepest slope with which a taxel surely follows the load in a piece of a session; 0 where it does not."""
+    load, row = _load(recording), recording.taxels[i]
+    if load is None:
+        return 0.0
+    pieces = np.array_split(np.arange(row.size), PIECES)
+    return max((_slope(load[p], row[p]) for p in pieces if _correlation(load[p], row[p]) > SURE), default=0.0)
+
+
+def _would_move(recording, i: int, other, usual: float) -> bool:
+    """Whether a taxel with the `usual` slope of the `other` session would have left its reading in this one."""
+    load, declared = _load(recording), recording.declared
+    if load is None or tuple(declared.contact_of(recording.name)) != tuple(other.declared.contact_of(other.name)):
+        return False
+    return usual * float(np.std(load)) > PROMISED * max(other.step(f"taxel_{i}") or 0.0, 1e-12)
+
+
+def _felt_alike(recording, other, i: int) -> bool:
+    """Whether all other taxels feel two sessions alike: a place that nobody declared may be another one."""
+    pairs = [[_usual(r, j) for r in (recording, other)] for j in range(len(recording.taxels)) if j != i]
+    return all(min(pair) >= ALIKE * max(pair) for pair in pairs) and (not pairs or np.max(pairs) > 0.0)
+
+
+def _fading(recording, i: int, usual: float) -> int:
+    """The sample from which on a taxel never follows the load by its usual slope again."""
+    load, row = _load(recording), recording.taxels[i]
+    pieces = np.array_split(np.arange(row.size), PIECES)
+    whole = [k for k, p in enumerate(pieces) if _slope(load[p], row[p]) > WHOLE * usual]
+    return int(pieces[whole[-1]][-1]) + 1 if whole else 0
 
 
 def _death(recording, row: np.ndarray) -> int | None:
