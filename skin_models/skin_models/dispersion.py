@@ -86,12 +86,13 @@ class Dispersion:
     def unpulled(self, forces: np.ndarray) -> np.ndarray:
         """Sensed and dispersed force (2,) or (2, N) of skin that cannot pull at the plunger: where they add up to less than nothing, its
         surface comes back as much slower as lets them hold each other, b1 of b1 + b2 of it on the sensed branch."""
-        pull = np.minimum(forces.sum(axis=0), 0.0)
-        if not np.any(pull):  # nearly always, and this runs for every single sample
+        total = forces[0] + forces[1]
+        pulls = total < 0.0
+        if not pulls.any():  # nearly always, and this runs for every single sample
             return forces
         share = min(max(self.b1 / (self.b1 + self.b2), 0.0), 1.0) if self.b1 + self.b2 > 0.0 else 0.0
-        sensed = forces[0] - share * pull
-        return np.array([sensed, np.where(pull < 0.0, -sensed, forces[1])])
+        sensed = forces[0] - share * total * pulls
+        return np.array([sensed, np.where(pulls, -sensed, forces[1])])
 
     def contact(self, s: Motion) -> np.ndarray:
         """Whether the plunger touches the skin, (N,) of bool."""
