@@ -15,12 +15,16 @@ from skin_models.effect import Effect, Place
 from skin_models.model import Model
 
 QUANTIZATION = "quantization"
+SENSORS = (Place.LOAD_CELL, Place.TAXEL)
 
 
 def applied(effect: Effect, recording: Recording, session: Session, model: Model, seed: int) -> Recording:
-    """The recording as it would have been with `effect`. Channels that change fall on the declared steps of their converters again."""
+    """The recording as it would have been with `effect`. Channels that change fall on the declared steps of their converters again: what
+    is added to readings of a force, on the one below or above by chance, as often as noise would have carried it there."""
     after = changed(effect, recording, session, model, seed)
-    return after if effect.cause == QUANTIZATION else _converted(recording, after)
+    if effect.cause == QUANTIZATION:
+        return after
+    return _converted(recording, after, None if effect.place in SENSORS else np.random.default_rng([seed, 13]))
 
 
 def changed(effect: Effect, recording: Recording, session: Session, model: Model, seed: int) -> Recording:
@@ -46,13 +50,16 @@ def _added(y: np.ndarray, difference: np.ndarray, pulls: bool) -> np.ndarray:
     return y + difference if pulls else np.maximum(y + difference, np.minimum(y, 0.0))
 
 
-def _converted(before: Recording, after: Recording) -> Recording:
+def _converted(before: Recording, after: Recording, rng: np.random.Generator | None) -> Recording:
     """Where a converter's step is declared and the channel changed, its values are whole steps again."""
     declared = before.declared
-    taxels = [_steps(a, b, declared.of_taxel("taxel_step_n", i)) for i, (a, b) in enumerate(zip(after.taxels, before.taxels, strict=True))]
-    force = None if after.force is None else _steps(after.force, before.force, declared.force_step_n)
+    steps = [declared.of_taxel("taxel_step_n", i) for i in range(len(after.taxels))]
+    taxels = [_steps(a, b, step, rng) for a, b, step in zip(after.taxels, before.taxels, steps, strict=True)]
+    force = None if after.force is None else _steps(after.force, before.force, declared.force_step_n, rng)
     return replace(after, force=force, taxels=np.array(taxels) if taxels else after.taxels)
 
 
-def _steps(y: np.ndarray, before: np.ndarray, step: float | None) -> np.ndarray:
-    return y if step is None or np.array_equal(y, before) else step * np.round(y / step)
+def _steps(y: np.ndarray, before: np.ndarray, step: float | None, rng: np.random.Generator | None) -> np.ndarray:
+    if step is None or np.array_equal(y, before):
+        return y
+    return step * np.floor(y / step + (0.5 if rng is None else rng.random(y.shape)))
