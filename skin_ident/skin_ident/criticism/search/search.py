@@ -91,7 +91,7 @@ class Search:
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
             less = free is not None and lighter(self.present.model, free.model)
-            light = less and not self.declared and counts_beside(free, self.present, best)
+            light = less and not self.declared and counts_beside(self, free, best)
             if free and (tells_more(free, self.present, best) or light or settles(self, free, best)):
                 weigh(self, free)
                 continue

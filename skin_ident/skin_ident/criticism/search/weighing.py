@@ -71,10 +71,11 @@ def tells_more(free: Fit, present: Fit, best: float) -> bool:
     return free.model.dispersion.m > present.model.dispersion.m and reach(_gained(present, free)) > best
 
 
-def counts_beside(free: Fit, present: Fit, best: float) -> bool:
-    """Whether the `free` mass explains enough to matter beside the `best` of all causes: while newtons are unexplained, millinewtons of
-    weight can wait."""
-    return _gained(present, free) > COUNTS * best
+def counts_beside(search: "Search", free: Fit, best: float) -> bool:
+    """Whether the `free` mass explains enough to matter beside the `best` of all causes, and by itself, not by fitting once more: while
+    newtons are unexplained, millinewtons of weight can wait."""
+    again = fit(search.present.model, search.train, search.noise)
+    return _gained(again, free) > max(COUNTS * best, MATERIAL * free.count)
 
 
 def settles(search: "Search", free: Fit, best: float) -> bool:
