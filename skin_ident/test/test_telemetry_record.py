@@ -110,3 +110,17 @@ def test_noise_that_seldom_carries_a_reading_to_the_next_level_is_no_outlier_tho
         rows = "".join(f"{a:.6f},{1e3 * b:.6f},{c:.5f},{d:.4f}\n" for a, b, c, d in zip(t, x, force, taxel, strict=True))
         (tmp_path / f"session_{k}.csv").write_text("t_s,x_mm,force_n,taxel_0_n\n" + rows)
     assert not [s for s in inspect(load(tmp_path)).symptoms if s.cause == "outliers"]
+
+
+def test_readings_that_are_alike_between_two_spikes_of_heavy_tailed_noise_are_no_outliers():
+    """It is the two beside them that lie apart, and such noise has spikes."""
+    rng = np.random.default_rng(1)
+    y = 0.048 * np.round((2.45 + 0.05 * rng.standard_normal(4000)) / 0.048)
+    y[2000], y[2001:2005], y[2005] = 2.45 - 0.42, 0.048 * 51, 2.45 - 0.6
+    assert not found_in(y)
+    y[2001:2005], y[2000], y[2005] = 2.45 - 0.6, y[1999], y[2006]
+    assert found_in(y)[0].evidence["count"] == 4
+
+
+def found_in(y):
+    return find_outliers(["a"], ("force",), [y[None] - 2.45], [y[None]], [np.zeros(y.size, bool)], 0, 0.01)

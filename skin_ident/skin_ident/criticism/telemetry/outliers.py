@@ -19,6 +19,7 @@ LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for w
 NEAREST = 0.35  # of it, below which excursions run into each other and are no measure of more
 FEWEST = 2  # frozen runs that make a finding by themselves
 DROPPED = 3  # excursions that must end at one reading
+BESIDE = 20  # samples to either side of a run, that tell where it should be
 STANDS = 3  # samples at one value, far off: noise of single samples does not do that
 FROZEN = 5  # samples at one value
 MISSED = 10.0  # noise widths of change that a frozen run must have missed
@@ -104,10 +105,17 @@ def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np
     tail is somewhere else at the next sample, and where it wanders in jumps, it does not come back by one soon after."""
     out, lengths = [], []
     for rest, row in zip(e, y, strict=True):
-        stands = [(a, b) for a, b in zip(*runs(excursions(rest, row, limit)), strict=True) if b - a >= STANDS and np.ptp(row[a:b]) == 0.0]
+        away = zip(*runs(excursions(rest, row, limit)), strict=True)
+        stands = [(a, b) for a, b in away if b - a >= STANDS and np.ptp(row[a:b]) == 0.0 and _far_off(rest, a, b, limit)]
         lengths += [b - a for a, b in stands]
         out.append(np.isin(np.arange(row.size), [i for a, b in stands for i in range(a, b)]))
     return out if len(lengths) >= FEWEST or max(lengths, default=0) > STANDS else None
+
+
+def _far_off(e: np.ndarray, a: int, b: int, limit: float) -> bool:
+    """Whether it is the samples a..b that lie apart, and not the two beside them, between spikes of which they are as they should be."""
+    around = np.concatenate([e[max(a - BESIDE, 0) : a], e[b : b + BESIDE]])
+    return abs(float(np.median(e[a:b]) - np.median(around))) > 0.5 * limit
 
 
 def _to_one_reading(far: list[np.ndarray], y: list[np.ndarray], limit: float, step: float) -> list[np.ndarray]:
