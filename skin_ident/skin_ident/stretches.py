@@ -1,5 +1,7 @@
 """Where flags hold: stretches of True in a row of samples."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 
@@ -7,3 +9,12 @@ def runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where runs of True in a mask (N,) begin and end (exclusive)."""
     change = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
     return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
+
+
+def without(mask: np.ndarray, dropped: Callable[[int, int], bool]) -> np.ndarray:
+    """The mask (N,) without its runs a..b (b exclusive) that are `dropped`."""
+    out = mask.copy()
+    for a, b in zip(*runs(mask), strict=True):
+        if dropped(a, b):
+            out[a:b] = False
+    return out

@@ -169,9 +169,7 @@ class Model:
 
     def _pressing(self, run: "Run", skin: Any) -> Any:
         """What of the skin's forces presses on the surface, (2,) or (2, N)."""
-        if _pressed(run.tip):
-            return skin * run.contact.touched
-        return self.dispersion.unpulled(skin) * run.contact.touched
+        return (skin if _pressed(run.tip) else self.dispersion.unpulled(skin)) * run.contact.touched
 
     def _from_surface(self, run: "Run", surface: Any, act: Callable) -> "Run":
         applied = surface.sum(axis=0) + self.dispersion.inertial(run.tip) * run.contact.touched

@@ -16,6 +16,11 @@ def normal_scale(r: np.ndarray, axis: int | None = None) -> np.ndarray | float:
     return float(scale) if axis is None else scale
 
 
+def rms(e: np.ndarray) -> float:
+    """Root mean square of e, in its unit."""
+    return float(np.sqrt(np.mean(np.asarray(e) ** 2)))
+
+
 def white_scale(y: np.ndarray, order: int) -> float:
     """Standard deviation of the white noise of `y` (N,), in its unit, by differences of `order` m: of motion that is sampled densely they
     hold next to nothing, of such noise sqrt(2 m over m) times as much, for the squares of binomials add up so. 0 for N <= m."""

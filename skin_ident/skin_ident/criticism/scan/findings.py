@@ -18,6 +18,7 @@ from skin_ident.criticism.scan.sentences import separating, why
 from skin_ident.criticism.scan.trials import Setting, without_candidate
 from skin_ident.criticism.telling.findings import NOT_MEASURED
 from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.estimators.scale import rms
 from skin_ident.spread_scan import SpreadScan
 
 CHANNEL = "taxel_0"
@@ -79,16 +80,16 @@ def described(f: Fit, found: Search, s: Setting, name: str) -> dict[str, Any]:
     return {
         "model": name,
         "parameters": parameters(f),
-        "rmse": {CHANNEL: {"train": _rms(e), "held_out": held_out_rmse(m, found, s), "unit": "N"}},
+        "rmse": {CHANNEL: {"train": rms(e), "held_out": held_out_rmse(m, found, s), "unit": "N"}},
     }
 
 
 def held_out_rmse(m: Member, found: Search, s: Setting) -> float:
     """RMSE of whole depths left out in turn (distances, where there are few depths), or of the scans held out; N."""
     if s.test.held is not None:
-        return _rms(held_scans(m, s.test.held, WHOLE))
+        return rms(held_scans(m, s.test.held, WHOLE))
     group = s.cells.row if np.unique(s.cells.row).size >= FEWEST else s.cells.column
-    return _rms(left_out(m, s.cells, found.noise.noise, group, WHOLE, s.test))
+    return rms(left_out(m, s.cells, found.noise.noise, group, WHOLE, s.test))
 
 
 def parameters(f: Fit) -> dict[str, dict[str, Any]]:
@@ -215,7 +216,7 @@ def noise_floor(found: Search, looked: Looked) -> dict[str, Any]:
     n = found.noise.noise
     parts = {"independent": (n.sigma, "N"), "relative": (n.relative, "1"), "placing": (n.placing, "m"), "repeat": (n.repeat, "1")}
     steps = {"step": {"value": looked.step, "unit": "N"}} if looked.step else {}
-    return {"rms": _rms(n.total()), "unit": "N", **steps, **{k: {"value": float(v), "unit": u} for k, (v, u) in parts.items()}}
+    return {"rms": rms(n.total()), "unit": "N", **steps, **{k: {"value": float(v), "unit": u} for k, (v, u) in parts.items()}}
 
 
 def _doubts(found: Search, scans: list[SpreadScan], held: set[str]) -> list[str]:
@@ -229,7 +230,3 @@ def _doubts(found: Search, scans: list[SpreadScan], held: set[str]) -> list[str]
     if len(scans) == 1 and not held:
         said.append("only one scan: its depths and distances were held out in turn, which passes more than a second scan would; record one")
     return said
-
-
-def _rms(e: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.asarray(e) ** 2)))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skin_ident.criticism.courses.carriers import DELAY, DEPTH
+from skin_ident.criticism.courses.carriers import DEPTH
 from skin_ident.criticism.courses.run import AT_REST, Run, least_depth
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
@@ -15,7 +15,6 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 FINER = "an encoder, and converters, with finer steps and less noise"
 TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
-KINDS = {DELAY: ("the delay", 1e3, "ms")}
 
 
 def converter_does(cause: str, gain: Gain, train: list[Session]) -> Seen | None:
@@ -66,9 +65,8 @@ def stage_does(run: Run, encoder_step: float) -> Seen:
     """Why what sessions have of their own is no finding, where it is less than a good stage or clock does, or an encoder tells."""
     if run.course.carrier == DEPTH:
         return zeros_do(run.largest, encoder_step)
-    what, scale, unit = KINDS[run.course.carrier]
-    found, least = (f"{scale * x:.3g} {unit}" for x in (run.largest, run.least(encoder_step)))
-    return Seen(np.inf, f"within single sessions {what} would step by {found}, and good hardware does up to {least} by itself")
+    found, least = (f"{1e3 * x:.3g} ms" for x in (run.largest, run.least(encoder_step)))
+    return Seen(np.inf, f"within single sessions the delay would step by {found}, and good hardware does up to {least} by itself")
 
 
 def zeros_do(largest: float, encoder_step: float) -> Seen:

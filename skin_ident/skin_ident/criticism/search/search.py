@@ -73,7 +73,7 @@ class Search:
         self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
         self.tared: dict[tuple[str, str], Seen] = {}  # zeros of sessions that were taken into the baseline
         self.doubts: dict[tuple[str, str], Seen] = {}  # what training speaks for, and others leave in doubt
-        self.most = MOST_FINDINGS  # rounds, and that many more where the mass is weighed
+        self.most = MOST_FINDINGS  # rounds
         self.refused = 0.0  # what the best cause would explain that was not believed in the last round
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
@@ -91,8 +91,8 @@ class Search:
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
             less = free is not None and lighter(self.present.model, free.model)
-            light = less and not self.declared and counts_beside(self, free, best)
-            if free and (tells_more(free, self.present, best) or light or settles(self, free, best)):
+            light = less and not self.declared
+            if free and (tells_more(free, self.present, best) or (light and counts_beside(self, free, best)) or settles(self, free, best)):
                 weigh(self, free)
                 continue
             own, shared = self.choose(trials, runs)
@@ -115,6 +115,10 @@ class Search:
                     self.accept(after, finding)
             elif not alone:
                 return
+
+    def go_on(self) -> None:
+        """From here on as many rounds again."""
+        self.most = len(self.rounds) + MOST_FINDINGS
 
     def unweigh(self) -> None:
         """Hold the mass again where that which was assumed does as well, now that causes are named."""

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
-MORE = 5  # rounds for what is named then
 COUNTS = 0.25  # of what the best of all causes explains, below which such a mass waits,
 HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
 
@@ -100,7 +99,7 @@ def weigh(search: "Search", free: Fit) -> None:
     search.present = fit(search.present.model, search.train, search.survey().noise)
     if not kept:
         search.named, search.befores, search.wandering = [n for n in search.named if n.courses], {}, 0.0
-    search.most = len(search.rounds) + MORE
+    search.go_on()
 
 
 def _gained(present: Fit, free: Fit) -> float:

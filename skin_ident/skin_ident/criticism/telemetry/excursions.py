@@ -7,7 +7,7 @@ in the model (which may place a contact wrongly), and one jump alone may be a co
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from skin_ident.stretches import runs
+from skin_ident.stretches import runs, without
 
 LONGEST = 8  # samples of one excursion
 BACK = 0.45  # of the smaller jump, within which it must come back
@@ -38,14 +38,14 @@ def _sudden(d: np.ndarray) -> np.ndarray:
 
 def _of_their_own(mask: np.ndarray, e: np.ndarray, model: np.ndarray) -> np.ndarray:
     """The mask without excursions that the model makes as well, only lower: a plunger that hurries on by a step pushes for a sample."""
-    out = mask.copy()
-    for a, b in zip(*runs(mask), strict=True):
+
+    def of_the_model(a: int, b: int) -> bool:
         far = e[a] - e[a - 1]
         m = model[max(a - BESIDE, 0) : b + BESIDE] * np.sign(far)
         top = int(np.argmax(m))
-        if m[top] - max(m[: top + 1].min(), m[top:].min()) > PUSHED * abs(far):
-            out[a:b] = False
-    return out
+        return m[top] - max(m[: top + 1].min(), m[top:].min()) > PUSHED * abs(far)
+
+    return without(mask, of_the_model)
 
 
 def paired(e: np.ndarray, d: np.ndarray, sharp: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ A force stands still for a while whenever the plunger does: at a reversal with p
 simulation then runs ahead of it, its depth being smoothed. A frozen run misses a movement from its beginning on, and alone.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.stats import binom, poisson
@@ -13,7 +13,8 @@ from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clus
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
 from skin_ident.criticism.telemetry.unlikely import unlikely_runs
-from skin_ident.stretches import runs
+from skin_ident.estimators.scale import rms
+from skin_ident.stretches import runs, without
 
 LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for where there are none beyond it
 NEAREST = 0.35  # of it, below which excursions run into each other and are no measure of more
@@ -67,7 +68,7 @@ def are_left(symptom: Symptom, names: list[str], row: list[np.ndarray]) -> bool:
     each session by name, as they did: with a depth that gives way a landing is no jump away and back."""
     masks = [symptom.bad.get((name, symptom.channels[0]), np.zeros(e.size, bool)) for name, e in zip(names, row, strict=True)]
     wrong = np.concatenate([_away(e, m) for e, m in zip(row, masks, strict=True)])
-    return wrong.size == 0 or _rms(wrong) > LEFT * symptom.parameters["size"]["value"]
+    return wrong.size == 0 or rms(wrong) > LEFT * symptom.parameters["size"]["value"]
 
 
 def _of_channel(
@@ -97,7 +98,7 @@ def _between_landings(away: list[np.ndarray], jumps: list[np.ndarray]) -> list[n
     at = np.concatenate([j[runs(a)[0]] for a, j in zip(away, jumps, strict=True)])
     if binom.sf(at.sum() - 1, at.size, share) > BOUNCING:
         return away
-    return [_without(a, lambda b, _, j=j: j[b]) for a, j in zip(away, jumps, strict=True)]
+    return [without(a, lambda b, _, j=j: j[b]) for a, j in zip(away, jumps, strict=True)]
 
 
 def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np.ndarray] | None:
@@ -145,16 +146,7 @@ def _startled(e: np.ndarray) -> np.ndarray:
 
 def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
     """The frozen runs that no other channel shares: what stands still, or jumps at the end, in several is the plunger or the skin."""
-    return _without(still, lambda a, b: any(o[a : b + 2].any() for o in others))
-
-
-def _without(mask: np.ndarray, dropped: Callable[[int, int], bool]) -> np.ndarray:
-    """The mask without the runs a..b (exclusive) that are `dropped`."""
-    out = mask.copy()
-    for a, b in zip(*runs(mask), strict=True):
-        if dropped(a, b):
-            out[a:b] = False
-    return out
+    return without(still, lambda a, b: any(o[a : b + 2].any() for o in others))
 
 
 def _sure(still: np.ndarray, e: np.ndarray, y: np.ndarray, c: int) -> int:
@@ -198,10 +190,6 @@ def _away(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
     return e[mask] - np.interp(np.flatnonzero(mask), good, e[good])
 
 
-def _rms(e: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(e**2)))
-
-
 def _symptom(
     names: list[str], channel: str, away: list[np.ndarray], still: list[np.ndarray], e: list[np.ndarray], n_taxels: int, dt: float
 ) -> Symptom | None:
@@ -216,5 +204,5 @@ def _symptom(
     belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
     why = f"{belong}, up to {largest:.3g} N from where the samples around them lead"
     bad = {(name, channel): m for name, m in zip(names, masks, strict=True) if m.any()}
-    parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(_rms(wrong), "N")}
+    parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(rms(wrong), "N")}
     return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, {"why": why, "count": count, "excursions": ran}, bad)
