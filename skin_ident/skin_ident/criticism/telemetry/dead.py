@@ -13,6 +13,7 @@ from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 FOLLOWS = 0.1  # correlation with the load, below which a taxel says nothing
 PIECES = 24  # of a session
+MOVED = 0.2  # of the load's standard deviation, by which a piece must move to be asked
 ALIVE = 0.3  # of the usual slope in a piece
 GONE = 0.03
 SURE = 0.8  # correlation in a piece in which it surely lives
@@ -102,11 +103,8 @@ def _standing(recordings: list, i: int, n: int) -> list[Symptom]:
 
 def _usual(recording, i: int) -> float:
     """The steepest slope with which a taxel surely follows the load in a piece of a session; 0 where it does not."""
-    load, row = _load(recording), recording.taxels[i]
-    if load is None:
-        return 0.0
-    pieces = np.array_split(np.arange(row.size), PIECES)
-    return max((_slope(load[p], row[p]) for p in pieces if _correlation(load[p], row[p]) > SURE), default=0.0)
+    load = _load(recording)
+    return 0.0 if load is None else _Pieces(load, recording.taxels[i]).usual()
 
 
 def _would_move(recording, i: int, other, usual: float) -> bool:
@@ -125,10 +123,9 @@ def _felt_alike(recording, other, i: int) -> bool:
 
 def _fading(recording, i: int, usual: float) -> int:
     """The sample from which on a taxel never follows the load by its usual slope again."""
-    load, row = _load(recording), recording.taxels[i]
-    pieces = np.array_split(np.arange(row.size), PIECES)
-    whole = [k for k, p in enumerate(pieces) if _slope(load[p], row[p]) > WHOLE * usual]
-    return int(pieces[whole[-1]][-1]) + 1 if whole else 0
+    of = _Pieces(_load(recording), recording.taxels[i])
+    whole = np.flatnonzero(of.slopes > WHOLE * usual)
+    return int(of.pieces[whole[-1]][-1]) + 1 if whole.size else 0
 
 
 def _death(recording, row: np.ndarray) -> int | None:
@@ -136,18 +133,30 @@ def _death(recording, row: np.ndarray) -> int | None:
     load = _load(recording)
     if load is None:
         return None
-    pieces = np.array_split(np.arange(row.size), PIECES)
-    moved = np.array([np.std(load[p]) for p in pieces]) > 0.2 * np.std(load)
-    slopes = np.array([_slope(load[p], row[p]) for p in pieces])
-    tested = np.flatnonzero(moved)
-    usual = np.max([slopes[k] for k in tested if _correlation(load[pieces[k]], row[pieces[k]]) > SURE], initial=0.0)
-    alive = [k for k in tested if slopes[k] > ALIVE * usual]
-    last = alive[-1] if alive else -1
+    of = _Pieces(load, row)
+    tested = np.flatnonzero([np.std(load[p]) > MOVED * np.std(load) for p in of.pieces])
+    usual = of.usual(tested)
+    alive = tested[of.slopes[tested] > ALIVE * usual]
+    last = int(alive[-1]) if alive.size else -1
     dead = tested[tested > last]
-    if last < 0 or usual <= 0.0 or not dead.size or np.any(np.abs(slopes[dead[1:]]) > GONE * usual):
+    if last < 0 or usual <= 0.0 or not dead.size or np.any(np.abs(of.slopes[dead[1:]]) > GONE * usual):
         return None
-    start = _last_sign_of_life(row, load, pieces, last, int(dead[min(1, dead.size - 1)]))
+    start = _last_sign_of_life(row, load, of.pieces, last, int(dead[min(1, dead.size - 1)]))
     return start if dead.size >= FEWEST or _silent_under_load(load, row, np.arange(start, row.size), GONE * usual) else None
+
+
+class _Pieces:
+    """A session in `PIECES` pieces, and the slope with which a taxel follows the load in each."""
+
+    def __init__(self, load: np.ndarray, row: np.ndarray):
+        self.load, self.row = load, row
+        self.pieces = np.array_split(np.arange(row.size), PIECES)
+        self.slopes = np.array([_slope(load[p], row[p]) for p in self.pieces])
+
+    def usual(self, among=range(PIECES)) -> float:
+        """The steepest slope among the given pieces in which the taxel surely follows the load; 0 where it follows in none."""
+        sure = [k for k in among if _correlation(self.load[self.pieces[k]], self.row[self.pieces[k]]) > SURE]
+        return float(np.max(self.slopes[sure], initial=0.0))
 
 
 def _silent_under_load(load: np.ndarray, row: np.ndarray, span: np.ndarray, slope: float) -> bool:
