@@ -54,7 +54,7 @@ def _before_after(seen: Focus, v: View, title: str) -> Figure:
         axes[0, 1].axvspan(seen.trace.t[seen.start], seen.trace.t[seen.stop - 1], color="#f0e6c0", zorder=0)
     y_unit = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)[1]
     axes[0, 0].set_ylabel(f"{channel(seen.channel)}, {y_unit}")
-    axes[0, 0].legend(loc="upper right", fontsize=8, framealpha=0.85)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False, fontsize=9)
     figure.suptitle(title, fontsize=11)
     return figure
 

@@ -45,7 +45,7 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | N
     hung = hanging(present.model, free.model)
     if hung:
         free = fit(free.model.extended(*hung), sessions, noise)
-    return free if _gained(present, free) > MATERIAL * free.count else None
+    return free if _gained(present, free) > _least(free, sessions) else None
 
 
 def heaviest_of(present: Model, free: Model) -> float:
@@ -59,7 +59,7 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
     if not 0.0 < m < np.inf:
         return None
     held = fit(replace(present.model, dispersion=replace(present.model.dispersion, m=m)), weighed(sessions, 0.0), noise)
-    return held if _gained(held, present) < MATERIAL * held.count else None
+    return held if _gained(held, present) < _least(held, sessions) else None
 
 
 def tells_more(free: Fit, present: Fit, best: float) -> bool:
@@ -74,7 +74,7 @@ def counts_beside(search: "Search", free: Fit, best: float) -> bool:
     """Whether the `free` mass explains enough to matter beside the `best` of all causes, and by itself, not by fitting once more: while
     newtons are unexplained, millinewtons of weight can wait."""
     again = fit(search.present.model, search.train, search.noise)
-    return _gained(again, free) > max(COUNTS * best, MATERIAL * free.count)
+    return _gained(again, free) > max(COUNTS * best, _least(free, search.train))
 
 
 def settles(search: "Search", free: Fit, best: float) -> bool:
@@ -104,6 +104,11 @@ def weigh(search: "Search", free: Fit) -> None:
 
 def _gained(present: Fit, free: Fit) -> float:
     return present.cost - free.cost - float(np.log(free.count)) * (len(free.unknowns) - len(present.unknowns))
+
+
+def _least(free: Fit, sessions: list[Session]) -> float:
+    """What the mass must explain to matter. The force alone shows it; as of every cause that few channels carry, less is enough then."""
+    return MATERIAL * free.count * min(2.0 / len(sessions[0].channels), 1.0)
 
 
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
