@@ -10,8 +10,10 @@ from world import make_sessions, write_case
 from skin_ident.criticism.array.layout import layout_of
 from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.courses.kinds import courses
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.loose import contact_of
 from skin_ident.recordings.load import load
 
@@ -38,6 +40,18 @@ def named(folder, sessions):
 
 def noisy(y, rng):
     return 0.05 * rng.standard_normal(y.size)
+
+
+def test_an_open_taxel_that_may_lie_apart_is_not_ruled_out(tmp_path):
+    """Of three in a row the last need not be reached; that it is not dead nobody can say either."""
+    sessions = spoilt(three(None), 2, noisy, declared=False)
+    assert not [s for s in named(tmp_path / "open", sessions) if s.cause == "dead_taxel"]
+    assert apart(load(tmp_path / "open")) == ["taxel_2"]
+    write_case(three(None), tmp_path / "sound")
+    assert not apart(load(tmp_path / "sound"))
+    findings = diagnose(load(tmp_path / "open")).findings
+    assert [u["where"] for u in findings["untestable"] if u["cause"] == "dead_taxel"] == ["taxel_2"]
+    assert "dead_taxel" not in {e["cause"] for e in findings["excluded"]}
 
 
 def on_and_off(y, rng):

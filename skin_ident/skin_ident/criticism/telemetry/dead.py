@@ -51,6 +51,17 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
     return [_symptom(name, n, 0.0, why, kind, level)]
 
 
+def apart(recordings: list) -> list[str]:
+    """Names of taxels that do not follow the load in any session and need not: nothing promises them a reading, so that they may as well
+    be open as lie apart."""
+    n = len(recordings[0].taxels)
+    loads = [_load(r) for r in recordings]
+    if n == 1 or any(load is None for load in loads):
+        return []
+    follows = [max(abs(_correlation(load, r.taxels[i])) for load, r in zip(loads, recordings, strict=True)) for i in range(n)]
+    return [f"taxel_{i}" for i, r in enumerate(follows) if r < FOLLOWS and not promised(recordings, i, n)]
+
+
 def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
     """The taxel falls silent and comes back, again and again."""
     name, loads = f"taxel_{i}", [_load(r) for r in recordings]

@@ -4,12 +4,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
 from skin_ident.criticism.search.bounds import excluded_and_untestable
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named, Seen
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of
 from skin_ident.criticism.telling.leftover import Rest
@@ -156,9 +159,16 @@ def _steps_seen(recordings: list) -> dict[str, Seen]:
     }
 
 
+def _silent(taxel: str, recordings: list) -> Seen:
+    """A taxel of which nobody can say whether it is dead."""
+    because = f"{taxel} does not follow the load in any session, and nothing says that it should: it is open, or lies apart"
+    places = "" if recordings[0].declared.taxel_positions_mm else "the place of every taxel in rig.yaml (taxel_positions_mm), or "
+    return Seen(np.inf, because, f"{places}a press on {taxel}")
+
+
 def _not_findings(c: Criticism, recordings: list) -> dict[str, dict[str, Seen]]:
     """By cause and place: what is in the record and is no finding, since nobody declared it or good hardware does as much."""
-    seen = {"quantization": _steps_seen(recordings)}
+    seen = {"quantization": _steps_seen(recordings), "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)}}
     for (cause, where), usual in c.usual.items():
         seen.setdefault(cause, {}).setdefault(where, usual)
     return seen
