@@ -173,8 +173,13 @@ def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], session
     spoilt = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if a > SPOILT * b)
     channels, channel = sessions[0].channels, sessions[0].channels[c]
     carried = carried or (channel,)
-    breadth = min(2.0 * len(carried) / len(channels), 1.0)
-    return Gain(channel, carried, float(rms[0, c]), float(rms[1, c]), (float(low), float(high)), total, lower, said, spoilt, breadth)
+    errors = float(rms[0, c]), float(rms[1, c]), (float(low), float(high))
+    return Gain(channel, carried, *errors, total, lower, said, spoilt, breadth_of(len(carried), len(channels)))
+
+
+def breadth_of(carried: int, channels: int) -> float:
+    """`Gain.breadth` of what is carried by so many of the channels."""
+    return min(2.0 * carried / channels, 1.0)
 
 
 def _draws(blocks: int) -> np.ndarray:

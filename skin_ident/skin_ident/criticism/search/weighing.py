@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
-from skin_ident.criticism.gates.gate import MATERIAL
+from skin_ident.criticism.gates.gate import MATERIAL, breadth_of
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.sessions.session import Session
@@ -108,7 +108,7 @@ def _gained(present: Fit, free: Fit) -> float:
 
 def _least(free: Fit, sessions: list[Session]) -> float:
     """What the mass must explain to matter. The force alone shows it; as of every cause that few channels carry, less is enough then."""
-    return MATERIAL * free.count * min(2.0 / len(sessions[0].channels), 1.0)
+    return MATERIAL * free.count * breadth_of(1, len(sessions[0].channels))
 
 
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:

@@ -40,7 +40,7 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
         return [_symptom(name, n, 0.0, f"{name} holds {rows[0][0]:.4g} in all {sum(map(len, rows))} samples", "stuck", float(rows[0][0]))]
     if any(load is None for load in loads):
         return []
-    r = max(abs(_correlation(load, row)) for load, row in zip(loads, rows, strict=True))
+    r = _follows(loads, rows)
     by = promised(recordings, i, n) if r < FOLLOWS else ""
     if not by:
         return []
@@ -58,8 +58,13 @@ def apart(recordings: list) -> list[str]:
     loads = [_load(r) for r in recordings]
     if n == 1 or any(load is None for load in loads):
         return []
-    follows = [max(abs(_correlation(load, r.taxels[i])) for load, r in zip(loads, recordings, strict=True)) for i in range(n)]
-    return [f"taxel_{i}" for i, r in enumerate(follows) if r < FOLLOWS and not promised(recordings, i, n)]
+    silent = [i for i in range(n) if _follows(loads, [r.taxels[i] for r in recordings]) < FOLLOWS]
+    return [f"taxel_{i}" for i in silent if not promised(recordings, i, n)]
+
+
+def _follows(loads: list[np.ndarray], rows: list[np.ndarray]) -> float:
+    """How well a taxel follows the load in the session in which it does so best: the magnitude of their correlation."""
+    return max(abs(_correlation(load, row)) for load, row in zip(loads, rows, strict=True))
 
 
 def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
