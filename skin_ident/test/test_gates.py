@@ -16,6 +16,7 @@ from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_tur
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.hardware import encoder_does, stage_is_off
 from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.search import Search
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.weighing import heaviest_of, held_again, lighter, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.session import prepare
@@ -184,6 +185,14 @@ def test_what_held_out_data_leave_in_doubt_is_asked_of_all_sessions_in_turn():
     assert together.passed and together.lower > alone.lower and together.held_out == "every session in turn"
     played = fit(after.extended(Backlash("rig", gap=5e-6)), train, noise).model
     assert not all_in_turn(after, played, train, held, noise).passed
+
+
+def test_where_a_lone_session_was_fitted_there_is_no_second_opinion():
+    """Nothing else was fitted that could predict it in turn."""
+    one, other = (prepare(recorded(PLAIN, seed=seed)) for seed in (1, 2))
+    search = Search([one], [other], directions(one), lambda stage: None)
+    search.noise = fit_whitener([residual(PLAIN, one)], [one])
+    assert search.second_opinion(PLAIN, PLAIN.extended(Lag("taxel", tau=1e-3)), "taxel", QUICK) is QUICK
 
 
 def test_what_a_single_session_shows_is_asked_of_its_halves():

@@ -297,9 +297,9 @@ class Search:
         self.progress(f"named {finding.cause} in the {finding.where}")
 
     def second_opinion(self, before: Model, after: Model, where: str, first: Gain) -> Gain:
-        """The gain by other sessions, too, or by halves where held-out ones cannot be asked; not where these speak against it, nor of short
-        records, in which a bent cause fits whatever is there."""
-        if not (self.held and lasts(self)):
+        """The gain by other sessions, too, or by halves where held-out ones cannot be asked; not where these speak against it, where a lone
+        session was fitted, nor of short records, in which a bent cause fits whatever is there."""
+        if not (self.held and len(self.train) > 1 and lasts(self)):
             return first
         models, cannot = (before, after, self.train), self.deaf(before, after, where)
         alone = held_out_gain(*models, self.held, self.noise) if cannot else first
