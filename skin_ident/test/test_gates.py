@@ -15,6 +15,7 @@ from skin_ident.criticism.gates.resolution import held_depths, of_the_converter,
 from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.hardware import encoder_does, stage_is_off
+from skin_ident.criticism.search.own import own_course
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.search import Search
 from skin_ident.criticism.search.survey import survey
@@ -265,3 +266,16 @@ def test_the_depths_at_which_a_record_rests_are_counted(holds):
     assert held_depths([held], 1e-6) == pytest.approx(holds, rel=0.25)
     assert held_depths([ramp], 1e-6) > 100.0
     assert held_depths([held], 0.0) == np.inf
+
+
+def test_a_zero_of_each_session_explains_more_than_wandering_noise_may():
+    """No more than any cause must: below that, what wanders slowly enough looks like a zero, and held-out halves of sessions approve."""
+    train = [replace(prepare(recorded(PLAIN, zero=zero, seed=k)), name=f"s{k}") for k, zero in enumerate((0.0, 0.003))]
+    search = Search(train, [], directions(train[0]), lambda stage: None)
+    search.present = fit(PLAIN, train, fit_whitener([residual(PLAIN, s) for s in train], train))
+    search.look()
+    (run,) = (r for r in search.own_courses() if r.course.key == ("force_offset", "load_cell") and r.course.shape == "constant")
+    told = own_course(search, [run], [])
+    assert told is not None and told[1].cause == "force_offset" and told[1].explained > search.least(search.present.count)
+    search.least = lambda count: told[1].explained + 1.0
+    assert own_course(search, [run], []) is None

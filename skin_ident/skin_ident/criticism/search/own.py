@@ -53,7 +53,7 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
     least = SEARCHED * search.least(after.count)
-    told = score - _at_once(run, search) > least or not searched
+    told = score - _at_once(run, search) > least if searched else score > _of_wandering(run, search.least(after.count))
     told = told and score > search.form_of_others(*run.course.key)
     stood = stands(run, gain, search.present.model, search.train)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
@@ -63,6 +63,11 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
             search.doubts[run.course.key] = wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
+
+
+def _of_wandering(run: Run, least: float) -> float:
+    """What noise that wanders from session to session may give to a course of a zero: no more than what makes a cause worth naming."""
+    return least if run.course.carrier == ZERO else 0.0
 
 
 def _at_once(run: Run, search: "Search") -> float:
