@@ -9,8 +9,10 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.tare import added_by, zeros
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.gates.resolution import RESOLVED
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.telling.leftover import Rest
 
 STEP, OFF = 0.02, ((0.012, -0.007), (-0.009, 0.011), (0.008, -0.012))  # N
 
@@ -61,3 +63,9 @@ def test_zeros_within_a_step_are_nothing_wrong():
     made = sessions()
     findings = diagnose(made[:2], made[2:]).findings
     assert findings["findings"] == []
+
+
+def test_what_is_left_within_half_a_step_is_no_riddle():
+    """As much as is left of a load cell read in steps of 19 mN may be its tare, and is none of one read in steps of 5 mN."""
+    told = Rest(fall=0.19, lower=0.1, before=9.8e-3, after=8.6e-3, resolution=RESOLVED * 19e-3, seconds=26.0)
+    assert not told.is_systematic(0.0) and replace(told, resolution=RESOLVED * 5e-3).is_systematic(0.0)

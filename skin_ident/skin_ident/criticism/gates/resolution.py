@@ -23,6 +23,7 @@ AT_FEW_DEPTHS = 6.0
 FEW, APART = 4.0, 4.0  # depths at which a gain is asked so much, and steps by which two are apart
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
+RESOLVED = float(np.hypot(INTEGRAL, 0.5))  # of a step: what may be left (RMS) beside a zero that a tare leaves half a step off
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
 TREMBLING = 1e-6  # m, of a good stage at rest
 EVEN_S = 0.5  # over which the speed is averaged, for a beat makes spikes of it

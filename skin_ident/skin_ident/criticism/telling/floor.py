@@ -21,7 +21,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.gates.gate import by_block
-from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, unread_force
+from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, RESOLVED, unread_force
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import less
 from skin_ident.criticism.noise.whitening import white
@@ -42,7 +42,6 @@ TWICE = 2.0  # times what is left of what was fitted: more than sessions of one 
 SHADOW = 0.01  # of the mean square that the named causes explained: a remainder below is their own imperfect form
 BLOCK_S = 4.0
 DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
-RESOLVED = 0.3  # of a converter's step: what is smaller is its own unevenness
 
 
 def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, Any]]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.gates.gate import bootstrap_fall, rmse_fall
-from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, unread_force
+from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, RESOLVED, unread_force
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import RICHEST, pursue
 from skin_ident.criticism.noise.whitening import stack
@@ -21,7 +21,6 @@ from skin_ident.criticism.sessions.session import Session
 SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
 SYSTEMATIC_RMSE = 0.05  # and of the plain error, in the channel that gains most
 ENOUGH_S = 40.0  # of held-out data; of less, as many times more must fall: a dozen seconds of noise look like anything
-RESOLVED = 0.2  # of a converter's step: what is smaller than that on average may be the converter's own unevenness
 SHADOW = 0.01  # of what the named causes explained: a remainder below is their own imperfect form
 
 
