@@ -97,7 +97,7 @@ class Search:
                 continue
             own, shared = self.choose(trials, runs)
             taken = own or shared
-            if taken and take_tare(self, taken[1].cause, taken[1].explained):
+            if taken and take_tare(self, taken[1]):
                 continue
             alone = not taken and take_alone(self)
             if less and not (taken or alone or self.named):

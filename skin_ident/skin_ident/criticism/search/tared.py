@@ -11,9 +11,12 @@ from skin_ident.criticism.courses.kinds import CAUSES, CONSTANT, STEPS
 from skin_ident.criticism.courses.run import least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
 from skin_ident.criticism.gates.resolution import converter_step
+from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.hardware import tare_does, zeros_do
+from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import place_of
+from skin_models.model import Model
 
 if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
@@ -22,24 +25,49 @@ WORTH_SAYING = 0.2  # of a step
 OFFSET, SHIFT = CAUSES[ZERO, CONSTANT], CAUSES[DEPTH, STEPS]
 
 
-def take_tare(search: "Search", cause: str, explained: float) -> bool:
-    """Whether zeros as tares leave them explain in training what a `cause` has `explained`, and were taken for that, in all sessions."""
-    found = _instead(search, search.train, cause, explained, free=True)
+def take_tare(search: "Search", finding: Named) -> bool:
+    """Whether zeros as tares leave them explain in training what a `finding` has, and were taken for that, in all sessions. A zero of
+    each session is judged by its own size; one that all share may be a tare's, as it may of a session that is alone."""
+    if finding.courses and _is_zero(finding.cause):
+        return False
+    shared = _shared(search, finding)
+    found = {s.name: shared for s in search.train} if shared.any() else _instead(search, search.train, finding.explained, free=True)
     if not found:
         return False
     model = search.present.model
     search.train = added(search.train, added_by(found, model, search.train))
     search.present = fit(model, search.train, search.noise)
     held, model = search.held, search.present.model
-    others = zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {}
+    if shared.any():
+        others = {s.name: shared for s in held}
+    else:
+        others = zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {}
     search.held = added(held, added_by(others, model, held))
     _said(search, found | others)
     return True
 
 
+def _shared(search: "Search", finding: Named) -> np.ndarray:
+    """The zero of every channel, N, and of depth, m, (C + 1,), that a finding gives to all sessions alike, where converters step as far."""
+    channels = search.train[0].channels
+    zero = np.zeros(len(channels) + 1)
+    if finding.cause != OFFSET or finding.model is None:
+        return zero
+    offset = _offset_of(finding.model, finding) - _offset_of(finding.before, finding)
+    for i, channel in enumerate(channels):
+        own = place_of(channel, search.train[0].n_taxels)
+        zero[i] = offset if finding.where == own or own.startswith(f"{finding.where}_") else 0.0
+    steps = np.array([*(converter_step(search.train, c) for c in channels), 0.0])
+    return zero if np.all(np.abs(zero) <= steps) else 0.0 * zero
+
+
+def _offset_of(model: Model, finding: Named) -> float:
+    return sum(e.offset for e in instances(model, finding.cause, finding.where))
+
+
 def take_tare_of_held(search: "Search", cause: str, explained: float) -> bool:
     """The same of what a `cause` has `explained` in held-out sessions alone."""
-    found = _instead(search, search.held, cause, explained, free=False)
+    found = {} if _is_zero(cause) else _instead(search, search.held, explained, free=False)
     if not found:
         return False
     search.held = added(search.held, added_by(found, search.present.model, search.held))
@@ -47,10 +75,12 @@ def take_tare_of_held(search: "Search", cause: str, explained: float) -> bool:
     return True
 
 
-def _instead(search: "Search", sessions: list[Session], cause: str, explained: float, *, free: bool) -> Zeros:
-    """The zeros that explain as much as a cause has; none of another zero, which is judged by its own size."""
-    if cause in (OFFSET, SHIFT):
-        return {}
+def _is_zero(cause: str) -> bool:
+    return cause in (OFFSET, SHIFT)
+
+
+def _instead(search: "Search", sessions: list[Session], explained: float, *, free: bool) -> Zeros:
+    """The zeros that explain as much as was explained otherwise."""
     found, fall = zeros(search.present.model, sessions, search.noise, search.encoder_step, free=free)
     return found if fall >= explained else {}
 
