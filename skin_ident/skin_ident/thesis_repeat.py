@@ -22,7 +22,7 @@ from skin_models.signals import Motion, motion
 from skin_models.thesis.tables import estimates, transfer_functions
 
 NAMES = ("b1", "k1", "b2", "k2")
-DT = 0.01  # s, section 3.4
+DT = 0.01  # s, section 3.2.2
 ENCODER = 5e-6 / 3  # m: the stage's accuracy of 5 um as three standard deviations
 IDEAL = FlexiForce(hysteresis=0.0, drift=0.0, noise=3e-3)
 AS_SOLD = FlexiForce(hysteresis=0.02, drift=0.03, noise=3e-3)

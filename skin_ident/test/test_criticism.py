@@ -12,6 +12,7 @@ from hide_and_seek import seek
 from rows import rows
 
 from skin_ident.criticism.vocabulary import CAUSES
+from skin_models.catalogue import effects
 
 FOUND = [
     ("stress_relaxation", "skin", "prony2"),
@@ -27,6 +28,10 @@ FOUND = [
     ("force_offset", "taxel_0", "constant"),
     ("lag", "taxel_0", "two_pole"),
 ]
+
+
+def test_every_effect_that_may_be_proposed_has_a_cause_with_words():
+    assert {e.cause for e in effects() if e.proposed} <= {c.name for c in CAUSES}
 
 
 @pytest.mark.parametrize(("cause", "where", "form"), rows(FOUND, 5), ids=lambda x: x)

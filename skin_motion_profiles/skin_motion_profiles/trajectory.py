@@ -5,7 +5,6 @@ depth m (positive into the skin, zero at its surface), speed m/s, acceleration m
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -152,11 +151,6 @@ class Trajectory:
     def then(self, other: "Trajectory") -> "Trajectory":
         """This motion, and right after it another. Raises `ProfileError` where they do not meet."""
         return Trajectory((*self.pieces, *other.pieces))
-
-
-def joined(trajectories: Iterable[Trajectory]) -> Trajectory:
-    """One motion after the other. Raises `ProfileError` where they do not meet."""
-    return Trajectory(tuple(piece for t in trajectories for piece in t.pieces))
 
 
 def _ends(piece: Piece) -> tuple[State, State]:

@@ -4,7 +4,7 @@
     F_taxel     = V x slope                                    (26)
 
 The file gives every taxel's slope from the calibration before a session and, where there is one, from that after it; the two are
-averaged, as in the thesis (section 4.1).
+averaged, as in the thesis (section 5.1).
 
     load_cell_n_per_v: 13.9006875
     taxels:

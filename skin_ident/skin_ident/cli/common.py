@@ -58,6 +58,7 @@ def add_recordings(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--topics", nargs="+", default=[], metavar="ROLE=TOPIC", help="topics of bags: force=/ft encoder=/joint_states:joint taxels=/skin"
     )
+    parser.add_argument("--log-time", action="store_true", help="take the times of recording, not the stamps in the messages")
 
 
 def topics_of(pairs: Sequence[str]) -> dict[str, str]:

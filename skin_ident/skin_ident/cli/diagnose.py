@@ -37,13 +37,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
-    topics = common.topics_of(chosen.topics)
+    how = {"topics": common.topics_of(chosen.topics), "log_time": chosen.log_time}
     common.check_output(chosen.out)
     model = load_model(chosen.model) if chosen.model else None
     say = progress_line()
     say("reading recordings")
     files, kept = apart(chosen.recordings, chosen.hold_out)
-    recordings, held, twins = (_loaded(paths, topics, chosen.taxels) for paths in (files, kept, [(p, "") for p in chosen.twin]))
+    recordings, held, twins = (_loaded(paths, how, chosen.taxels) for paths in (files, kept, [(p, "") for p in chosen.twin]))
     outcome = diagnose(recordings, held, model, say, twins)
     if chosen.taxels:
         outcome.findings["taxels"] = {f"taxel_{i}": name for i, name in enumerate(recordings[0].taxel_names)}
@@ -77,8 +77,8 @@ def _once(files: list[Path]) -> Files:
     return [(first[name], "it was given more than once: it counts once" if names.count(name) > 1 else "") for name in dict.fromkeys(names)]
 
 
-def _loaded(files: Sequence[tuple[Path | str, str]], topics: dict[str, str], taxels: list[str]) -> list:
-    recordings = [_warned(r, said) for file, said in files for r in load(file, topics)]
+def _loaded(files: Sequence[tuple[Path | str, str]], how: dict[str, Any], taxels: list[str]) -> list:
+    recordings = [_warned(r, said) for file, said in files for r in load(file, **how)]
     return only_taxels(recordings, taxels) if taxels else recordings
 
 

@@ -162,7 +162,6 @@ def _parser() -> argparse.ArgumentParser:
     what = "the model; or a relaxation spectrum; or straight lines: taxels in volts against the load cell, forces against the depth"
     parser.add_argument("--what", default=DISPERSION, choices=WHAT, help=what)
     parser.add_argument("--arms", type=int, help="how many of --what prony; left out: as few as explain the data")
-    parser.add_argument("--log-time", action="store_true", help="take the times of recording, not the stamps in the messages")
     parser.add_argument("--keep-stamps", action="store_true", help="leave uneven samples where they are instead of resampling them")
     parser.add_argument("--mass", default="fixed", help=_MASS)
     parser.add_argument("--thickness_mm", type=float, help="thickness of the skin, for a fixed mass that is not declared")
@@ -176,7 +175,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--jobs", type=int, help="processes for --each; left out: one per core")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask cluster to use for --each, as tcp://host:8786")
     parser.add_argument("--format", default="csv", choices=("csv", "parquet"), help="of the table of --each")
-    parser.add_argument("--out", metavar="DIR", help="where model.yaml and fit.json go; left out: nothing is written")
+    parser.add_argument("--out", metavar="DIR", help="where model.yaml and fit.json go, or the table of --each; left out: nowhere")
     return parser
 
 

@@ -26,7 +26,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     check_free(Path(chosen.out))
     common.check_seed(chosen.seed)
     truth = _truth_file(chosen.truth, Path(chosen.out))
-    recordings = _sessions(load(chosen.recordings, common.topics_of(chosen.topics)))
+    recordings = _sessions(load(chosen.recordings, common.topics_of(chosen.topics), chosen.log_time))
     common.say(f"hiding an effect in {len(recordings)} session{'s' * (len(recordings) > 1)} …")
     changed, hidden = hide(recordings, chosen.cause, chosen.where, chosen.size, chosen.seed)
     folder = common.output_folder(chosen.out)

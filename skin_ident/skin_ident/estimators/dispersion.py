@@ -202,9 +202,9 @@ def _estimate(
     model = Model(Dispersion(m=m, b1=b1, k1=k1, b2=b2, k2=k2), _placed(shares, shape), source=source)
     covariance = _with_silent(covariance, shape)
     named = (*parameters_of(model.dispersion), *(Parameter(f"share_{i}", "1", s) for i, s in enumerate(model.shares)))
-    residuals = _residuals(sessions, shape, regression)
+    residuals = _residuals(shape, regression)
     notes += complaints(residuals)
-    verdicts, contributions = judge(sessions, shape, regression, named, covariance)
+    verdicts, contributions = judge(sessions, shape, named, covariance)
     verdicts = where_explained(verdicts, contributions, residuals)
     return Estimate(
         method=method,
@@ -248,7 +248,7 @@ def channel_names(shape: Shape) -> list[str]:
     return ["force"] * shape.force + [f"taxel_{i}" for i in shape.live]
 
 
-def _residuals(sessions: list[Session], shape: Shape, regression: Regression) -> dict[str, Residual]:
+def _residuals(shape: Shape, regression: Regression) -> dict[str, Residual]:
     rows = zip(channel_names(shape), regression.measured, regression.residuals, regression.ar, regression.noise, strict=True)
     return {name: _residual(np.concatenate(y), np.concatenate(e), ar, noise) for name, y, e, ar, noise in rows}
 

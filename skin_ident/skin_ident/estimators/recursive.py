@@ -77,14 +77,14 @@ def absorb(m: Memory, state: State, block: np.ndarray) -> State:
     y = np.concatenate([state.tail, block], axis=1)
     if y.shape[1] < 3:
         return replace(state, tail=y)
-    rows, filtered = sosfilt(_low_pass(m), _columns(m, y, _parting(m, state)), zi=state.filter, axis=-1)
+    rows, filtered = sosfilt(_low_pass(m), _columns(m, y, _parting(state)), zi=state.filter, axis=-1)
     settling = max(0, int(2.0 / (m.cutoff * m.dt)) - state.count)
     first = settling + (-(state.count + settling)) % m.every
     after = replace(state, tail=y[:, -2:], filter=filtered, count=state.count + rows.shape[1])
     return _summed(m, after, rows[:, first :: m.every])
 
 
-def _parting(m: Memory, state: State) -> float:
+def _parting(state: State) -> float:
     """b / k of the whole skin as far as it is known: where b v + k x <= 0, skin and plunger have parted."""
     if state.rows < FEWEST:
         return 0.0

@@ -15,14 +15,14 @@ REACHED = 0.1  # of what a parameter carries in its strongest channel: less is f
 INERTIAL = 0.1  # least part of the mass's column that must be acceleration
 
 
-def judge(sessions, shape, regression, parameters: tuple[Parameter, ...], covariance: np.ndarray):
+def judge(sessions, shape, parameters: tuple[Parameter, ...], covariance: np.ndarray):
     """Verdicts by parameter, and the rms (N) of each parameter's term by channel."""
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     rms = _column_rms(sessions)
     contributions = {p.name: _carried(p, parameters, shape, rms) for p in parameters}
     verdicts = {p.name: _verdict(p, s, contributions[p.name], shape) for p, s in zip(parameters, std, strict=True)}
     if shape.free:
-        verdicts["m"] = _of_mass(sessions, shape, parameters[0], std[0])
+        verdicts["m"] = _of_mass(sessions, parameters[0], std[0])
     return verdicts, contributions
 
 
@@ -95,7 +95,7 @@ def _verdict(p: Parameter, std: float, carried: dict[str, float], shape) -> Verd
     return Verdict(word, f"{size}: {only}")
 
 
-def _of_mass(sessions, shape, m: Parameter, std: float) -> Verdict:
+def _of_mass(sessions, m: Parameter, std: float) -> Verdict:
     """Split the mass's column into acceleration and gravity, and ask the data what each of them says."""
     rms = _column_rms(sessions)
     constant, inertial = m.value * rms["g"], m.value * rms["a"]

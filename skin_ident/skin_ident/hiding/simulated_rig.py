@@ -15,7 +15,7 @@ from skin_motion_profiles.entry import Entry
 
 @dataclass(frozen=True)
 class SimulatedRig:
-    """Sensor errors; the steps are those of the thesis's converters (its sections 3.3 and 3.4).
+    """Sensor errors; the steps are those of the thesis's converters (its sections 3.1 and 3.3).
 
     `noise_steps` is the noise's standard deviation in converter steps, `colour` its AR(1) coefficient.
     """

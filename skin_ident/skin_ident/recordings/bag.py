@@ -55,7 +55,7 @@ def read_bag(
         declared = declared.filled_with(declared_from(attached.decode("utf-8", "replace")))
     declared = declared.filled_with(Declared(taxel_positions_mm=positions))
     _same_clock(found, warnings)
-    tracks = {role: _track(role, d, log_time, warnings) for role, d in found.items()}
+    tracks = {role: _track(d, log_time, warnings) for role, d in found.items()}
     t, aligned = _on_one_clock(tracks, warnings)
     channels = [
         Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows, steps)
@@ -178,7 +178,7 @@ def _moved(apart: np.ndarray) -> float:
     return float(max(for_good, np.subtract(*np.percentile(apart, [80.0, 20.0]))))
 
 
-def _track(role: str, d: Decoded, log_time: bool, warnings: list[str]) -> Track:
+def _track(d: Decoded, log_time: bool, warnings: list[str]) -> Track:
     if not d.stamped and not log_time:
         warnings.append(f"{d.topic} carries no time stamps: the times at which it was recorded were used")
     if d.stamped and d.stamp_ns.size > 1 and np.ptp(d.stamp_ns) == 0:

@@ -1,6 +1,6 @@
 """Worked example: a MuJoCo scene presses a finger on a patch and publishes the contacts, for the skin node to feel.
 
-    pip install mujoco
+    pip install mujoco          (.venv/bin/pip, where `./skin` made a .venv)
     ./skin run skin_models skin_node --ros-args -p layout:=grid -p columns:=9 -p rows:=9 -p pitch:=0.005
     ./skin run skin_models mujoco_finger
 

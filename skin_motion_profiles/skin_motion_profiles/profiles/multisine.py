@@ -4,8 +4,8 @@
 
 Only odd multiples k of the base frequency f0 are excited, and of every `group` neighbouring odd lines one, drawn at random, is left out.
 What the response shows on the even lines is even (static asymmetry), on the odd lines left out it is odd nonlinearity or memory, and
-on neither: then the skin was linear. `detection_lines` and `excited_lines` say which is which. w fades in and out over one period each,
-smoothly to the second derivative, so that in between the motion is strictly periodic.
+on neither: then the skin was linear. `even_detection_lines`, `odd_detection_lines` and `excited_lines` say which
+is which. w fades in and out over one period each, smoothly to the second derivative, so that in between the motion is strictly periodic.
 
 Source: R. Pintelon and J. Schoukens, System Identification: A Frequency Domain Approach, 2nd ed., Wiley 2012, section 4.3.
 """

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -46,9 +45,9 @@ class ReplayRig(Rig):
     moves = False
     travel = (-math.inf, math.inf)
 
-    def __init__(self, recorded: Recorded, layout: Layout, facts: dict[str, Any] | None = None, loop: bool = False) -> None:
+    def __init__(self, recorded: Recorded, layout: Layout, loop: bool = False) -> None:
         """`loop` starts again at the end."""
-        self.layout, self._recorded, self._facts, self._loop = layout, recorded, facts or {}, loop
+        self.layout, self._recorded, self._loop = layout, recorded, loop
 
     def open(self, sample_rate: float) -> None:
         """Raises `RigError` for a recording in which depth and force do not overlap, or with other taxels than the layout has."""
@@ -76,7 +75,3 @@ class ReplayRig(Rig):
     def command(self, position: float, velocity: float) -> None:
         """Raises `RigError`: nothing moves."""
         raise RigError("a recording cannot be commanded")
-
-    def facts(self) -> dict[str, Any]:
-        """What the recording's `rig.yaml` says."""
-        return self._facts

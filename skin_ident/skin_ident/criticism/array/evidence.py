@@ -24,12 +24,11 @@ ALWAYS = {"level": 3.0, "scale": 0.02}  # prior standard deviations of logarithm
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """The most probable member, standard errors of its free entries, the log evidence, and the misfit in squared standard errors."""
+    """The most probable member, standard errors of its free entries, and the log evidence."""
 
     member: dict[str, float]
     std: dict[str, float]
     log_evidence: float
-    misfit: float
 
 
 def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float]) -> Fitted:
@@ -56,7 +55,6 @@ def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float])
         dict(zip(names, (z * size).tolist(), strict=True)),
         dict(zip(names, std.tolist(), strict=True)),
         float(log_root - 0.5 * (e @ e) - 0.5 * log_det),
-        float(e[: -z.size] @ e[: -z.size]),
     )
 
 

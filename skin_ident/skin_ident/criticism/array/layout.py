@@ -12,7 +12,7 @@ import numpy as np
 from skin_models.model import Model
 
 SILICONE_WIDTH = 5.25e-3  # m, c of exp(-(r/c)^2) on 4 mm of silicone: thesis section 4.3.4
-DISCS = 4.86e-3  # m, what of it is due to plunger (9.9 mm) and taxel (9.53 mm): discs of radius a have the variance a^2 / 4 per axis
+DISCS = 4.86e-3  # m, what of it plunger (9.9 mm) and taxel (9.53 mm) make, by the variance of discs, a^2 / 4 per axis; a fit says 5.19
 MEASURED_AT = 4.0  # mm
 APART = 1e-4  # m, by which contacts must differ to count as different
 NOWHERE = "nobody says where the plunger presses (contact_position_mm in rig.yaml): it is taken to be at [0, 0] among the taxels"

@@ -4,8 +4,8 @@ Every scan has a stiffness of its own in the model, so that scans of different s
 one taxel that reads 5 % more in the second scan. A static scan cannot tell its gain from the skin's stiffness, but one taxel under one skin
 has one of each: `gain_error` is named, with the stiffness for a rival, where one rig.yaml describes the scans and they differ by more than
 such a taxel repeats. Taxels whose slopes were taken again repeat to 0.3 % to 4.6 % (thesis Table 3-1: one day, several days), to 2.5 % of
-full scale by their maker (thesis 3.1), and samples differ by 10 % (thesis Table 4-4): where nothing says that the scans are of one skin, a
-difference is a warning.
+full scale by their maker (thesis 3.3.1), and samples differ by 10 % (thesis Table 4-4): where nothing says that the scans are of one
+skin, a difference is a warning.
 """
 
 from dataclasses import dataclass, replace

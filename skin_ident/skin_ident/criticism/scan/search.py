@@ -9,7 +9,7 @@ from skin_ident.criticism.scan.candidates import Candidate
 from skin_ident.criticism.scan.fitting import Fit, Member, fit
 from skin_ident.criticism.scan.gate import Gain, gain_of
 from skin_ident.criticism.scan.noise import Estimated, estimate
-from skin_ident.criticism.scan.score import Judge, worth
+from skin_ident.criticism.scan.score import worth
 from skin_ident.criticism.scan.trials import (
     CLOSE,
     Setting,
@@ -52,7 +52,6 @@ class Search:
     extended: Fit
     named: tuple[Named, ...]
     noise: Estimated
-    judge: Judge
     last: tuple[Trial, ...]
     rounds: tuple[tuple[tuple[Trial, ...], str | None], ...]
 
@@ -85,10 +84,9 @@ def search(start: Member, s: Setting, progress: Progress = lambda stage: None) -
         present, named = fine[0], [*named, fine[1]]
         rounds.append(((), fine[1].candidate.cause))
         noise, trials, present = surveyed(present, [n.candidate for n in named], s)
-    verdict = judge_in(noise, s)
     named = [n if n.or_placing else replace(n, rivals=_rivals(present, n, named, noise, s)) for n in named]
     baseline = fit(baseline.member, s.cells, noise.noise.whitener())
-    return Search(baseline, present, tuple(named), noise, verdict, trials, tuple(rounds))
+    return Search(baseline, present, tuple(named), noise, trials, tuple(rounds))
 
 
 def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Setting):

@@ -6,7 +6,7 @@ by their median, a session is odd where
 
     its shares S_i / |S_i| are those of the others in another order                          (columns)
     log |S_ic| less that of the others, less the same of its other channels, is log f        (f a factor of units)
-    S_ic is below zero, where all others are above                                           (sign)
+    it falls while the load rises, and rises with it in two others or more                   (sign)
     all its channels' slopes are f times those of the others, and its range of depth 1 / f   (the depth in another unit of length).
 
 Such a session is put right, so that the rest of it may be judged, and the finding says what was done to it.

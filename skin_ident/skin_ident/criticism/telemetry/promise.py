@@ -7,7 +7,7 @@ row; of more, the numbers may go row by row over an area.
 
 import numpy as np
 
-WIDTH = 0.0045  # m, the narrowest Gaussian spread of thesis Table 4-8
+WIDTH = 0.0045  # m, narrower than any Gaussian spread of thesis Table 4-8
 AWAY = 0.002  # m, by which a plunger may be off
 CLEAR = 3.0  # noise widths that the promised signal must have
 SHARE = 0.4  # of the applied force that the thesis's skins lead through a taxel under the plunger at least
