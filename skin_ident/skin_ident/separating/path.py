@@ -9,7 +9,7 @@ from skin_motion_profiles.limits import Limits
 from skin_motion_profiles.plan import Travel, stages
 
 START = -1e-3  # m, above the surface
-TRAVEL = Travel(speed=2e-3, acceleration=0.05)  # of the profile server, where no profile says how
+TRAVEL = Travel(speed=5e-3, acceleration=0.5)  # between profiles, which tells little; the profile server itself goes slower unless told
 
 
 def within(deepest: float) -> Limits:

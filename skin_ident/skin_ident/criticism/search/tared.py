@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 WORTH_SAYING = 0.2  # of a step
+ROUNDED = 0.5  # of one, by which a tare is off that reads once; sessions that share one may share more than that
 OFFSET, SHIFT = CAUSES[ZERO, CONSTANT], CAUSES[DEPTH, STEPS]
 
 
@@ -48,7 +49,8 @@ def take_tare(search: "Search", finding: Named) -> bool:
 
 
 def _shared(search: "Search", finding: Named) -> np.ndarray:
-    """The zero of every channel, N, and of depth, m, (C + 1,), that a finding gives to all sessions alike, where converters step as far."""
+    """The zero of every channel, N, and of depth, m, (C + 1,), that a finding gives to all sessions alike, where it is within half a
+    step of the converters."""
     channels = search.train[0].channels
     zero = np.zeros(len(channels) + 1)
     if finding.cause != OFFSET or finding.model is None:
@@ -58,7 +60,7 @@ def _shared(search: "Search", finding: Named) -> np.ndarray:
         own = place_of(channel, search.train[0].n_taxels)
         zero[i] = offset if finding.where == own or own.startswith(f"{finding.where}_") else 0.0
     steps = np.array([*(converter_step(search.train, c) for c in channels), 0.0])
-    return zero if np.all(np.abs(zero) <= steps) else 0.0 * zero
+    return zero if np.all(np.abs(zero) <= ROUNDED * steps) else 0.0 * zero
 
 
 def _offset_of(model: Model, finding: Named) -> float:
