@@ -8,17 +8,15 @@ import yaml
 
 from skin_ident.hiding.errors import HidingError
 from skin_ident.recordings.declared import FILE_NAME, Declared
+from skin_ident.recordings.load import RECORDED
 from skin_ident.recordings.recording import Recording
-from skin_ident.recordings.storage import SUFFIXES as BAGS
-from skin_models.tables.text import SUFFIXES as TABLES
 from skin_models.whole_file import whole_file
-
-RECORDINGS = (*TABLES, *BAGS)
 
 
 def check_free(folder: Path) -> None:
     """Raise `HidingError` for a folder that holds recordings or a rig.yaml: they may be somebody's own, or of another hiding."""
-    there = sorted(p.name for p in folder.glob("*") if p.suffix.lower() in RECORDINGS or p.name.startswith((FILE_NAME, "session_")))
+    taken = (p for p in folder.glob("*") if p.name == FILE_NAME or p.suffix.lower() in RECORDED or p.name.startswith("session_"))
+    there = sorted(p.name for p in taken)
     if there:
         raise HidingError(f"{folder} already holds {there[0]}, and nothing is overwritten: name another folder")
 

@@ -8,11 +8,14 @@ from skin_ident.recordings.bag import read_bag
 from skin_ident.recordings.declared import FILE_NAME, declared_beside
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.spread_table import is_spread_scan, read_spread_scan
+from skin_ident.recordings.storage import SUFFIXES as BAGS
 from skin_ident.recordings.storage import is_bag
 from skin_ident.recordings.table import read_table
 from skin_models.errors import TableError
 from skin_models.tables.text import SUFFIXES as TABLES
 from skin_models.tables.text import read_text
+
+RECORDED = (*BAGS, *TABLES)  # suffixes of files that may be recordings
 
 
 def load(
@@ -60,7 +63,7 @@ def _within(folder: Path) -> list[Path]:
             continue
         if entry.is_dir():
             found += [entry] if is_bag(entry) else _within(entry)
-        elif entry.suffix.lower() in (".mcap", ".db3", *TABLES) and not _is_prose(entry):
+        elif entry.suffix.lower() in RECORDED and not _is_prose(entry):
             found.append(entry)
     return found
 

@@ -10,7 +10,8 @@ from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.kinds import CAUSES, CONSTANT, STEPS
 from skin_ident.criticism.courses.run import least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
-from skin_ident.criticism.gates.resolution import converter_step
+from skin_ident.criticism.gates.gate import own_channels
+from skin_ident.criticism.gates.resolution import ROUNDED, converter_step
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.hardware import tare_does, zeros_do
 from skin_ident.criticism.search.named import Named
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 WORTH_SAYING = 0.2  # of a step
-ROUNDED = 0.5  # of one, by which a tare is off that reads once; sessions that share one may share more than that
 OFFSET, SHIFT = CAUSES[ZERO, CONSTANT], CAUSES[DEPTH, STEPS]
 
 
@@ -32,35 +32,32 @@ def take_tare(search: "Search", finding: Named) -> bool:
     if finding.courses and _is_zero(finding.cause):
         return False
     shared = _shared(search, finding)
-    found = {s.name: shared for s in search.train} if shared.any() else _instead(search, search.train, finding.explained, free=True)
+    found = shared or _instead(search, search.train, finding.explained, free=True)
     if not found:
         return False
     model = search.present.model
     search.train = added(search.train, added_by(found, model, search.train))
     search.present = fit(model, search.train, search.noise)
     held, model = search.held, search.present.model
-    if shared.any():
-        others = {s.name: shared for s in held}
-    else:
-        others = zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {}
+    others = shared or (zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {})
     search.held = added(held, added_by(others, model, held))
     _said(search, found | others)
     return True
 
 
-def _shared(search: "Search", finding: Named) -> np.ndarray:
-    """The zero of every channel, N, and of depth, m, (C + 1,), that a finding gives to all sessions alike, where it is within half a
-    step of the converters."""
-    channels = search.train[0].channels
-    zero = np.zeros(len(channels) + 1)
+def _shared(search: "Search", finding: Named) -> Zeros:
+    """The zero that a finding gives to all sessions alike, where it is no larger than one reading in steps leaves it: sessions that are
+    tared each do not share more."""
     if finding.cause != OFFSET or finding.model is None:
-        return zero
+        return {}
     offset = _offset_of(finding.model, finding) - _offset_of(finding.before, finding)
-    for i, channel in enumerate(channels):
-        own = place_of(channel, search.train[0].n_taxels)
-        zero[i] = offset if finding.where == own or own.startswith(f"{finding.where}_") else 0.0
-    steps = np.array([*(converter_step(search.train, c) for c in channels), 0.0])
-    return zero if np.all(np.abs(zero) <= ROUNDED * steps) else 0.0 * zero
+    channels = search.train[0].channels
+    own = [c in own_channels(finding.where, channels) for c in channels]
+    step = min((converter_step(search.train, c) for c, mine in zip(channels, own, strict=True) if mine), default=0.0)
+    if not 0.0 < abs(offset) <= ROUNDED * step:
+        return {}
+    zero = np.append(offset * np.array(own), 0.0)
+    return {s.name: zero for s in (*search.train, *search.held)}
 
 
 def _offset_of(model: Model, finding: Named) -> float:
