@@ -7,13 +7,16 @@ import pytest
 from scipy.optimize import lsq_linear
 from scipy.signal import lsim
 
-from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import unknowns, values, with_values
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import fit_whitener, white
+from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import signed_pursuit
+from skin_ident.criticism.search.search import Search
+from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.weighing import weighed, with_mass
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.parting import impacts, parted
@@ -23,6 +26,7 @@ from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
 from skin_models.effects.inertia import Inertia
 from skin_models.effects.stress_relaxation import StressRelaxation
+from skin_models.effects.time_shift import TimeShift
 from skin_models.model import Model
 from skin_models.model_file import model_to_dict
 from skin_models.signals import motion
@@ -110,6 +114,22 @@ def test_a_mass_that_hangs_explains_with_its_inertia_what_one_that_leans_does_no
     assert free.model.dispersion.m < 0.01
     assert free.model.effects[0].mass == pytest.approx(0.5, rel=0.02)
     assert free.cost < 0.5 * fit(leaning.model, weighed(sessions), noise).cost
+
+
+def test_a_cause_that_only_leads_out_of_a_false_minimum_is_not_taken():
+    """Driven by force, skin that seems to recover at once has no time constant that a small step could change."""
+    skin = replace(SILICONE, dispersion=replace(SILICONE.dispersion, m=0.0))
+    whole = recording(skin, 0.002)
+    sessions = [prepare(replace(whole, depth=None))]
+    search = Search(sessions, [], directions(sessions[0]), lambda stage: None)
+    search.noise = white([residual(skin, s) for s in sessions])
+    at_once = replace(skin, dispersion=replace(skin.dispersion, b1=0.0, b2=0.0))
+    search.present = search.baseline = Fit(at_once, (), {}, cost_of(at_once, sessions, search.noise), sessions[0].measured.size)
+    late = fit(skin.extended(TimeShift("clock_taxels", delay=1e-4)), sessions, search.noise)
+    finding = Named("time_shift", "clock_taxels", None, 1e4, ())
+    assert unstuck(search, late, finding) and not search.present.model.effects
+    assert search.baseline is search.present and search.present.cost < 1.1 * late.cost
+    assert not unstuck(search, late, finding)
 
 
 def test_unknowns_are_a_vector_and_back():

@@ -25,6 +25,7 @@ The method, in the order in which `diagnose` runs it:
     where that explains more (`search.growing`, `search.trial`). What comes within reach of the best, or is the same signal by nature, is
     reported beside it (`search.rivals`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
     Where none is believed alone, and hardware does nothing of the kind, two that hide each other are asked (`search.together`).
+    What only led the fit out of a false minimum is left out again (`search.unstuck`).
 8.  `gates` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves uncertain, by more than steps
     of encoder and converters, or a depth as noisy, leave open, and that noise of another colour is no shorter account of the record. What
     is there, and such as good hardware does, is said and not named (`search.hardware`), as is what training speaks for while others leave

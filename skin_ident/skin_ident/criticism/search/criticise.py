@@ -38,6 +38,7 @@ def criticise(
     first = survey(start, train, search.which)
     fitted = fit(first.model, train, first.noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
+    search.baseline = fitted
     search.run(fitted)
     while len(search.rounds) < search.most and exchange(search):
         search.run(search.present)
@@ -48,6 +49,6 @@ def criticise(
         baseline = fit(given, train, first.noise, 0)
     else:
         weighted = replace(first.model, effects=search.hanging)
-        baseline = fit(weighted, weighed(train, search.train[0].heaviest), first.noise) if search.train[0].free_mass else fitted
+        baseline = fit(weighted, weighed(train, search.train[0].heaviest), first.noise) if search.train[0].free_mass else search.baseline
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
     return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.seen)

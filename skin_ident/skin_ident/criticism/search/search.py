@@ -29,6 +29,7 @@ from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import Trial, plausible, same_by_nature, sized
+from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import counts_beside, held_again, lighter, settles, tells_more, weigh, weighed, with_mass
 from skin_ident.criticism.sessions.session import Session
@@ -63,6 +64,7 @@ class Search:
 
     def __post_init__(self) -> None:
         self.present: Fit  # the model so far, fitted, and the noise that was seen with it, both from `run` on
+        self.baseline: Fit  # what was fitted without any cause
         self.noise: Whitener
         self.named: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []
@@ -98,6 +100,8 @@ class Search:
             own, shared = self.choose(trials, runs)
             taken = own or shared
             if taken and take_tare(self, taken[1]):
+                continue
+            if shared and not own and unstuck(self, *shared):
                 continue
             alone = not taken and take_alone(self)
             if less and not (taken or alone or self.named):
