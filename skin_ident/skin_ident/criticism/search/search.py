@@ -65,6 +65,7 @@ class Search:
     def __post_init__(self) -> None:
         self.present: Fit  # the model so far, fitted, and the noise that was seen with it, both from `run` on
         self.baseline: Fit  # what was fitted without any cause
+        self.led: set[tuple[str, str]] = set()  # causes that only led out of a false minimum
         self.noise: Whitener
         self.named: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []

@@ -15,11 +15,12 @@ CAUGHT = 0.5  # of what a cause explains, from which the minimum was the cause
 def unstuck(search: "Search", after: Fit, finding: Named) -> bool:
     """Whether the model so far comes closer than it had, begun where the fit `after` with a cause has taken it, by more than half of what
     that cause seemed to explain, and was taken from there."""
-    if instances(search.present.model, *finding.key):
+    if finding.key in search.led or instances(search.present.model, *finding.key):
         return False
     plain = fit(lacking(after.model, *finding.key), search.train, search.noise)
     if search.present.cost - plain.cost < max(search.least(plain.count), CAUGHT * finding.explained):
         return False
+    search.led.add(finding.key)  # once each: the noise is seen anew every time, and a cost may rise again
     search.present = plain
     if not plain.model.effects:
         search.baseline = plain
