@@ -102,7 +102,7 @@ class Search:
             taken = own or shared
             if taken and take_tare(self, taken[1]):
                 continue
-            if shared and not own and unstuck(self, *shared):
+            if shared and unstuck(self, *shared):
                 continue
             alone = not taken and take_alone(self)
             if less and not (taken or alone or self.named):
