@@ -19,7 +19,7 @@ from skin_ident.criticism.search.search import Search
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.weighing import weighed, with_mass
 from skin_ident.criticism.sessions.band import Band
-from skin_ident.criticism.sessions.parting import impacts, parted
+from skin_ident.criticism.sessions.parting import JOLTED, impacts, parted
 from skin_ident.criticism.sessions.session import motion_under, prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.catalogue import effects
@@ -207,6 +207,6 @@ def test_a_jump_where_skin_is_met_again_is_left_out_with_its_last_sample():
     x = 0.6e-3 + 0.6e-3 * np.cos(2.0 * np.pi * 2.5 * T)
     response = SILICONE.simulate(motion(T, x))
     session = prepare(Recording("fast", T, x, response.force, response.taxels))
-    jumps = impacts(session.motion, SILICONE.dispersion)
+    jumps = impacts(session.motion, SILICONE.dispersion, JOLTED)
     rises = np.diff(response.force) > 0.3 * response.force.max()
     assert rises.sum() > 20 and jumps[1:][rises].mean() > 0.9

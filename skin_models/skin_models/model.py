@@ -282,11 +282,13 @@ class _Stepper:
         self.before, self.shift, self.surface, self.dt = before, before.shift, before.surface, dt
 
     def act(self, e: Effect, y: Any, s: Sample) -> Any:
+        """What an effect makes of a signal at this sample."""
         i = self.index[id(e)]
         self.states[i], y = e.step(self.before.effects[i], y, s, self.dt)
         return y
 
     def moved(self, s: Sample, x: float) -> Sample:
+        """The sample at the depth that the DEPTH effects make of it, and the speed that follows from the last one."""
         self.shift = x - s.x
         last = self.shift if self.before.shift is None else self.before.shift
         if x is s.x and isinstance(last, float) and last == 0.0:  # one contact, and nothing acts there
@@ -294,5 +296,6 @@ class _Stepper:
         return replace(s, x=x, v=s.v + (self.shift - last) / self.dt)
 
     def met(self, dispersion: Dispersion, tip: Sample) -> Surface:
+        """The skin's surface under the tip."""
         self.surface = dispersion.meet(self.before.surface, tip, self.dt)
         return self.surface

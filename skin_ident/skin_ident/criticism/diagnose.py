@@ -35,6 +35,7 @@ from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.weighing import said_of
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, motion_under, with_reference
+from skin_ident.criticism.sessions.thinner import at_every_sample, thinner
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
 from skin_ident.criticism.telemetry.noise_level import find_noise
@@ -212,7 +213,8 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
 
 
 def _split(sessions: list[Session], training: int) -> tuple[list[Session], list[Session]]:
-    """Training and held-out sessions; a lone one is both, in blocks."""
+    """Training and held-out sessions, of as many samples as a search needs; a lone one is both, in blocks."""
+    sessions = thinner(sessions)
     return _blocks(sessions[0]) if len(sessions) == 1 else (with_reference(sessions[:training]), sessions[training:])
 
 
@@ -226,10 +228,11 @@ def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
 
 
 def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
-    """The sessions, each with what was found to be its own; a lone session was criticised under two other names."""
+    """The sessions at full rate, each with what was found to be its own; a lone session was criticised under two other names."""
     own = {s.name: s for s in (*c.train, *c.held)}
     kept = [own.get(s.name, c.train[0]) for s in sessions]
-    return [replace(s, beyond=k.beyond, spread=k.spread, reference=k.reference) for s, k in zip(sessions, kept, strict=True)]
+    beyond = [k.beyond if k.beyond is None else at_every_sample(k.beyond, k, s) for s, k in zip(sessions, kept, strict=True)]
+    return [replace(s, beyond=b, spread=k.spread, reference=k.reference) for s, b, k in zip(sessions, beyond, kept, strict=True)]
 
 
 def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> Model:
@@ -244,7 +247,7 @@ def _trace(c: Criticism, shown: Model, s: Session, own: Session, held: bool) -> 
     before, after = simulated(c.baseline.model, s), simulated(shown, own)
     moved = motion_under(s, c.extended.model.dispersion)
     seen = believed(s.name, c)
-    left_out = None if seen is None else 1.0 - np.round(np.interp(moved.t, s.t, seen))
+    left_out = None if seen is None else 1.0 - np.round(np.interp(moved.t, *seen))
     return Trace(s.name, held, moved.t, moved.x, moved.v, s.channels, s.raw, before, after, left_out)
 
 

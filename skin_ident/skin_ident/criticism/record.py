@@ -13,6 +13,7 @@ from skin_ident.criticism.search.weighing import weighed
 from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import Session, prepare
+from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.copied import copies_among, emptied, find_copies
@@ -165,9 +166,9 @@ def _beside(rows: list[np.ndarray], recordings: list, symptoms: list[Symptom]) -
 
 def _first_fit(sessions: list[Session]) -> tuple[Model, list[np.ndarray]]:
     """A first model, and what it says of every session (C, N), N, at full rate."""
-    start = dispersion_start(sessions)
-    noise = noise_of(start, sessions)
-    first = fit(start, sessions, noise, 4).model
+    few = thinner(sessions)
+    start = dispersion_start(few)
+    first = fit(start, few, noise_of(start, few), 4).model
     return first, [simulated(first, s) for s in sessions]
 
 

@@ -71,10 +71,12 @@ class _Walk:
         self.fixed.append((0, 2))
 
     def message(self, kind: str, path: str) -> None:
+        """Walk the fields of a message of this kind, one after the other."""
         for name, description in self.definitions[kind][1]:
             self.item(f"{path}.{name}" if path else name, *description)
 
     def item(self, path: str, node: Nodetype, content) -> None:
+        """Walk one field: a message, a number or text, or an array of either."""
         if node == Nodetype.NAME:
             self.message(content, path)
         elif node == Nodetype.BASE:
@@ -97,9 +99,11 @@ class _Walk:
         return value
 
     def align(self, size: int) -> None:
+        """Skip the padding before a number of so many bytes; it is counted from behind the header."""
         self.at += (4 - self.at) % size
 
     def run(self, path: str, base: str, count: int) -> None:
+        """Walk so many numbers or texts of one type."""
         if base == "string":
             for _ in range(count):
                 size = self.length()

@@ -84,13 +84,16 @@ class _Option:
 
     @property
     def seconds(self) -> float:
+        """How long the session lasts."""
         return sum(p.seconds for p in self.parts)
 
     def and_then(self, other: "_Option") -> "_Option":
+        """Both in one session."""
         return _Option((*self.parts, *other.parts), self.new + other.new)
 
     @property
     def name(self) -> str:
+        """Of the session: its candidates, those that come again counted."""
         counted = Counter(p.name for p in self.parts)
         return " and ".join(name if n == 1 else f"{name}, {n} times" for name, n in counted.items())
 

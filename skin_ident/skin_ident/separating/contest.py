@@ -115,6 +115,7 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
         t,
         np.zeros(shape),
         weight,
+        motion.dt,
         drive,
         like.drive_noise,
         like.spread,

@@ -32,6 +32,7 @@ class Family:
 
     @property
     def names(self) -> tuple[str, ...]:
+        """Of the entries that `shares` takes."""
         layout = self.layout
         scales = tuple(f"scale_{s}" for s in range(len(layout.contacts)))
         shifts = tuple(f"shift_{a}" for a in range(len(layout.axes)))

@@ -49,7 +49,7 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     names = (*names, "m") if session.free_mass else names
-    under_taxels, in_all = least_damping(model.dispersion, LATE * session.motion.dt)
+    under_taxels, in_all = least_damping(model.dispersion, LATE * session.period)
     beside = "b1" if "b1" in names else ""  # material tests know b2 alone
     least = {"b1": under_taxels, "b2": in_all if beside else in_all - model.dispersion.b1} if session.drive is None else {}
     most = {"m": session.heaviest}

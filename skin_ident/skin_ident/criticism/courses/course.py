@@ -210,7 +210,7 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
     step = converter_step(g.sessions, g.sessions[0].channels[course.rows[0]]) if course.carrier == ZERO else 0.0
-    return Run(course, score, charge, largest, values, said, g.sessions[0].motion.dt, step, moments, z)
+    return Run(course, score, charge, largest, values, said, g.sessions[0].period, step, moments, z)
 
 
 def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -124,7 +124,7 @@ def _beat(sessions: list[Session], encoder_step: float) -> float:
     squares = [np.zeros(1)]
     for s in sessions if encoder_step > 0.0 else ():
         passed = _even(np.abs(_speed(s)), s) / encoder_step  # steps a second
-        whole = np.round(passed * s.motion.dt) / s.motion.dt
+        whole = np.round(passed * s.period) / s.period
         f = np.where(whole > 0.0, np.abs(passed - whole), np.inf)
         f = np.where(f < s.band.edge, np.maximum(f, 1e-9), np.inf)
         harmonics = np.floor(s.band.edge / f)
@@ -135,9 +135,9 @@ def _beat(sessions: list[Session], encoder_step: float) -> float:
 def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float, float]:
     """What steps of the depth make of its speed within the band, m/s: a stage at rest trembles between them, evenly up to the band's edge;
     one that moves is rounded at every sample, evenly up to half the sampling rate."""
-    band = sessions[0].band
+    band, period = sessions[0].band, sessions[0].period
     per_length = 2.0 * np.pi * band.edge / np.sqrt(3.0) / np.sqrt(12.0)
-    return per_length * min(encoder_step, TREMBLING), per_length * encoder_step * float(np.sqrt(2.0 * band.edge * band.dt))
+    return per_length * min(encoder_step, TREMBLING), per_length * encoder_step * float(np.sqrt(2.0 * band.edge * period))
 
 
 def _fall_in(part: Part, channel: str, before: Model, after: Model, sessions: list[Session]) -> float:

@@ -37,10 +37,12 @@ class Direction:
 
     @property
     def cause(self) -> str:
+        """Of the effect, as CAUSES names it."""
         return self.effect.cause
 
     @property
     def where(self) -> str:
+        """Where the effect acts."""
         return self.effect.where
 
     @property

@@ -73,7 +73,7 @@ def _drives(t: Trial, sessions: list[Session]) -> bool:
     if not instances(t.fit.model, *DAMPING):
         return False
     without, skin = lacking(t.fit.model, *DAMPING), t.fit.model.dispersion
-    under_taxels, in_all = least_damping(skin, LATE * sessions[0].motion.dt)
+    under_taxels, in_all = least_damping(skin, LATE * sessions[0].period)
     spare = [(0, skin.b1 + skin.b2 - in_all)] if "force" in sessions[0].channels else []
     if t.fit.model.shares:
         spare.append((int(np.argmax(t.fit.model.shares)) - len(t.fit.model.shares), skin.b1 - under_taxels))
@@ -117,7 +117,7 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
         others += [*STIFFER, *([SWALLOWED] if max(e.closing for e in joints) < CLOSES * deepest else [])]
     elif any(isinstance(e, (DampedMount, YieldingMount)) for e in mine):
         others.append(RELAXATION)
-    if where in ("skin", "rig") and any(getattr(e, name, np.inf) < sessions[0].motion.dt for e in mine for name in ("tau", "late")):
+    if where in ("skin", "rig") and any(getattr(e, name, np.inf) < sessions[0].period for e in mine for name in ("tau", "late")):
         others.append(LATE_DEPTH)
     tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
     return tuple(tried.get(other) or Rival(*other, 0.0) for other in others if other not in said)

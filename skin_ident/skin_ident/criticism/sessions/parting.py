@@ -14,6 +14,7 @@ from skin_models.dispersion import Dispersion
 from skin_models.signals import Motion
 
 JUMP = 0.03  # of the greatest force
+JOLTED = 2  # samples, as they were recorded, about such a contact
 RECOVERED = 0.003  # of the greatest depth
 RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s
 SHALLOW = 0.1  # of the greatest depth
@@ -33,7 +34,7 @@ def without_parting(session: Session, skin: Dispersion) -> Session:
 def _left_behind(session: Session, skin: Dispersion) -> np.ndarray:
     """Mask (N,) of the samples to leave out where depth drives the test."""
     s, slow = session.motion, _slower(skin, PARTING)
-    left_out = parted(s, skin) | impacts(s, skin)
+    left_out = parted(s, skin) | impacts(s, skin, int(np.ceil(JOLTED * session.period / s.dt)))
     surface = slow.surface(s)
     above = ~surface.touched & (surface.depth > RECOVERED * s.x.max())
     return left_out | above if (above & ~left_out).any() and _silent(session, skin) else left_out
@@ -95,13 +96,14 @@ def parted(s: Motion, skin: Dispersion) -> np.ndarray:
     return (s.x > 0.0) & ~_slower(skin, PARTING).contact(s)
 
 
-def impacts(s: Motion, skin: Dispersion) -> np.ndarray:
-    """Mask (N,) of samples beside a contact made or lost at a speed whose damping force alone is more than `JUMP` of the greatest force."""
+def impacts(s: Motion, skin: Dispersion, beside: int) -> np.ndarray:
+    """Mask (N,) of samples up to so many `beside` a contact made or lost at a speed whose damping force alone is more than `JUMP` of the
+    greatest force."""
     greatest = (skin.k1 + skin.k2) * max(float(s.x.max()), 1e-9)
     fast = np.abs((skin.b1 + skin.b2) * s.v) > JUMP * greatest
     touching = (s.x > 0.0) & ~parted(s, skin)
     edges = np.diff(touching.astype(int), prepend=int(touching[0])) != 0
-    return np.convolve(edges & fast, np.ones(5), mode="same") > 0.5
+    return np.convolve(edges & fast, np.ones(2 * beside + 1), mode="same") > 0.5
 
 
 def meeting(s: Motion, skin: Dispersion, around: int = 8) -> np.ndarray:

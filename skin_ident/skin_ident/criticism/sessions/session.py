@@ -37,6 +37,7 @@ class Session:
     t: np.ndarray
     measured: np.ndarray
     weight: np.ndarray
+    period: float  # s, between samples as they were recorded
     drive: np.ndarray | None = None
     drive_noise: float = 0.0  # N rms of it in the common band, as far as it is white
     spread: np.ndarray | None = None  # (T,), what `Model.shares` is multiplied by, where sessions press at different places
@@ -51,6 +52,7 @@ class Session:
 
     @property
     def n_taxels(self) -> int:
+        """How many of the channels are taxels."""
         return sum(c.startswith("taxel") for c in self.channels)
 
     @property
@@ -76,7 +78,7 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     bridged = np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)])
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
-    rows, kept, driven = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight), (drive, drive_noise)
+    rows, kept, driven = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight, recording.dt), (drive, drive_noise)
     steps = tuple(recording.step(c) or 0.0 for c in channels)
     return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact, steps=steps)
 

@@ -147,17 +147,18 @@ def moved(after: Model, before: Model, c: Criticism) -> dict[str, Any]:
     }
 
 
-def believed(name: str, c: Criticism) -> np.ndarray | None:
-    """Which samples (n,) of a session, filtered and thinned, were compared; None for a session that is not there."""
+def believed(name: str, c: Criticism) -> tuple[np.ndarray, np.ndarray] | None:
+    """The instants (n,) of a session, filtered and thinned, and which of them were compared; None for a session that is not there."""
     mine = [s for s in (*c.train, *c.held) if s.name in (name, name + FITTED, name + KEPT)]
-    return np.any([s.weight.min(axis=0) > 0.0 for s in mine], axis=0) if mine else None
+    return (mine[0].t, np.any([s.weight.min(axis=0) > 0.0 for s in mine], axis=0)) if mine else None
 
 
 def _compared(name: str, c: Criticism) -> dict[str, Any]:
     """How many samples of a recording (filtered and thinned) were compared, and how many were not."""
-    seen = believed(name, c)
-    if seen is None:
+    told = believed(name, c)
+    if told is None:
         return {}
+    seen = told[1]
     kept, out = int(seen.sum()), int((~seen).sum())
     because = "plunger and skin may have parted or met with a jump, or the record is wrong there"
     return {"compared": {"samples": kept, "left_out": out, **({"because": because} if out else {})}}

@@ -1,0 +1,56 @@
+"""Fewer samples than were recorded, for the search: the common band ends where a fraction of a fast record's rate would do.
+
+A search simulates every session thousands of times. What it compares ends at 8 Hz, and the depth that effects see at 20 Hz, so that of a
+record of 1 kHz four samples in five only cost time. Its telemetry is read at full rate, and so is what is drawn.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import firwin
+
+from skin_ident.criticism.sessions.band import Band
+from skin_ident.criticism.sessions.session import Session
+
+ENOUGH_HZ = 200.0
+HALF, BETA = 2, 5.0  # of the low-pass before, half its length in samples that are kept, and its Kaiser window: flat up to 20 Hz
+BELIEVED = 0.999  # of a sample that lies between two of the record's band, which must both be
+
+
+def thinner(sessions: list[Session]) -> list[Session]:
+    """The sessions with as few samples as a search needs: those of `ENOUGH_HZ` or the next higher rate that keeps one in so many."""
+    every = [one_in(s) for s in sessions]
+    slowest = max(k * s.motion.dt for k, s in zip(every, sessions, strict=True))
+    return [s if k == 1 else _thinner(s, k, slowest) for k, s in zip(every, sessions, strict=True)]
+
+
+def one_in(session: Session) -> int:
+    """Of how many samples of the session one is enough."""
+    return max(1, int(1.0 / (ENOUGH_HZ * session.motion.dt) + 1e-6))
+
+
+def at_every_sample(rows: np.ndarray, few: Session, session: Session) -> np.ndarray:
+    """`rows` (C, n) of a session of fewer samples at all samples of the recorded one, (C, N)."""
+    return rows if few.motion.t.size == session.motion.t.size else np.array([np.interp(session.motion.t, few.motion.t, y) for y in rows])
+
+
+def _thinner(s: Session, every: int, slowest: float) -> Session:
+    kept = {name: getattr(s.motion, name)[::every] for name in ("t", "x", "v", "a")}
+    m = replace(s.motion, dt=s.motion.dt * every, **kept)
+    band = Band(m.dt, s.band.cutoff, slowest)
+    raw, bridged = _decimated(s.raw, every), _decimated(s.bridged, every)
+    t = band.times(m.t)
+    weight = np.array([np.interp(t, s.t, w) for w in s.weight]) > BELIEVED
+    drive = None if s.drive is None else s.drive[::every]  # in the band that effects see
+    beyond = None if s.beyond is None else _decimated(s.beyond, every)
+    rows = {"raw": raw, "bridged": bridged, "measured": band.thin(bridged), "weight": weight.astype(float), "beyond": beyond}
+    return replace(s, motion=m, band=band, t=t, drive=drive, **rows)
+
+
+def _decimated(rows: np.ndarray, every: int) -> np.ndarray:
+    """One in so many samples of `rows` (C, N), low-passed so that nothing is folded into the band of the depth; ends extended."""
+    half = HALF * every
+    taps = firwin(2 * half + 1, 1.0 / every, window=("kaiser", BETA))
+    padded = np.pad(rows, ((0, 0), (half, half)), mode="reflect", reflect_type="odd")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, taps.size, axis=1)[:, ::every]
+    return windows @ taps
