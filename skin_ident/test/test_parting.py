@@ -8,6 +8,8 @@ import pytest
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.sessions.band import Band
+from skin_ident.criticism.sessions.parting import beside_partings
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.telemetry.quantization import depth_resolution, white_noise
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
@@ -106,3 +108,15 @@ def test_noise_of_the_depth_is_read_beside_its_motion(seed):
     assert white_noise(trembling) == pytest.approx(noise, rel=0.1)
     coarse = recorded(seed, step_um=5.0)
     assert depth_resolution([coarse]) == pytest.approx(5e-6, rel=0.2)
+
+
+@pytest.mark.parametrize(("seconds", "mixed"), [(0.1, True), (8.0, False)])
+def test_a_whole_movement_between_two_jumps_is_mixed_with_them(seconds, mixed):
+    """Pressed at once a skin says nothing of its movement that the common low-pass could tell from the jump it begins with."""
+    t = np.arange(4000) / 200.0
+    x = np.interp(t, [1.0, 1.0 + seconds], [-0.5e-3, 1.5e-3])
+    force, taxel = (b * np.gradient(x, t) * (x > 0.0) + k * np.maximum(x, 0.0) for b, k in ((1482.0, 11152.0), (843.0, 8529.0)))
+    beside = beside_partings(prepare(Recording("pressed", t, x, force, taxel[None])), SKIN)
+    moving = (x > 0.1e-3) & (x < 1.4e-3)
+    assert beside[moving].all() if mixed else beside[moving].mean() < 0.1
+    assert not beside[t > 1.5 + seconds].any()

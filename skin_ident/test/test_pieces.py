@@ -111,6 +111,18 @@ def test_columns_that_are_exchanged_for_a_stretch_are_told(tmp_path, begin, end)
     assert np.mean(mask) < 1.2 * (end - begin) and np.array_equal(mask, other)
 
 
+def test_columns_that_are_exchanged_for_half_a_second_are_told(tmp_path):
+    def crossed(s, rng):
+        y = s.taxels.copy()
+        loaded = np.convolve(np.abs(y[:, 0] - y[:, 1]), np.ones(50), mode="valid")
+        at = slice(int(np.argmax(loaded)), int(np.argmax(loaded)) + 50)
+        y[at] = y[at, ::-1]
+        return replace(s, taxels=y)
+
+    (found,) = inspect(record(tmp_path, crossed, 3, noise="white")).symptoms
+    assert found.evidence["kind"] == "exchanged columns" and found.bad["session_1.tsv", "taxel_0"].sum() == pytest.approx(50, abs=5)
+
+
 def test_two_gains_that_change_at_once_are_not_exchanged_columns(tmp_path):
     def other_gains(s, rng):
         y = s.taxels.copy()

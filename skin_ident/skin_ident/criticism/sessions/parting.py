@@ -31,6 +31,13 @@ def without_parting(session: Session, skin: Dispersion) -> Session:
     return replace(session, band=band, measured=band.thin(session.bridged), weight=session.weight * kept)
 
 
+def beside_partings(session: Session, skin: Dispersion) -> np.ndarray:
+    """Mask (N,) of the samples about those moments which the common low-pass would mix with them: where they hold a whole movement, what a
+    model says of it was not fitted to anything."""
+    kept = without_parting(session, skin).weight
+    return np.interp(session.motion.t, session.t, np.any((session.weight > 0.0) & (kept == 0.0), axis=0)) > 0.5
+
+
 def _left_behind(session: Session, skin: Dispersion) -> np.ndarray:
     """Mask (N,) of the samples to leave out where depth drives the test."""
     s, slow = session.motion, _slower(skin, PARTING)

@@ -13,9 +13,10 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.other_units import slope
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
-LEAST_S = 1.0  # that a stretch lasts
+LEAST_S, LONG_S = 0.2, 1.0  # that a stretch lasts, and one that is long
 FOLLOWS = 0.3  # of what the channels leave as they are, the most that they may leave exchanged
-FAR = 3.0  # times what they leave elsewhere, the least that they leave as they are, and the most that other channels may leave
+FAR, FARTHER = 3.0, 10.0  # times what they leave elsewhere, the least that they leave as they are, and in a short one;
+WITH = 3.0  # the most that other channels may leave
 LOUD, LESS = 2.0, 0.6  # times what a pair usually leaves, and of that: enough to be asked
 TURNS = 3  # times that stretch and shares are told from each other: the model was fitted to both
 
@@ -54,12 +55,14 @@ def _of_pair(sessions: list[Session], rest: list[np.ndarray], i: int, j: int) ->
         slopes = _slopes(y, model, crossed)
     elsewhere = np.sqrt(np.mean([_left(m - slopes * u, ~mask) ** 2 for m, u, mask in zip(y, model, crossed, strict=True)], axis=0))
     for s, m, u, e, mask in zip(sessions, y, model, rest, crossed, strict=True):
-        if mask.sum() * s.motion.dt < LEAST_S:
+        seconds = mask.sum() * s.motion.dt
+        if seconds < LEAST_S:
             continue
+        far = FAR if seconds >= LONG_S else FARTHER
         as_is, exchanged = _left(m - slopes * u, mask), _left(m - (slopes * u)[::-1], mask)
         others = np.delete(e, [i, j], axis=0)
-        alone = bool(np.all(_left(others, mask) < FAR * np.maximum(_left(others, ~mask), 1e-12)))
-        if alone and np.all(as_is > FAR * elsewhere) and np.all(exchanged < FOLLOWS * as_is):
+        alone = bool(np.all(_left(others, mask) < WITH * np.maximum(_left(others, ~mask), 1e-12)))
+        if alone and np.all(as_is > far * elsewhere) and np.all(exchanged < FOLLOWS * as_is):
             yield _symptom(s, s.channels[i], s.channels[j], mask)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from skin_ident.criticism.baseline.residual import placed, stiffness
-from skin_ident.criticism.sessions.parting import meeting
+from skin_ident.criticism.sessions.parting import beside_partings, meeting
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.other_units import in_other_units
 from skin_ident.criticism.telemetry.peaks import LASTING_S, Piece, clipped_peaks, listed, samples_of
@@ -60,7 +60,7 @@ def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> It
     moved = motion_under(s, model.dispersion)
     n = max(round(LASTING_S / moved.dt), 8)
     far, near = (uniform_filter1d((np.abs(rest) > limit * width).astype(float), n, axis=1) for limit in (FAR, NEAR))
-    met, jolted = meeting(moved, model.dispersion), _jolted(moved)
+    met, jolted = meeting(moved, model.dispersion) | beside_partings(s, model.dispersion), _jolted(moved)
     here = placed(model, s)
     k = np.array([stiffness(here, channel) for channel in s.channels])
     for c, channel in enumerate(s.channels):
