@@ -42,6 +42,13 @@ def test_a_tone_in_the_band_is_found(tmp_path, tone, lines):
     assert found[0].evidence["lines"][: len(lines)] == pytest.approx(lines, abs=0.1)
 
 
+def test_where_the_encoder_is_coarse_a_tone_that_goes_on_at_rest_is_found(tmp_path):
+    """Its steps leave lines of their own while the stage moves."""
+    sessions = [replace(s, x=2e-5 * np.round(s.x / 2e-5)) for s in humming(lambda t: np.sin(2 * np.pi * 7.3 * t), 0.08)]
+    (found,) = named(tmp_path, sessions)
+    assert found.where == "load_cell" and found.parameters["frequency"]["value"] == pytest.approx(7.3, abs=0.01)
+
+
 def test_a_steady_tone_has_its_amplitude(tmp_path):
     (found,) = named(tmp_path, humming(two, 0.08))
     assert found.parameters["amplitude"]["value"] == pytest.approx(0.08, rel=0.1)

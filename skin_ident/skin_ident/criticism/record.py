@@ -88,9 +88,8 @@ def inspect(recordings: list) -> Inspected:
         early = [*early, *crossed]
         sessions = [prepare(r, bad_samples(r, early), common) for r in mended]
         first, predicted = _first_fit(sessions)
-    late = _in_residuals(first, predicted, mended, sessions, [s for s in early if s.cause == "data_error"])
-    if any(s.where == "rig" for s in coarse):  # whose steps at constant speed leave lines of their own
-        late = [s for s in late if s.cause != "interference"]
+    stepped = any(s.where == "rig" for s in coarse)
+    late = _in_residuals(first, predicted, mended, sessions, [s for s in early if s.cause == "data_error"], stepped)
     early, late = _between_levels(early, late)
     dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
     early = [s for s in early if s.cause != "quantization" or not dead & set(s.channels)]
@@ -136,10 +135,10 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
 
 
 def _in_residuals(
-    first: Model, predicted: list[np.ndarray], recordings: list, sessions: list[Session], known: list[Symptom]
+    first: Model, predicted: list[np.ndarray], recordings: list, sessions: list[Session], known: list[Symptom], stepped: bool
 ) -> list[Symptom]:
-    """What shows in measured less `predicted` by the `first` fit, at full rate, beside what is `known`; outliers are taken out before the
-    rest is looked for."""
+    """What shows in measured less `predicted` by the `first` fit, at full rate, beside what is `known`, where depth may be read in coarse
+    steps (`stepped`); outliers are taken out before the rest is looked for."""
     wrong = [bad_samples(r, known) for r in recordings]
     raw = [np.where(b, m, s.raw) for s, m, b in zip(sessions, predicted, wrong, strict=True)]
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
@@ -155,7 +154,7 @@ def _in_residuals(
     pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in known]
     rest = _beside(rest, recordings, [*outliers, *pieces])
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]
-    lines = find_interference(channels, [rest[i] for i in alike], [predicted[i] for i in alike], dt, n)
+    lines = find_interference(channels, [rest[i] for i in alike], [predicted[i] for i in alike], dt, n, stepped)
     return [*outliers, *pieces, *clipped, *lines]
 
 

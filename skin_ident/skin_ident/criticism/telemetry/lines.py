@@ -42,12 +42,20 @@ class Line:
 
 
 def find_interference(
-    channels: tuple[str, ...], residuals: list[np.ndarray], predicted: list[np.ndarray], dt: float, n_taxels: int
+    channels: tuple[str, ...],
+    residuals: list[np.ndarray],
+    predicted: list[np.ndarray],
+    dt: float,
+    n_taxels: int,
+    stepped: bool = False,
 ) -> list[Symptom]:
-    """Periodic disturbances per channel, from measured less simulated and simulated rows (C, N) at full rate; one symptom per channel."""
+    """Periodic disturbances per channel, from measured less simulated and simulated rows (C, N) at full rate; one symptom per channel.
+
+    Where depth is read in such steps (`stepped`) that they leave lines of their own, only what goes on at rest is believed.
+    """
     found = []
     for c, channel in enumerate(channels):
-        lines = _lines([e[c] for e in residuals], [m[c] for m in predicted], dt)
+        lines = _lines([e[c] for e in residuals], [m[c] for m in predicted], dt, stepped)
         if lines:
             found.append(_symptom(channel, lines, len(residuals), n_taxels))
     return found
@@ -68,10 +76,11 @@ def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
     return 2.0 * float(np.abs(np.sum((e - e.mean()) * taper * np.exp(-2j * np.pi * frequency * dt * np.arange(e.size))))) / taper.sum()
 
 
-def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> list[Line]:
+def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float, doubtful: bool) -> list[Line]:
     """What stands in the rows (N,) of one channel, the tallest first, less what the motion brings.
 
-    Where it brings one line it may bring lesser ones, of which nothing simple knows: then only what goes on at rest is believed.
+    Where it brings one line it may bring lesser ones, of which nothing simple knows: then only what goes on at rest is believed, as from
+    the start where the motion is `doubtful`.
     """
     n = min(e.size for e in rows)
     frequency = np.fft.rfftfreq(n, dt)
@@ -82,7 +91,7 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float) -> li
     ratio[np.mean(np.array(near) > SEEN, axis=0) <= MOST_SESSIONS] = 0.0
     ratio[(frequency < max(LOWEST_HZ, FEWEST_CYCLES / (n * dt))) | (frequency > frequency[-1] - 2.0 / (n * dt))] = 0.0
     limit = 1.0 - np.log(CHANCE / n) / len(rows) if len(rows) > 1 else -np.log(CHANCE / n)
-    lines, doubtful = [], False
+    lines = []
     for _ in range(MOST):
         i = int(np.argmax(ratio))
         tall = float(ratio[i])
