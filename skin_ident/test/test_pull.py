@@ -8,10 +8,12 @@ from hide_and_seek import seek
 
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.telemetry.faults import effect_of
-from skin_ident.criticism.telemetry.pull import find_pull
+from skin_ident.criticism.telemetry.pull import find_pull, is_pulled
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
+from skin_models.effects.adhesion import Adhesion
 from skin_models.model import Model
+from skin_models.signals import motion
 
 
 @pytest.mark.parametrize("form", ["pull_off", "jkr"])
@@ -63,3 +65,14 @@ def test_a_rig_that_drags_in_the_air_too_pulls_at_nothing():
     for more, found in ((drags, []), (holds, ["adhesion"])):
         symptoms = find_pull(Model(skin, (1.0,)), [prepare(Recording("a", t, x, force + more, taxel[None]))])
         assert [s.cause for s in symptoms] == found
+
+
+def test_a_model_that_pulls_where_nothing_does_is_seen_through():
+    rng, t = np.random.default_rng(2), np.arange(12000) / 250.0
+    plain = Model(Dispersion(m=0.0, b1=1.0, k1=900.0, b2=1.0, k2=600.0), shares=(1.0,))
+    pulling = plain.extended(Adhesion("skin", pull_sensed=0.5, pull_dispersed=0.3, reach=1e-4))
+    x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
+    for truth in (plain, pulling):
+        y = truth.simulate(motion(t, x))
+        force, taxels = (z + rng.normal(0.0, 0.01, z.shape) for z in (y.force, y.taxels))
+        assert is_pulled(pulling, plain, [prepare(Recording("a", t, x, force, taxels))]) == (truth is pulling)

@@ -12,6 +12,7 @@ from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.pull import is_pulled
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.mount_compliance import DampedMount, JointedMount, YieldingMount
 from skin_models.parameter import AMPLITUDE, parameters_of
@@ -24,7 +25,7 @@ HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
 MEMORY = ((HYSTERESIS, RELAXATION), (RELAXATION, HYSTERESIS))
 LATE_DEPTH = ("time_shift", "clock_depth")
 OFFSET, SWALLOWED = ("position_offset", "rig"), ("dead_zone", "skin")
-DAMPING = ("rate_dependence", "skin")
+DAMPING, ADHESION = ("rate_dependence", "skin"), ("adhesion", "skin")
 STIFFER = (("nonlinear_stiffness", "skin"), DAMPING)
 
 
@@ -52,12 +53,14 @@ class Trial:
 def plausible(t: Trial, sessions: list[Session]) -> bool:
     """Whether the load cell feels an effect of the skin as the taxels do: what reaches a taxel has passed the load cell, but for what the
     skin hands round the taxels. Whether the skin is no filter, no brake and no motor. Whether what leaks from one taxel into another is of
-    one sign with it. And whether a spread grows with depth or shrinks, not both."""
+    one sign with it. Whether a spread grows with depth or shrinks, not both. And whether skin that pulls is seen to."""
     if t.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(t.fit.model, *t.key)):
         return False
     if len({np.sign(getattr(e, "growth", 0.0)) for e in instances(t.fit.model, "spread_depth", "skin")}) > 1:
         return False
     if unlike_skin(t.fit.model) or _drives(t, sessions):
+        return False
+    if t.key == ADHESION and not is_pulled(t.fit.model, lacking(t.fit.model, *t.key), sessions):
         return False
     channels = sessions[0].channels
     if t.ranked.where != "skin" or t.ranked.cause.startswith(("spread", "dead_zone")) or "force" not in channels or len(channels) == 1:

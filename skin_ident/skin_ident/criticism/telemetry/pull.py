@@ -22,6 +22,7 @@ NEAR_S = 8.0  # of air around it, by which the sensor's zero is judged
 CLEAR = 2.5  # widths of what the model leaves, at each of most leavings
 AGREE = 0.6  # of the leavings that must show it, in the sessions together
 FEWEST = 4  # leavings
+SHOWN = 0.3  # of what a model says, the least that readings must fall
 REACHES = (0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3)  # m
 SMOOTH = 3  # samples that a pull must last
 IN = 0.3  # of the greatest speed in the air, from which the plunger is on its way in
@@ -54,6 +55,20 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     depths = [one.depth for one, yes in zip(leavings, shown, strict=True) if yes]
     found = _symptom(model, sessions[0], dips[shown], carried, depths, len(leavings))
     return [_as_simulated(found, model, sessions, rest)]
+
+
+def is_pulled(pulling: Model, without: Model, sessions: list[Session]) -> bool:
+    """Whether the first channel falls at leavings about as a model says that is `pulling`, beside the same `without` the pull; True where
+    too few leavings tell."""
+    if any(s.drive is not None for s in sessions):
+        return True
+
+    def lowest(s: Session) -> list[float]:
+        return [float(one.dips[0]) for one in _leavings(without, s, s.raw - simulated(without, s))]
+
+    read = [dip for s in sessions for dip in lowest(s)]
+    said = [dip for s in sessions for dip in lowest(replace(s, raw=simulated(pulling, s)))]
+    return len(read) < FEWEST or bool(np.median(read) <= SHOWN * np.median(said))
 
 
 def _as_simulated(found: Symptom, model: Model, sessions: list[Session], rest: list[np.ndarray]) -> Symptom:
