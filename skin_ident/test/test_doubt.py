@@ -23,3 +23,14 @@ def test_doubt_is_said_and_excludes_nothing_there(tmp_path, hide, seed, taxels, 
     assert findings["findings"] == [] and findings["verdict"] == "nothing_wrong"
     assert [words in u["because"] for u in findings["untestable"] if (u["cause"], u.get("where")) == (cause, where)] == [True]
     assert (cause, where) not in {(e["cause"], e.get("where")) for e in findings["excluded"]}
+
+
+def test_what_may_be_the_imperfect_form_of_a_larger_cause_is_in_doubt(tmp_path):
+    """A loop of a taxel as large as the noise, under relaxation of six times that: in no form is that quite the skin's."""
+    hidden = [Hide("stress_relaxation", "skin", None, 6.0), Hide("hysteresis", "taxel_0", None, 1.0)]
+    write_case(make_sessions(hidden, seed=2, protocol="full")[0], tmp_path)
+    recordings = load(tmp_path)
+    findings = diagnose(recordings[:2], recordings[2:]).findings
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("stress_relaxation", "skin")]
+    doubts = [u for u in findings["untestable"] if u.get("in_doubt")]
+    assert [(u["cause"], u["where"]) for u in doubts] == [("hysteresis", "taxel")] and "imperfect form" in doubts[0]["because"]

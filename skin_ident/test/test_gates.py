@@ -12,7 +12,7 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain
 from skin_ident.criticism.gates.resolution import held_depths, of_the_converter, of_the_drive, resolved, unread_depth, unread_force
-from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
+from skin_ident.criticism.gates.second_opinion import all_in_turn, at_any_scale, halves_in_turn
 from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.hardware import encoder_does, stage_is_off
 from skin_ident.criticism.search.own import own_course
@@ -186,6 +186,18 @@ def test_what_held_out_data_leave_in_doubt_is_asked_of_all_sessions_in_turn():
     assert together.passed and together.lower > alone.lower and together.held_out == "every session in turn"
     played = fit(after.extended(Backlash("rig", gap=5e-6)), train, noise).model
     assert not all_in_turn(after, played, train, held, noise).passed
+
+
+def test_a_contact_of_its_own_does_not_hide_what_a_held_out_session_says():
+    """A tenth more in the taxel of one session: what bends all is farther off there by the scale alone, and still what bends all."""
+    bent = replace(PLAIN, effects=(PowerStiffness("skin", force_sensed=0.3, exponent=2.0),))
+    *train, other = (recorded(bent, seed=seed) for seed in (1, 2, 3))
+    train, held = [prepare(r) for r in train], [prepare(replace(other, taxels=1.1 * other.taxels))]
+    noise = fit_whitener([residual(bent, s) for s in train], train)
+    before, after = (fit(m, train, noise).model for m in (PLAIN, bent))
+    assert at_any_scale(before, after, train, held, noise).passed
+    played = fit(after.extended(Backlash("rig", gap=5e-6)), train, noise).model
+    assert not at_any_scale(after, played, train, held, noise).passed
 
 
 def test_where_a_lone_session_was_fitted_there_is_no_second_opinion():

@@ -48,7 +48,8 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen
     open_to = {u["cause"] for u in reasons}  # here, for a search that knows no layout has excluded forms of it that are no shift or leak
     able = [e for e in findings["excluded"] if e["cause"] not in named | open_to] + bounds
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
-    kept = [u for u in findings["untestable"] if u["cause"] not in named and (_about(u) in seen or _about(u) not in decided)]
+    mine = [u for u in findings["untestable"] if u["cause"] not in named or u.get("in_doubt")]
+    kept = [u for u in mine if _about(u) in seen or _about(u) not in decided]
     verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
     if not isinstance(a, str) and a.unexplained:
         verdict = "partly_explained" if entries else "unexplained"

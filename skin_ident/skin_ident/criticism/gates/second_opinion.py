@@ -4,16 +4,24 @@ One session may be too short, or move in too few ways, to tell an effect of half
 predicted by models that were fitted without it. Where a single session moves so that the effect shows, no model that was fitted to others
 can know it; then one half of every session is predicted by models that were fitted to the other half. Sessions are the better judges, for
 noise that wanders is less like itself from one to the next: halves are asked last, and for more.
+
+Where gains or contacts differ from session to session, a channel may be farther off with the better model than with a worse one by its
+scale alone. That is another cause, and says nothing of the one that is asked.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.baseline.own_shares import regression
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import CLEAR, Asked, Gain, gain_of_residuals, in_turn, left_by, left_in_held, refitted
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
+
+SCALES = (0.5, 2.0)
 
 
 def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
@@ -29,6 +37,20 @@ def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whi
     asked = [*_predicting(later, earlier, before, after, noise), *_predicting(earlier, later, before, after, noise)]
     gain = gain_of_residuals(*left_by(asked), [s for s, _, _ in asked], noise, "each half of the sessions in turn")
     return gain if gain.relative > CLEAR else replace(gain, lower=min(gain.lower, 0.0))
+
+
+def at_any_scale(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
+    """What `after` gains over `before` in held-out sessions where each channel of every session may be off by a factor."""
+    asked = [(s, before, after) for s in held] or in_turn(before, after, train, noise)
+    left = ([_left_at_any_scale(models[i], s) for s, *models in asked] for i in (0, 1))
+    return gain_of_residuals(*left, [s for s, _, _ in asked], noise, f"{', '.join(s.name for s, _, _ in asked)}, at any scale")
+
+
+def _left_at_any_scale(model: Model, session: Session) -> np.ndarray:
+    s = settled(model, session)
+    y = s.band.thin(simulated(model, s))
+    factor = np.clip(regression(s.measured[None], y, s.weight)[0], *SCALES)
+    return s.measured - factor[:, None] * y
 
 
 def _predicting(these: tuple[Session, ...], fitted: tuple[Session, ...], before: Model, after: Model, noise: Whitener) -> list[Asked]:

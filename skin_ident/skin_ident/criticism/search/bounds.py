@@ -29,13 +29,14 @@ def excluded_and_untestable(
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Entries of findings.json for all causes not in `named`, from the last survey and those of all `rounds`. `known` gives the reason for
     causes that telemetry alone decides: an empty text means looked for and not found. What is `seen` in the record bounds what may be
-    excluded."""
+    excluded; of a cause that is named what is in doubt at another place."""
     p, bounds = last.projected, _bounds(last, rounds)
     excluded, untestable = [], []
     for cause in CAUSES:
-        if cause.name in named:
-            continue
         there = seen.get(cause.name, {})
+        if cause.name in named:
+            untestable += [undecided(cause, where, s) for where, s in there.items() if s.doubt]
+            continue
         entries = [e for e in _excluded(p, bounds, cause.name) if e["where"] not in there or e["below"] >= there[e["where"]].size]
         excluded += entries
         untestable += _imitated(p, cause, entries)

@@ -4,7 +4,8 @@ import numpy as np
 
 from skin_ident.criticism.courses.carriers import SLOPE, ZERO
 from skin_ident.criticism.courses.run import Run
-from skin_ident.criticism.search.named import Seen
+from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.search.named import Named, Seen
 
 REPEATED = "more sessions, as far, as fast and as long as those that speak for it"
 QUIET = "the same motions again with a quieter channel, or rests long enough to see how its noise wanders"
@@ -15,6 +16,15 @@ def unproven() -> Seen:
     """Why what explains much of training is no finding, where held-out sessions are not predicted better beyond doubt."""
     why = "the sessions that are fitted speak for it, but what is held out is not surely predicted better with it"
     return Seen(np.inf, why, REPEATED, doubt=True)
+
+
+def shadowed(gain: Gain, named: list[Named]) -> Seen:
+    """Why what held-out data bear out is no finding beside what was `named` and explains far more in the same channel: no form of a cause
+    is quite that of a skin."""
+    by = max(named, key=lambda n: n.gain.squares * (gain.channel in n.gain.carried))
+    falls = f"with it the held-out error of {gain.channel} falls from {gain.before:.2g} to {gain.after:.2g} N"
+    why = f"{falls}, little beside what {by.cause} in the {by.where} explains: it may be what an imperfect form of that leaves"
+    return Seen(np.inf, why, f"a session in which {by.cause} in the {by.where} hardly shows, or a form of it that fits better", doubt=True)
 
 
 def wandering(run: Run) -> Seen:

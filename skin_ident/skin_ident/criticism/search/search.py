@@ -13,10 +13,10 @@ from skin_ident.criticism.courses.course import BEHIND, MARGIN, worthwhile
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.description import description_length
-from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
-from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
+from skin_ident.criticism.gates.gate import MATERIAL, MUCH, Gain, deaf, held_out_gain
+from skin_ident.criticism.gates.second_opinion import all_in_turn, at_any_scale, halves_in_turn
 from skin_ident.criticism.noise.whitening import Whitener
-from skin_ident.criticism.search.doubt import unproven
+from skin_ident.criticism.search.doubt import shadowed, unproven
 from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does, stage_is_off, steps_do, too_short
 from skin_ident.criticism.search.named import Named, Seen
@@ -28,7 +28,7 @@ from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.together import lasts, two_at_once
-from skin_ident.criticism.search.trial import Trial, plausible, same_by_nature, sized
+from skin_ident.criticism.search.trial import OFFSET, Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import counts_beside, held_again, lighter, settles, tells_more, weigh, weighed, with_mass
@@ -220,14 +220,18 @@ class Search:
             rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
             shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
             alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
-            alternatives += same_by_nature(trial, trials, {a.key for a in alternatives}, self.train)
+            for same in (trial, *(t for t in rivals if t.key == OFFSET)):  # what swallows a force is told from neither
+                alternatives += same_by_nature(same, trials, {trial.key, *(a.key for a in alternatives)}, self.train)
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > self.least(trial.fit.count) * gain.breadth and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
             much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self.form_of_others(*trial.key)
             if much and self._in_doubt(trial, trials[0], gain):
                 self.doubts[trial.key] = too_short(trial.key, trial.fit.model, self.encoder_step) or unproven()
-            if not (told and much and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)):
+            believed = told and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)
+            if believed and not much and trial.score > reach(trials[0].score):
+                self.doubts[trial.key] = shadowed(gain, self.named)
+            if not (believed and much):
                 continue
             encoder = encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
             if encoder is None:
@@ -245,6 +249,8 @@ class Search:
         """What a trial gains; of one as good as the `best` that explains very much of training a second opinion is asked."""
         models = self.present.model, trial.fit.model, trial.key[1]
         gain = self.gain(*models)
+        if gain.spoilt and gain.lower > MUCH:
+            gain = at_any_scale(*models[:2], self.train, [] if self.deaf(*models) else self.held, self.noise)
         if gain.passed or self.doubting or trial.score <= max(reach(best), DOUBTLESS * self.least(trial.fit.count)):
             return gain
         return self.second_opinion(*models, gain)

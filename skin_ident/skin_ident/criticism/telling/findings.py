@@ -166,10 +166,11 @@ def _silent(taxel: str, recordings: list) -> Seen:
     return Seen(np.inf, because, f"{places}a press on {taxel}")
 
 
-def _not_findings(c: Criticism, recordings: list) -> dict[str, dict[str, Seen]]:
-    """By cause and place: what is in the record and is no finding, since nobody declared it or good hardware does as much."""
+def _not_findings(c: Criticism, recordings: list, named: set[tuple[str, str]]) -> dict[str, dict[str, Seen]]:
+    """By cause and place: what is in the record and is no finding, since nobody declared it or good hardware does as much; nothing of what
+    is `named`."""
     seen = {"quantization": _steps_seen(recordings), "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)}}
-    for (cause, where), usual in c.usual.items():
+    for (cause, where), usual in ((key, s) for key, s in c.usual.items() if key not in named):
         seen.setdefault(cause, {}).setdefault(where, usual)
     return seen
 
@@ -190,10 +191,10 @@ def as_findings(
     baseline = described(c.baseline.model, c.baseline.unknowns, {} if given else c.baseline.std, *before)
     baseline |= {"given": True} if given else {}
     entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
-    named = {e["cause"] for e in entries} | {a["cause"] for e in entries for a in e["alternatives"]}
+    named = {(e["cause"], e["where"]) for one in entries for e in (one, *one["alternatives"])}
     known = telemetry_words(recordings, given)
-    seen_there = _not_findings(c, recordings)
-    excluded, untestable = excluded_and_untestable(c.last, [s for s, _ in c.rounds], named, known, seen_there)
+    rounds, seen_there = [s for s, _ in c.rounds], _not_findings(c, recordings, named)
+    excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there)
     return {
         "schema": SCHEMA,
         "recordings": [
