@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import load
 
 T = np.arange(400) / 100.0
@@ -39,3 +40,8 @@ def test_a_name_that_no_recording_has_is_warned_of(folder):
 
 def test_one_place_is_everybodys(folder):
     assert contacts(loaded(folder, "contact_position_mm: [1, 2]")) == [(1.0, 2.0)] * 2
+
+
+def test_several_places_have_the_names_of_recordings(folder):
+    with pytest.raises(RecordingError, match=r"name the recordings, as in \{session_1: \[0, 0\]"):
+        loaded(folder, "contact_position_mm: [[1, 2], [5, 0]]")

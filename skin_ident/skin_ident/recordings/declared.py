@@ -169,6 +169,8 @@ def _positions(entries: Any) -> tuple[tuple[float, float], ...]:
 def _contacts(entry: Any) -> dict[str, tuple[float, float]]:
     if isinstance(entry, Mapping):
         return {str(name): _position(place, "contact_position_mm") for name, place in entry.items()}
+    if isinstance(entry, list) and any(isinstance(place, list) for place in entry):
+        raise RecordingError("contact_position_mm: of several places name the recordings, as in {session_1: [0, 0], session_2: [5, 0]}")
     return {"": _position(entry, "contact_position_mm")}
 
 
