@@ -17,7 +17,7 @@ from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.judgement import judge
 from skin_ident.criticism.array.layout import Layout, layout_of
 from skin_ident.criticism.array.sentences import separating
-from skin_ident.criticism.array.smeared import Smeared
+from skin_ident.criticism.array.smeared import Capacitive, Smeared
 from skin_ident.recordings.declared import Declared, declared_from
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
@@ -32,7 +32,8 @@ BENDS = [
     Leaning("rig", ROW, (1.0, 0.0), 5e-3, 1e-3, shift=3e-4),
     Walking("rig", ROW, (0.6, 0.8), 5e-3, 4.0, shift=3e-4),
     Widening("skin", ROW, 5e-3, growth=200.0),
-    Smeared("taxel", share=0.05, tau=0.1),
+    Smeared("taxel", ROW, share=0.05, tau=0.1),
+    Capacitive("taxel", ROW, share=0.05, tau=0.1),
 ]
 
 
@@ -101,7 +102,7 @@ def test_leaning_and_widening_are_the_gaussian_elsewhere_or_wider():
     plain = np.exp(-((np.hypot(*places.T) / c) ** 2))
     moved = np.exp(-((np.hypot(*(places - [3e-4, 0.0]).T) / c) ** 2))
     deepest = motion(T, np.full(T.size, 1e-3))
-    leaning, _, widening, _ = BENDS
+    leaning, _, widening, *_ = BENDS
     assert np.allclose(leaning.batch(plain[:, None] * np.ones(T.size), deepest)[:, 0], moved)
     wide = np.exp(-((np.hypot(*places.T) / (1.2 * c)) ** 2)) / 1.2**2
     assert np.allclose(widening.batch(plain[:, None] * np.ones(T.size), deepest)[:, 0], wide)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from skin_ident.criticism.array.bending import Leaning, Reaching, Walking, Widening
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.array.smeared import Smeared
+from skin_ident.criticism.array.smeared import TAUS, Capacitive, Smeared
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
@@ -45,7 +45,7 @@ def _effects(layout: Layout, session: Session) -> Iterator[Effect]:
         usual = USUAL * deepest
         yield Widening("skin", taxels, layout.width, usual, growth=0.0)
         yield Reaching("skin", taxels, layout.width, usual, growth=0.0)
-        yield from Smeared.absent_shapes()
+        yield from (form("taxel", taxels, share=0.0, tau=tau) for form in (Smeared, Capacitive) for tau in TAUS)
 
 
 def _direction(e: Effect) -> Direction:

@@ -8,7 +8,7 @@ from skin_ident.criticism.array.bending import Leaning, Walking, Widening
 from skin_ident.criticism.array.family import HALF_SPACE, Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.array.smeared import Smeared
+from skin_ident.criticism.array.smeared import Capacitive, Smeared
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_models.effect import Effect
 
@@ -74,6 +74,8 @@ def changing(e: Effect) -> str:
         return f"the ratios of {len(e.taxels)} taxels change as if the contact moved by ({x:+.2g}, {y:+.2g}) mm {when}"
     if isinstance(e, Widening):
         return f"the spread grows by {1e-3 * e.growth:.1%} per mm of depth"
+    if isinstance(e, Capacitive):
+        return f"every taxel repeats {e.share:.1%} of what changes in its neighbours within {1e3 * e.tau:.0f} ms"
     return f"every taxel repeats {e.share:.1%} of its neighbours, {1e3 * e.tau:.0f} ms late" if isinstance(e, Smeared) else ""
 
 

@@ -31,7 +31,7 @@ from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import OFFSET, Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import counts_beside, held_again, lighter, settles, tells_more, weigh, weighed, with_mass
+from skin_ident.criticism.search.weighing import held_again, lighter, weigh, weighed, weighs, with_mass
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -94,8 +94,7 @@ class Search:
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
             less = free is not None and lighter(self.present.model, free.model)
-            light = less and not self.declared
-            if free and (tells_more(free, self.present, best) or (light and counts_beside(self, free, best)) or settles(self, free, best)):
+            if free and weighs(self, free, best):
                 weigh(self, free)
                 continue
             own, shared = self.choose(trials, runs)

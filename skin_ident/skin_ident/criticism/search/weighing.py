@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
 COUNTS = 0.25  # of what the best of all causes explains, below which such a mass waits,
 HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
+OF_SKIN = 0.005  # kg, of a few square centimetres as thick as a finger's width: what the skin under a plunger may weigh
 
 
 def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:
@@ -62,12 +63,20 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
     return held if _gained(held, present) < _least(held, sessions) else None
 
 
-def tells_more(free: Fit, present: Fit, best: float) -> bool:
+def weighs(search: "Search", free: Fit, best: float) -> bool:
+    """Whether the mass is taken as it was fitted, `free`, beside the `best` that any cause explains."""
+    assumed, several = not search.declared, len(search.train[0].channels) > 1
+    beside = assumed and lighter(search.present.model, free.model) and counts_beside(search, free, best)
+    return beside or tells_more(free, search.present, best, assumed and several) or settles(search, free, best)
+
+
+def tells_more(free: Fit, present: Fit, best: float, several: bool = False) -> bool:
     """Whether the `free` mass explains clearly more than the `best` of all causes does (squared whitened units); where it takes from the
-    mass that was set, as much."""
-    if lighter(present.model, free.model):
-        return _gained(present, free) > reach(best)
-    return free.model.dispersion.m > present.model.dispersion.m and reach(_gained(present, free)) > best
+    mass that was set, or where skin may weigh so much and `several` channels know it from a cause, as much."""
+    gained, m = _gained(present, free), free.model.dispersion.m
+    if lighter(present.model, free.model) or (several and m < OF_SKIN):
+        return gained > reach(best)
+    return m > present.model.dispersion.m and reach(gained) > best
 
 
 def counts_beside(search: "Search", free: Fit, best: float) -> bool:
