@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit
-from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import LATE, least_damping
 from skin_ident.criticism.search.growing import determined, instances, lacking, unlike_skin
 from skin_ident.criticism.search.ranking import Ranked
@@ -19,13 +19,15 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 CLOSES = 0.05  # of the greatest depth, within which a joint is closed
 AT_ONCE_S = 1.0  # within which a drift that begins so fast is there: what follows is hardly more than a constant
+SENSED = 0.95  # of an arm that relaxes, under the taxels: nearly all of it
+UNTOLD = 0.97  # of the squares that the load cell leaves without an effect, left with it: it does not tell
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
 MEMORY = ((HYSTERESIS, RELAXATION), (RELAXATION, HYSTERESIS))
 LATE_DEPTH = ("time_shift", "clock_depth")
 OFFSET, SWALLOWED = ("position_offset", "rig"), ("dead_zone", "skin")
-DAMPING, ADHESION = ("rate_dependence", "skin"), ("adhesion", "skin")
+DAMPING, ADHESION, LEAKS = ("rate_dependence", "skin"), ("adhesion", "skin"), ("crosstalk", "taxel")
 STIFFER = (("nonlinear_stiffness", "skin"), DAMPING)
 
 
@@ -99,9 +101,9 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
     """Names, not `said` yet, that are the same signal: a force below a threshold is swallowed by skin or taxels; in contact a plunger that
     has F / k less to go presses as if the skin swallowed F, as does one behind a joint that closes at once; a tip at g(x), as behind a
     joint, makes of a linear skin one whose spring stiffens as g and whose damping grows as g' with depth; one that follows late makes of it
-    one with an arm that relaxes fast; what skin or mount have done within a sample, a late depth does as well; at one speed memory of
-    time is memory of the path, of a skin that relaxes as of a sensor that creeps; and what drifts as log t from the first second on is
-    nearly there from the start."""
+    one with an arm that relaxes fast; an arm that the load cell does not tell is what taxels would hear of their neighbours' changes; what
+    skin or mount have done within a sample, a late depth does as well; at one speed memory of time is memory of the path, of a skin that
+    relaxes as of a sensor that creeps; and what drifts as log t from the first second on is nearly there from the start."""
     at_one, (cause, where) = at_one_rate(sessions), trial.key
     others = [other for one, other in (SAME + MEMORY if at_one else SAME) if one == trial.key]
     if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
@@ -120,10 +122,20 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
         others += [*STIFFER, *([SWALLOWED] if max(e.closing for e in joints) < CLOSES * deepest else [])]
     elif any(isinstance(e, (DampedMount, YieldingMount)) for e in mine):
         others.append(RELAXATION)
+    if trial.key == RELAXATION and len(sessions[0].channels) > 2 and _told_by_taxels_alone(trial, sessions):
+        others.append(LEAKS)
     if where in ("skin", "rig") and any(getattr(e, name, np.inf) < sessions[0].period for e in mine for name in ("tau", "late")):
         others.append(LATE_DEPTH)
     tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
     return tuple(tried.get(other) or Rival(*other, 0.0) for other in others if other not in said)
+
+
+def _told_by_taxels_alone(t: Trial, sessions: list[Session]) -> bool:
+    """Whether what the skin does is nearly all under the taxels, and the load cell, which feels it, too, is no better simulated for it."""
+    mine, without = instances(t.fit.model, *t.key), lacking(t.fit.model, *t.key)
+    sensed, dispersed = (sum(abs(getattr(e, name, 1.0)) for e in mine) for name in ("k_sensed", "k_dispersed"))
+    after, before = (sum(np.sum(residual(model, s)[0] ** 2) for s in sessions) for model in (t.fit.model, without))
+    return sensed > SENSED * (sensed + dispersed) and ("force" not in sessions[0].channels or after > UNTOLD * before)
 
 
 def all_alike(trials: list[Trial]) -> list[Trial]:
