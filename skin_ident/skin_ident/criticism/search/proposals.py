@@ -20,9 +20,10 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, clipped, parameters_of, scan_of
 
 PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
-CLIPS = "saturation"
+CLIPS, SWALLOWS = "saturation", "dead_zone"
 FULL = 24.0  # N that a sensor reads at most, for which the catalogue's grid of the forces at which it clips is laid out
-LEAST_READING = 1e-3  # of that: a sensor that reads nothing is bent by nothing
+SMALL = 5.0  # N that a sensor reads at most, below which its other forces of the catalogue are too large
+LEAST_READING = 0.024  # N: a sensor that reads nothing is bent by nothing
 
 
 @dataclass(frozen=True)
@@ -87,25 +88,32 @@ def _unseen(place: Place, session: Session) -> bool:
 
 def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Direction]:
     amplitudes = [p for p in parameters_of(cls) if p.role == AMPLITUDE and not np.isnan(p.typical) and p.typical != 0.0]
-    for shape in _shapes(cls, where, session):
+    times = _times(cls, where, session)
+    for shape in _shapes(cls, session, times):
         absent = cls.typical(where, **shape).absent()
         for p in amplitudes:
             if p.name.endswith("_sensed") and session.n_taxels == 0:
                 continue
-            size = abs(p.typical)
+            size = abs(p.typical) * (times if p.unit == "N" else 1.0)
             yield from (Direction(absent, p.name, size, _sign(p), at / size) for at in scan_of(cls, p.name) or (PROBE * size,))
 
 
-def _shapes(cls: type[Effect], where: str, session: Session) -> Iterator[dict[str, float]]:
-    """The shapes of an effect that are profiled. The forces at which a sensor clips are shares of what it reads at most: one that reads a
-    newton is bent within that. A test without depth asks at the catalogue's own."""
-    if cls.cause != CLIPS or session.drive is not None:
-        yield from cls.shapes(session.motion)
-        return
-    own = [session.channels.index(c) for c in own_channels(where, session.channels)]
-    times = max(float(np.abs(session.bridged[own]).max()) / FULL, LEAST_READING)
+def _shapes(cls: type[Effect], session: Session, times: float) -> Iterator[dict[str, float]]:
+    """The shapes of an effect that are profiled, with forces so many `times` those of the catalogue."""
+    forces = {p.name for p in parameters_of(cls) if p.unit == "N"}
     for shape in cls.shapes(session.motion):
-        yield clipped(cls, **{name: value * times for name, value in shape.items()})
+        yield clipped(cls, **{name: value * (times if name in forces else 1.0) for name, value in shape.items()})
+
+
+def _times(cls: type[Effect], where: str, session: Session) -> float:
+    """What the forces of the catalogue are multiplied by, which bend the reading of a sensor. Where it clips is a share of what it reads at
+    most; other thresholds are, where it reads little. A test without depth asks at the catalogue's own."""
+    where = "taxel" if cls.cause == SWALLOWS else where  # the skin keeps a force from the taxels
+    if session.drive is not None or not where.startswith(("load_cell", "taxel")):
+        return 1.0
+    own = [session.channels.index(c) for c in own_channels(where, session.channels)]
+    most = max(float(np.abs(session.bridged[own]).max(initial=0.0)), LEAST_READING)
+    return most / FULL if cls.cause == CLIPS else min(most / SMALL, 1.0)
 
 
 def _sign(p) -> int:

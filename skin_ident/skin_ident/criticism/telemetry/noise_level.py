@@ -36,7 +36,8 @@ def find_noise(
             continue
         rows = [_quick(e[c], r.dt) for e, r in zip(residuals, recordings, strict=True)]
         steps = np.array([recordings[0].step(channel) or 0.0, stiffness[c] * _encoder_step(recordings[0])]) / np.sqrt(12.0)
-        why = _unlike(level, steps, rows, [r.channels[channel] for r in recordings], believed, recordings[0].dt)
+        loads = [r.channels[channel] - e[c] for e, r in zip(residuals, recordings, strict=True)]  # a reading is high by its noise, too
+        why = _unlike(level, steps, rows, loads, believed, recordings[0].dt)
         if why:
             kind, sentence, parameters = why
             text = f"the noise of {channel} {sentence}"
@@ -45,13 +46,11 @@ def find_noise(
 
 
 def _unlike(
-    level: float, steps: np.ndarray, rows: list[np.ndarray], raw: list[np.ndarray], believed: list[np.ndarray], dt: float
+    level: float, steps: np.ndarray, rows: list[np.ndarray], loads: list[np.ndarray], believed: list[np.ndarray], dt: float
 ) -> tuple[str, str, dict] | None:
-    """Kind, sentence and numbers of the first thing that is unlike the declaration, beside what `steps` of converter and encoder do, N."""
-    e, y = (
-        np.concatenate([r[b] for r, b in zip(rows, believed, strict=True)]),
-        np.concatenate([r[b] for r, b in zip(raw, believed, strict=True)]),
-    )
+    """Kind, sentence and numbers of the first thing that is unlike the declaration under the `loads` that are simulated, beside what
+    `steps` of converter and encoder do, N."""
+    e, y = (np.concatenate([r[b] for r, b in zip(of, believed, strict=True)]) for of in (rows, loads))
     if e.size < FEWEST:
         return None
     expected = float(np.hypot(level, np.hypot(*steps)))
@@ -59,7 +58,7 @@ def _unlike(
     idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[y >= high])
     declared = f"rig.yaml declares white noise of {level:.3g} N"
     plain = steps[1] < 0.5 * level
-    if plain and loaded > GROWN * idle:
+    if plain and high > low + expected and loaded > GROWN * idle:
         share = np.sqrt(loaded**2 - idle**2) / max(float(np.mean(np.abs(y[y >= high]))), 1e-9)
         said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
         numbers = {
