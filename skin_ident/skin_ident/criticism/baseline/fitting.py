@@ -19,6 +19,7 @@ from skin_models.model import Model
 
 ITERATIONS = 12
 STEP = 1e-4  # of a scaled unknown, for the differences
+NEAR = 0.01  # of a bound that depends on other unknowns: pressed against it
 TOLERANCE = 1e-4  # relative fall of the cost at which a fit has converged
 
 
@@ -120,8 +121,9 @@ def _descend(model, sessions, noise, which, J, r, cost, damping):
 
 
 def unpressed(theta: np.ndarray, which: tuple[Unknown, ...], gradient: np.ndarray) -> np.ndarray:
-    """Unknowns not pressed against a bound by the step they would take: `theta` their values, `gradient` J'r."""
-    lower = lowest(which, theta)
+    """Unknowns not pressed against a bound by the step they would take: `theta` their values, `gradient` J'r. A bound that depends on the
+    others has moved a little since they were fitted."""
+    lower = lowest(which, theta) + NEAR * np.abs([u.parameter.lower if u.beside else 0.0 for u in which])
     upper = np.array([u.parameter.upper for u in which])
     return ~(((theta <= lower) & (gradient < 0)) | ((theta >= upper) & (gradient > 0)))
 

@@ -1,10 +1,11 @@
 """Adding one cause to a model: as many instances of its effect as the data ask for, each refitted with everything else."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, fit
+from skin_ident.criticism.baseline.fitting import Fit, fit, fit_effects
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.baseline.unknowns import unknowns
 from skin_ident.criticism.noise.whitening import Whitener
@@ -57,9 +58,9 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
 
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
     """Of a large effect, in the best of its forms: small amounts, which were ranked, do not tell them apart."""
-    if ranked.gain < LARGE * present.count:
-        return _in_form(present, ranked, sessions, noise)
-    return min((_in_form(present, r, sessions, noise) for r in _forms(ranked)), key=lambda f: f.cost)
+    forms = _forms(ranked) if ranked.gain >= LARGE * present.count else [ranked]
+    begun = (f for r in forms for f in (_in_form(present, r, sessions, noise), *_beside_sound_damping(present, r, sessions, noise)))
+    return min(begun, key=lambda f: f.cost)
 
 
 def _forms(ranked: Ranked) -> list[Ranked]:
@@ -91,6 +92,19 @@ def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: White
     finer = [(replace(ranked.best, effect=e), ranked.best_amount) for e in _finer(ranked.best.effect)]
     others = [(ranked.best, LITTLE * ranked.best_amount), *large, *finer]
     return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in others)], key=lambda f: f.cost)
+
+
+def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Iterator[Fit]:
+    """Where damping gives back what it took, which a delay looks like: the cause begun at the delay that is as much, without damping. Step
+    by step a fit does not come there, for on all the way the one takes the place of the other."""
+    skin, delays = present.model.dispersion, next(p for p in parameters_of(ranked.best.effect) if p.name == ranked.best.parameter)
+    damping = skin.b1 + skin.b2
+    if delays.unit != "s" or damping >= 0.0 or sessions[0].drive is not None:
+        return
+    sound = replace(present.model, dispersion=replace(skin, b1=max(skin.b1, 0.0), b2=max(skin.b2, 0.0)))
+    amount = ranked.best_amount - damping / (skin.k1 + skin.k2) / ranked.best.size
+    begun = fit_effects(sound.extended(_ready(ranked.best, amount)), sessions, noise, AT_SHAPE)
+    yield fit(begun.model, sessions, noise)
 
 
 def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session], noise: Whitener) -> Fit:
@@ -148,12 +162,12 @@ def _finer(effect: Effect) -> list[Effect]:
 
 def _ready(d: Direction, amount: float) -> Effect:
     """The effect at the amount that the ranking found, its other amplitudes at a tenth of that, so that every unknown can move."""
-    values = {}
+    values, usual = {}, next(abs(p.typical) for p in parameters_of(d.effect) if p.name == d.parameter)
     for p in parameters_of(d.effect):
         if p.role != AMPLITUDE or p.typical != p.typical:
             continue
         share = 1.0 if p.name == d.parameter else (0.1 if p.lower >= 0.0 else 0.0)
-        values[p.name] = amount * share * abs(p.typical)
+        values[p.name] = amount * share * abs(p.typical) * d.size / usual
     return d.effect.with_values(**clipped(type(d.effect), **values))
 
 

@@ -94,7 +94,7 @@ def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Dir
         for p in amplitudes:
             if p.name.endswith("_sensed") and session.n_taxels == 0:
                 continue
-            size = abs(p.typical) * (times if p.unit == "N" else 1.0)
+            size = abs(p.typical) * (times if p.unit == "N" and not cls.linear else 1.0)
             yield from (Direction(absent, p.name, size, _sign(p), at / size) for at in scan_of(cls, p.name) or (PROBE * size,))
 
 

@@ -17,7 +17,8 @@ def unstuck(search: "Search", after: Fit, finding: Named) -> bool:
     that cause seemed to explain, and was taken from there."""
     if finding.key in search.led or instances(search.present.model, *finding.key):
         return False
-    plain = fit(lacking(after.model, *finding.key), search.train, search.noise)
+    began = fit(lacking(after.model, *finding.key), search.train, search.noise).model
+    plain = fit(began, search.train, search.noise)  # within bounds of its own stiffness, not of that which it began with
     if search.present.cost - plain.cost < max(search.least(plain.count), CAUGHT * finding.explained):
         return False
     search.led.add(finding.key)  # once each: the noise is seen anew every time, and a cost may rise again
