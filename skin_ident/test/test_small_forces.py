@@ -81,10 +81,10 @@ def test_thresholds_lie_within_what_a_sensor_reads():
 @pytest.mark.parametrize("grows", [False, True])
 def test_noise_grows_with_the_load_not_with_its_own_readings(grows):
     """Of a taxel that feels less than its noise the highest readings are those of the largest noise."""
-    rng, load = np.random.default_rng(4), 1e-3 * np.clip(np.sin(0.5 * T), 0.0, None) * (20.0 if grows else 0.05)
-    noise = rng.normal(0.0, 4e-4, T.size) * (1.0 + (2.0 * load / load.max() if grows else 0.0))
+    rng, load = np.random.default_rng(4), 1e-3 * np.clip(np.sin(0.5 * T), 0.0, None) * (20.0 if grows else 0.3)
+    noise = rng.normal(0.0, 6e-4, T.size) * (1.0 + (2.0 * load / load.max() if grows else 0.0))
     taxel = 6.5e-4 * np.round((load + noise) / 6.5e-4)
-    declared = Declared(taxel_noise_n=(4.5e-4,), taxel_step_n=(6.5e-4,))
+    declared = Declared(taxel_noise_n=(6e-4,), taxel_step_n=(6.5e-4,))
     r = Recording("a", T, 1e-3 * np.sin(0.5 * T), load, taxel[None], declared=declared)
     found = find_noise([r], ("force", "taxel_0"), [np.stack([0.0 * load, taxel - load])], [np.ones(T.size, bool)], [100.0, 1.0])
     assert [s.evidence["kind"] for s in found] == ["growth"] * grows
