@@ -31,7 +31,7 @@ from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import OFFSET, Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import held_again, lighter, weigh, weighed, weighs, with_mass
+from skin_ident.criticism.search.weighing import held_again, lighter, may_be_skin, weigh, weighed, weighs, with_mass
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -93,7 +93,7 @@ class Search:
             runs = self.own_courses()
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
-            less = free is not None and lighter(self.present.model, free.model)
+            light = free is not None and (lighter(self.present.model, free.model) or may_be_skin(self, free))
             if free and weighs(self, free, best):
                 weigh(self, free)
                 continue
@@ -104,7 +104,7 @@ class Search:
             if shared and unstuck(self, *shared):
                 continue
             alone = not taken and take_alone(self)
-            if less and not (taken or alone or self.named):
+            if light and not (taken or alone or self.named):
                 weigh(self, free)
                 continue
             pair = () if taken or self.named or self.usual else two_at_once(self, trials, runs)

@@ -65,16 +65,22 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
 
 def weighs(search: "Search", free: Fit, best: float) -> bool:
     """Whether the mass is taken as it was fitted, `free`, beside the `best` that any cause explains."""
-    assumed, several = not search.declared, len(search.train[0].channels) > 1
-    beside = assumed and lighter(search.present.model, free.model) and counts_beside(search, free, best)
-    return beside or tells_more(free, search.present, best, assumed and several) or settles(search, free, best)
+    present = search.present
+    if lighter(present.model, free.model) and not search.declared and counts_beside(search, free, best):
+        return True
+    return tells_more(free, present, best, may_be_skin(search, free)) or settles(search, free, best)
 
 
-def tells_more(free: Fit, present: Fit, best: float, several: bool = False) -> bool:
+def may_be_skin(search: "Search", free: Fit) -> bool:
+    """Whether the `free` mass, which nobody declared, is one that skin may have, and several channels know it from a cause."""
+    return not search.declared and len(search.train[0].channels) > 1 and free.model.dispersion.m < OF_SKIN
+
+
+def tells_more(free: Fit, present: Fit, best: float, may_be: bool = False) -> bool:
     """Whether the `free` mass explains clearly more than the `best` of all causes does (squared whitened units); where it takes from the
-    mass that was set, or where skin may weigh so much and `several` channels know it from a cause, as much."""
+    mass that was set, or `may_be` the skin's, as much."""
     gained, m = _gained(present, free), free.model.dispersion.m
-    if lighter(present.model, free.model) or (several and m < OF_SKIN):
+    if lighter(present.model, free.model) or may_be:
         return gained > reach(best)
     return m > present.model.dispersion.m and reach(gained) > best
 
