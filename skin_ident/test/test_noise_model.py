@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from skin_ident.criticism.noise.estimate import noise_model
 from skin_ident.criticism.noise.growth import load_of
 from skin_ident.criticism.noise.taken import taken
-from skin_ident.criticism.noise.whitening import fit_whitener, order_for, with_growth
+from skin_ident.criticism.noise.whitening import Stacked, fit_whitener, order_for, with_growth
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def test_noise_is_as_loud_at_its_slowest_as_it_was_before_directions_took_it(pol
         rng = np.random.default_rng(seed)
         e = lfilter([np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal((1, n + 500)), axis=1)[:, 500:]
         sessions, own = halved(np.ones((1, n)), halves), [np.concatenate([b, np.zeros((0, 1, n // 2))]) for b in bank]
-        found = noise_model([e[:, h] for h in halves], own, [np.zeros((0, 1, n // 2))] * 2, sessions)
+        found = noise_model([e[:, h] for h in halves], Stacked(own, sessions), len(own[0]))
         left = [e[:, h] - np.linalg.lstsq(slow[:, 0].T, e[0, h], rcond=None)[0] @ slow[:, 0] for h in halves]
         naive = fit_whitener(left, sessions)
         for noise, into in ((found, ratios), (naive, bare)):
@@ -87,7 +87,7 @@ def test_noise_is_not_learnt_from_samples_of_which_nothing_was_asked():
             row[:, at : at + 38] = 50.0
     e += 3.0 * wild[:12].sum(axis=0) * (weight > 0.0) * (np.abs(wild[:12].sum(axis=0)) < 40.0)
     halves = [slice(0, n // 2), slice(n // 2, n)]
-    found = noise_model([e[:, h] for h in halves], [np.zeros((0, 2, n // 2))] * 2, [wild[..., h] for h in halves], halved(weight, halves))
+    found = noise_model([e[:, h] for h in halves], Stacked([wild[..., h] for h in halves], halved(weight, halves)), 0)
     assert np.allclose(found.filters[:, 1], -0.5, atol=0.1)
     assert np.allclose(np.diag(found.root), 1.0, rtol=0.05)
 

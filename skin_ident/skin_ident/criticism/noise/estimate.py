@@ -20,33 +20,31 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.noise.taken import taken
-from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, order_for, stack, white, with_growth
+from skin_ident.criticism.noise.whitening import Stacked, Whitener, fit_whitener, order_for, stack, white, with_growth
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
 AS_FEW = 12.0  # words by which passes do not differ: then the first of them, which explains more
 
 
-def noise_model(residuals: list[np.ndarray], tangents: list[np.ndarray], bank: list[np.ndarray], sessions: list[Session]) -> Whitener:
-    """Fit the noise to residuals (C, n) of each session, given the model's tangents (U, C, n) and the catalogue's directions (M, C, n)."""
-    every = [np.concatenate([t, b]) for t, b in zip(tangents, bank, strict=True)]
-    own = len(tangents[0])
-    weights = [s.weight for s in sessions]
-    first, words = _pass(residuals, every, own, white(residuals, order_for(weights), weights), sessions)
-    again, fewer = _pass(residuals, every, own, first, sessions)
-    return first if len(sessions) > 1 and words < fewer + AS_FEW else again
+def noise_model(residuals: list[np.ndarray], every: Stacked, own: int, offered: np.ndarray | None = None) -> Whitener:
+    """Fit the noise to residuals (C, n) of each session, given the directions (M, C, n): first the model's `own` tangents, then others, of
+    which only those `offered` (M,) may explain anything."""
+    offered = np.ones(len(every.rows[0]), bool) if offered is None else offered
+    weights = [s.weight for s in every.sessions]
+    first, words = _pass(residuals, every, own, offered, white(residuals, order_for(weights), weights))
+    again, fewer = _pass(residuals, every, own, offered, first)
+    return first if len(weights) > 1 and words < fewer + AS_FEW else again
 
 
-def _pass(
-    residuals: list[np.ndarray], every: list[np.ndarray], own: int, noise: Whitener, sessions: list[Session]
-) -> tuple[Whitener, float]:
+def _pass(residuals: list[np.ndarray], every: Stacked, own: int, offered: np.ndarray, noise: Whitener) -> tuple[Whitener, float]:
     """The noise that is left beside the directions that explain most under `noise`, and the words that it takes to say both."""
-    z = _richest(residuals, every, own, noise, sessions)
-    asked = [replace(s, weight=s.weight * noise.believed(s)) for s in sessions]  # what is left of the others may be anything
-    left = _less(residuals, every, z)
-    gone = taken([a[z != 0.0] for a in every], left, [s.weight for s in asked])
+    z = _richest(residuals, every, own, noise, offered)
+    asked = [replace(s, weight=s.weight * noise.believed(s)) for s in every.sessions]  # what is left of the others may be anything
+    left = _less(residuals, every.rows, z)
+    gone = taken([a[z != 0.0] for a in every.rows], left, [s.weight for s in asked])
     fitted = with_growth(fit_whitener(left, asked, gone, noise.order), left, asked, gone)
-    return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), len(z) - own)
+    return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), np.count_nonzero(offered[own:]))
 
 
 def _words(noise: Whitener, asked: list[Session], chosen: int, offered: int) -> float:
@@ -55,26 +53,29 @@ def _words(noise: Whitener, asked: list[Session], chosen: int, offered: int) -> 
     return noise.words(asked) + 0.5 * chosen * (np.log(max(n * len(noise.root), 2)) + 2.0 * np.log(max(offered, 1)))
 
 
-def less(residuals: list[np.ndarray], every: list[np.ndarray], forced: int, noise: Whitener, sessions: list[Session]) -> list[np.ndarray]:
+def less(residuals: list[np.ndarray], every: Stacked, forced: int, noise: Whitener) -> list[np.ndarray]:
     """Residuals (C, n) of each session less what the first `forced` rows of `every` (M, C, n), and the best of the others, explain of the
     samples believed."""
-    return _less(residuals, every, _richest(residuals, every, forced, noise, sessions))
+    return _less(residuals, every.rows, _richest(residuals, every, forced, noise))
 
 
-def _richest(residuals: list[np.ndarray], every: list[np.ndarray], forced: int, noise: Whitener, sessions: list[Session]) -> np.ndarray:
-    return pursue(stack(every, sessions, noise), stack(residuals, sessions, noise), forced + RICHEST, forced=forced)
+def _richest(residuals: list[np.ndarray], every: Stacked, forced: int, noise: Whitener, offered: np.ndarray | None = None) -> np.ndarray:
+    return pursue(every.under(noise), stack(residuals, every.sessions, noise), forced + RICHEST, forced, offered)
 
 
 def _less(residuals: list[np.ndarray], every: list[np.ndarray], z: np.ndarray) -> list[np.ndarray]:
-    return [e - np.tensordot(z, a, 1) for e, a in zip(residuals, every, strict=True)]
+    used = z != 0.0
+    return [e - np.tensordot(z[used], a[used], 1) for e, a in zip(residuals, every, strict=True)]
 
 
-def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0) -> np.ndarray:
-    """Orthogonal matching pursuit: coefficients of at most `most` columns of A, the first `forced` always used, until nothing gains.
+def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0, offered: np.ndarray | None = None) -> np.ndarray:
+    """Orthogonal matching pursuit: coefficients of at most `most` columns of A, the first `forced` always used, until nothing gains; of the
+    others only those `offered`, where that is given.
 
     Inner products are taken with the chosen columns alone: of hundreds, two dozen are chosen.
     """
     product, size = A.T @ r, np.sqrt(np.einsum("ij,ij->j", A, A))
+    able = size > 0 if offered is None else (size > 0) & offered
     chosen = [i for i in range(forced) if size[i] > 0]
     grams = [A.T @ A[:, i] for i in chosen]
     z, charge = np.zeros(A.shape[1]), np.log(max(len(r), 2))
@@ -84,7 +85,7 @@ def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0) -> np.ndarr
             gram = np.array(grams)
             z[chosen] = np.linalg.lstsq(gram[:, chosen], product[chosen], rcond=1e-10)[0]
             left = product - z[chosen] @ gram
-        gains = np.where(size > 0, (left / np.where(size > 0, size, 1.0)) ** 2, 0.0)
+        gains = np.where(able, (left / np.where(able, size, 1.0)) ** 2, 0.0)
         gains[chosen] = 0.0
         best = int(np.argmax(gains))
         if len(chosen) >= most or gains[best] < charge:

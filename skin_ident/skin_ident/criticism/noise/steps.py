@@ -10,6 +10,7 @@ still for so long.
 """
 
 import numpy as np
+from scipy.signal import lfilter
 
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
@@ -35,8 +36,7 @@ def _energy(carrier: np.ndarray, s: Session, noise: Whitener) -> np.ndarray:
     if not order:  # no filter, and so no start of one
         return np.maximum(whole, 1e-12 * (1.0 + whole[0]))
     settled = np.append(whole[order:], np.zeros(order))
-    alike = np.ones(order)
-    begun = np.array([noise.innovation(alike, alike > 0.0, c) for c in range(len(carrier))])  # what becomes of a step, sample by sample
+    begun = np.array([lfilter(*noise.predictor(c), np.ones(order)) for c in range(len(carrier))])  # what becomes of a step at first
     mixed = noise.mix @ noise.steady(carrier, s)
     starting = sum(np.sum((noise.to_unit @ (taps[:, None] * mixed)) ** 2, axis=0) for taps in begun.T)
     return np.maximum(settled + starting, 1e-12 * (1.0 + whole[0]))

@@ -36,6 +36,7 @@ POLES = 1.0 - 1.0 / MEMORIES
 AVERAGING = np.poly(POLES)  # the common denominator of all averages, and the numerator that each has over it
 EACH = np.array([np.poly(np.delete(POLES, m)) / memory for m, memory in enumerate(MEMORIES)])
 FINE = 32  # frequencies that stand for a band
+AT_ONCE = 32  # rows that are whitened together: more do not fit into a processor's cache
 FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must not be blown up
 
 
@@ -69,10 +70,9 @@ class Whitener:
         e = self.steady(e, s)
         if not self.filters[:, 1:].any():  # white: one product does it all
             return np.matmul(to_unit @ mix, e) * believed
-        mixed = np.matmul(mix, e)
-        good = s.weight.min(axis=0) > 0.0
+        mixed = np.matmul(mix, e * (s.weight.min(axis=0) > 0.0))
         for c in range(len(mix)):
-            mixed[..., c, :] = self.innovation(mixed[..., c, :], good, c)
+            mixed[..., c, :] = lfilter(*self.predictor(c), mixed[..., c, :], axis=-1)
         mixed *= believed
         return np.matmul(to_unit, mixed)
 
@@ -89,17 +89,20 @@ class Whitener:
         charge = 0.5 * np.count_nonzero(self.growth.more) * np.log(max(count, 2))
         return count * float(np.sum(np.log(np.diag(self.root)))) + louder + float(charge)
 
-    def innovation(self, y: np.ndarray, good: np.ndarray, c: int) -> np.ndarray:
-        """What mixture `c` (..., n) is beside its prediction. Samples that are not `good` (n,) have no part in the averages."""
-        return lfilter(self.filters[c], [1.0], y, axis=-1) - lfilter(*_averages(self.slow[c]), y * good, axis=-1)
+    def predictor(self, c: int) -> tuple[np.ndarray, np.ndarray]:
+        """Numerator and denominator of the filter that leaves of mixture `c` what its past does not predict. Samples that are left out are
+        zeros to it: the averages take no notice of them, and those behind them, of which the last p samples are wrong, are not believed."""
+        averages = self.slow[c] @ EACH
+        whole = np.convolve(self.filters[c], AVERAGING)
+        whole[1 : 1 + averages.size] -= averages
+        return whole, AVERAGING
 
     def turned(self, w: np.ndarray, s: Channels) -> np.ndarray:
         """The adjoint of `apply` on (C, n): sum of apply(e) * w = sum of e * turned(w)."""
         good = (s.weight.min(axis=0) > 0.0)[::-1]
         back = (self.to_unit.T @ w * self.believed(s))[:, ::-1]
-        quick = np.array([lfilter(taps, [1.0], row) for taps, row in zip(self.filters, back, strict=True)])
-        slow = np.array([lfilter(*_averages(c), row) for c, row in zip(self.slow, back, strict=True)]) * good
-        return self.steady(self.mix.T @ (quick - slow)[:, ::-1], s)
+        mixed = np.array([lfilter(*self.predictor(c), row) for c, row in enumerate(back)]) * good
+        return self.steady(self.mix.T @ mixed[:, ::-1], s)
 
     def believed(self, s: Channels) -> np.ndarray:
         """Mask (n,) of the samples that `apply` does not leave out."""
@@ -204,12 +207,27 @@ def _past(w: np.ndarray, order: int) -> np.ndarray:
     return np.concatenate([z ** np.arange(order, 0, -1)[:, None], z / (MEMORIES[:, None] * (1.0 - POLES[:, None] * z))])
 
 
-def _averages(c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Numerator and denominator of the filter that makes sum of c_m s_m from e."""
-    return np.concatenate([[0.0], c @ EACH]), AVERAGING
-
-
 def stack(rows: list[np.ndarray], sessions: list, noise: Whitener) -> np.ndarray:
     """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M) or (rows,)."""
-    white = [noise.apply(a, s) for a, s in zip(rows, sessions, strict=True)]
-    return np.concatenate([w.reshape(*w.shape[:-2], w.shape[-2] * w.shape[-1]) for w in white], axis=-1).T
+    if rows[0].ndim == 2:
+        return np.concatenate([noise.apply(a, s).ravel() for a, s in zip(rows, sessions, strict=True)])
+    ends = np.cumsum([0, *(a.shape[1] * a.shape[2] for a in rows)])
+    out = np.empty((len(rows[0]), ends[-1]))
+    for a, s, start, end in zip(rows, sessions, ends[:-1], ends[1:], strict=True):
+        for few in range(0, len(a), AT_ONCE):
+            out[few : few + AT_ONCE, start:end] = noise.apply(a[few : few + AT_ONCE], s).reshape(-1, end - start)
+    return out.T
+
+
+class Stacked:
+    """Rows (M, C, n) of each session, laid out under one noise model after the other: not twice under the same."""
+
+    def __init__(self, rows: list[np.ndarray], sessions: list) -> None:
+        self.rows, self.sessions = rows, sessions
+        self._last: tuple[Whitener, np.ndarray] | None = None
+
+    def under(self, noise: Whitener) -> np.ndarray:
+        """What `stack` makes of them, (rows, M)."""
+        if self._last is None or self._last[0] is not noise:
+            self._last = noise, stack(self.rows, self.sessions, noise)
+        return self._last[1]

@@ -62,18 +62,26 @@ class Projected:
 
 
 def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.ndarray) -> Projected:
-    """Project `A` (rows, directions) and `r` (rows,) off the columns of `J` (rows, unknowns)."""
+    """Project `A` (rows, directions) and `r` (rows,) off the columns of `J` (rows, unknowns).
+
+    Of projected directions only inner products are asked for, (a - Q Q'a)'(b - Q Q'b) = a'b - (Q'a)'(Q'b): they are never laid out.
+    """
     Q, _ = np.linalg.qr(J) if J.size else (np.zeros((r.size, 0)), None)
-    before = np.einsum("ij,ij->j", A, A)
-    A = A - Q @ (Q.T @ A)
+    imitated = Q.T @ A
     r = r - Q @ (Q.T @ r)
-    after = np.einsum("ij,ij->j", A, A)
+
+    def products(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+        return A[:, one].T @ A[:, other] - imitated[:, one].T @ imitated[:, other]
+
+    before = np.einsum("ij,ij->j", A, A)
+    after = np.maximum(before - np.einsum("ij,ij->j", imitated, imitated), 0.0)
     left = np.where(before > 0, after / np.where(before > 0, before, 1.0), 0.0)
     product = A.T @ r
     causes = _by_cause(which)
-    grams = {key: A[:, index].T @ A[:, index] for key, index in causes.items()}
+    grams = {key: products(index, index) for key, index in causes.items()}
     leading = _leading(causes, np.where(left > UNEXCITED, product**2 / np.where(after > 0, after, 1.0), 0.0))
-    return Projected(which, grams, after, product, left, float(r @ r), int(np.count_nonzero(r)), leading, A.T @ A[:, leading])
+    beside = A.T @ A[:, leading] - imitated.T @ imitated[:, leading]
+    return Projected(which, grams, after, product, left, float(r @ r), int(np.count_nonzero(r)), leading, beside)
 
 
 def _leading(causes: dict[tuple[str, str], np.ndarray], gains: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.unknowns import scales, unknowns, values
 from skin_ident.criticism.courses.course import bends_of_each_session
 from skin_ident.criticism.noise.estimate import less, noise_model
-from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.noise.whitening import Stacked, Whitener, stack
 from skin_ident.criticism.search.proposals import Direction, bank
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, Projected, Ranked, project, rank
 from skin_ident.criticism.sessions.session import Session
@@ -42,29 +42,32 @@ class Survey:
     def left_by_everything(self, session: Session) -> np.ndarray:
         """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
         every, own = self.directions_of(session)
-        return less([residual(self.model, session)], [every], own, self.noise, [session])[0]
+        return less([residual(self.model, session)], Stacked([every], [session]), own, self.noise)[0]
 
 
 def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
     """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
     residuals = [residual(model, s) for s in sessions]
     mine = unknowns(model, sessions[0])
-    own = tangents(model, sessions, mine)
-    bends = bank(model, which, sessions)
-    noise = noise or noise_model(residuals, own, _richest(model, bends, which, sessions), sessions)
-    J, r = stack(own, sessions, noise), stack(residuals, sessions, noise)
+    parts = tangents(model, sessions, mine), bank(model, which, sessions), bends_of_each_session(model, sessions)
+    every = Stacked([np.concatenate(rows) for rows in zip(*parts, strict=True)], sessions)
+    own, known = len(mine), len(mine) + len(which)
+    noise = noise or noise_model(residuals, every, own, _richest(which, own, len(every.rows[0])))
+    A, r = every.under(noise), stack(residuals, sessions, noise)
+    J = A[:, :own]
     free = unpressed(values(model, mine), mine, J.T @ r)
     J = (J @ sliding(mine, scales(model, mine), free))[:, free]  # a mass that cannot fall below nothing explains nothing
-    projected = project(which, stack(bends, sessions, noise), J, r)
-    kept = {s.name: (s, np.concatenate([o, b])) for s, o, b in zip(sessions, own, bends, strict=True)}
+    projected = project(which, A[:, own:known], J, r)
+    kept = {s.name: (s, rows[:known]) for s, rows in zip(sessions, every.rows, strict=True)}
     return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE), kept)
 
 
-def _richest(model: Model, bends: list[np.ndarray], which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
-    """All that may explain more than noise (M, C, n): the courses of each session's own, and small amounts of every cause. Large ones of
-    the same would be asked twice."""
-    small = [d.probe < 1.0 for d in which]
-    return [np.concatenate([bend[small], own]) for bend, own in zip(bends, bends_of_each_session(model, sessions), strict=True)]
+def _richest(which: tuple[Direction, ...], own: int, rows: int) -> np.ndarray:
+    """Which of all rows (M,) may explain more than noise: the model's own, small amounts of every cause, and the courses of each session's
+    own. Large ones of the same would be asked twice."""
+    offered = np.ones(rows, bool)
+    offered[own : own + len(which)] = [d.probe < 1.0 for d in which]
+    return offered
 
 
 def detectable(p: Projected, z: float) -> np.ndarray:

@@ -42,7 +42,7 @@ class Band:
         """How many times more samples the band would keep, had not the motion been too slow for them (see `cutoff`)."""
         return min(CUTOFF_HZ, 0.2 / max(self.dt, self.slowest)) / self.edge
 
-    @property
+    @cached_property
     def every(self) -> int:
         """Keep one filtered sample in so many: three times the cut-off is left as the rate, the same for all as nearly as their samples let
         it be."""
@@ -110,9 +110,9 @@ class Band:
         span = len(pieces) - 1
         kept = max((y.shape[-1] - self.kernel.size) // self.every + 1, 0)
         whole = (kept + span) * self.every
-        if whole > y.shape[-1]:
-            y = np.pad(y, [(0, 0)] * (y.ndim - 1) + [(0, whole - y.shape[-1])])
-        cut = y[..., :whole].reshape(*y.shape[:-1], kept + span, self.every)
+        cut = np.zeros((*y.shape[:-1], whole))  # the kernel's last piece is filled up with zeros: what lies beyond the end is nothing to it
+        cut[..., : y.shape[-1]] = y[..., :whole]
+        cut = cut.reshape(*y.shape[:-1], kept + span, self.every)
         products = pieces @ np.swapaxes(cut, -1, -2)
         return sum(products[..., j, j : j + kept] for j in range(span + 1))
 

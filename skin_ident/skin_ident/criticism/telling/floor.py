@@ -24,7 +24,7 @@ from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, RESOLVED, unread_force
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import less
-from skin_ident.criticism.noise.whitening import white
+from skin_ident.criticism.noise.whitening import Stacked, white
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session, motion_under
@@ -65,7 +65,7 @@ def predicted_between(last: Survey, session: Session) -> np.ndarray:
     out = e.copy()
     for side in (0, 1):
         seen = replace(session, weight=session.weight * (odd == side))
-        out[:, odd != side] = less([e], [every], own, white([e]), [seen])[0][:, odd != side]
+        out[:, odd != side] = less([e], Stacked([every], [seen]), own, white([e]))[0][:, odd != side]
     return out
 
 
