@@ -29,7 +29,9 @@ def test_the_adjoint_is_one(seed):
     e, w = rng.standard_normal((2, 2, 300))
     session = seen((rng.random((2, 300)) > 0.05).astype(float), load=np.abs(np.sin(0.02 * np.arange(300))))
     noise = replace(fit_whitener([coloured(rng, n=300)], [session]), growth=Growth(np.array([0.7, 3.0]), np.array([1.0, 0.5])))
-    assert np.sum(noise.apply(e, session) * w) == pytest.approx(np.sum(e * noise.turned(w, session)), rel=1e-10)
+    there, back = noise.apply(e, session), noise.turned(w, session)
+    rounding = 1e-6 * np.linalg.norm(there) * np.linalg.norm(w)  # poles as near to one as these leave seven digits
+    assert np.sum(there * w) == pytest.approx(np.sum(e * back), abs=rounding)
 
 
 @pytest.mark.parametrize("seed", range(5))
