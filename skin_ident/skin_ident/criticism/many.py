@@ -22,7 +22,7 @@ from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.search import Search
 from skin_ident.criticism.search.size import affordable
-from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import Session, longest, prepare
@@ -147,7 +147,7 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
     start = replace(plain, shares=_shares(plain, train))
     which = tuple(d for d in directions(longest(train)) if d.where.startswith("taxel_"))
     search = Search(train, held, which, lambda stage: None, step)
-    search.run(fit(start, train, survey(start, train, which).noise))
+    search.run(fit(start, train, noise_beside(start, train, which)))
     search.eliminate()
     found_here = [n for n in search.named if n.where.startswith("taxel_")]
     usual = {key: s for key, s in search.seen.items() if key[1].startswith("taxel_")}

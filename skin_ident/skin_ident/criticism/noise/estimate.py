@@ -77,7 +77,7 @@ def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0, offered: np
     product, size = A.T @ r, np.sqrt(np.einsum("ij,ij->j", A, A))
     able = size > 0 if offered is None else (size > 0) & offered
     chosen = [i for i in range(forced) if size[i] > 0]
-    grams = [A.T @ A[:, i] for i in chosen]
+    grams = list((A.T @ A[:, chosen]).T)
     z, charge = np.zeros(A.shape[1]), np.log(max(len(r), 2))
     while True:
         left = product

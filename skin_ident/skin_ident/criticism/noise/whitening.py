@@ -207,12 +207,12 @@ def _past(w: np.ndarray, order: int) -> np.ndarray:
     return np.concatenate([z ** np.arange(order, 0, -1)[:, None], z / (MEMORIES[:, None] * (1.0 - POLES[:, None] * z))])
 
 
-def stack(rows: list[np.ndarray], sessions: list, noise: Whitener) -> np.ndarray:
-    """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M) or (rows,)."""
+def stack(rows: list[np.ndarray], sessions: list, noise: Whitener, out: np.ndarray | None = None) -> np.ndarray:
+    """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M) or (rows,); the former in `out` where it is given."""
     if rows[0].ndim == 2:
         return np.concatenate([noise.apply(a, s).ravel() for a, s in zip(rows, sessions, strict=True)])
     ends = np.cumsum([0, *(a.shape[1] * a.shape[2] for a in rows)])
-    out = np.empty((len(rows[0]), ends[-1]))
+    out = np.empty((len(rows[0]), ends[-1])) if out is None else out.T
     for a, s, start, end in zip(rows, sessions, ends[:-1], ends[1:], strict=True):
         for few in range(0, len(a), AT_ONCE):
             out[few : few + AT_ONCE, start:end] = noise.apply(a[few : few + AT_ONCE], s).reshape(-1, end - start)
@@ -220,7 +220,8 @@ def stack(rows: list[np.ndarray], sessions: list, noise: Whitener) -> np.ndarray
 
 
 class Stacked:
-    """Rows (M, C, n) of each session, laid out under one noise model after the other: not twice under the same."""
+    """Rows (M, C, n) of each session, laid out under one noise model after the other: not twice under the same, and always in the same
+    memory, for they are large. What was laid out under another noise model before is overwritten."""
 
     def __init__(self, rows: list[np.ndarray], sessions: list) -> None:
         self.rows, self.sessions = rows, sessions
@@ -229,5 +230,5 @@ class Stacked:
     def under(self, noise: Whitener) -> np.ndarray:
         """What `stack` makes of them, (rows, M)."""
         if self._last is None or self._last[0] is not noise:
-            self._last = noise, stack(self.rows, self.sessions, noise)
+            self._last = noise, stack(self.rows, self.sessions, noise, self._last[1] if self._last else None)
         return self._last[1]

@@ -8,7 +8,7 @@ from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import Progress, Search
-from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.search.weighing import weighed
 from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import Session, longest
@@ -35,8 +35,8 @@ def criticise(
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
     enough_is_compared(train, held)
     search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None, mass_declared)
-    first = survey(start, train, search.which)
-    fitted = fit(first.model, train, first.noise)
+    noise = noise_beside(start, train, search.which)
+    fitted = fit(start, train, noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
     search.baseline = fitted
     search.run(fitted)
@@ -46,9 +46,9 @@ def criticise(
     search.unweigh()
     if given:
         search.check_numbers(given)
-        baseline = fit(given, train, first.noise, 0)
+        baseline = fit(given, train, noise, 0)
     else:
-        weighted = replace(first.model, effects=search.hanging)
-        baseline = fit(weighted, weighed(train, search.train[0].heaviest), first.noise) if search.train[0].free_mass else search.baseline
+        weighted = replace(start, effects=search.hanging)
+        baseline = fit(weighted, weighed(train, search.train[0].heaviest), noise) if search.train[0].free_mass else search.baseline
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
     return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.seen)

@@ -70,15 +70,16 @@ def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.nd
     imitated = Q.T @ A
     r = r - Q @ (Q.T @ r)
 
-    def products(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-        return A[:, one].T @ A[:, other] - imitated[:, one].T @ imitated[:, other]
+    def products(index: np.ndarray) -> np.ndarray:
+        a, q = A.T[index], imitated.T[index]
+        return a @ a.T - q @ q.T
 
     before = np.einsum("ij,ij->j", A, A)
     after = np.maximum(before - np.einsum("ij,ij->j", imitated, imitated), 0.0)
     left = np.where(before > 0, after / np.where(before > 0, before, 1.0), 0.0)
     product = A.T @ r
     causes = _by_cause(which)
-    grams = {key: products(index, index) for key, index in causes.items()}
+    grams = {key: products(index) for key, index in causes.items()}
     leading = _leading(causes, np.where(left > UNEXCITED, product**2 / np.where(after > 0, after, 1.0), 0.0))
     beside = A.T @ A[:, leading] - imitated.T @ imitated[:, leading]
     return Projected(which, grams, after, product, left, float(r @ r), int(np.count_nonzero(r)), leading, beside)

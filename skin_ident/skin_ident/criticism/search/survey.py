@@ -47,12 +47,10 @@ class Survey:
 
 def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
     """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
-    residuals = [residual(model, s) for s in sessions]
     mine = unknowns(model, sessions[0])
-    parts = tangents(model, sessions, mine), bank(model, which, sessions), bends_of_each_session(model, sessions)
-    every = Stacked([np.concatenate(rows) for rows in zip(*parts, strict=True)], sessions)
     own, known = len(mine), len(mine) + len(which)
-    noise = noise or noise_model(residuals, every, own, _richest(which, own, len(every.rows[0])))
+    residuals, every = [residual(model, s) for s in sessions], _everything(model, sessions, which)
+    noise = noise or _beside(every, residuals, own, which)
     A, r = every.under(noise), stack(residuals, sessions, noise)
     J = A[:, :own]
     free = unpressed(values(model, mine), mine, J.T @ r)
@@ -60,6 +58,22 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     projected = project(which, A[:, own:known], J, r)
     kept = {s.name: (s, rows[:known]) for s, rows in zip(sessions, every.rows, strict=True)}
     return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE), kept)
+
+
+def noise_beside(model: Model, sessions: list[Session], which: tuple[Direction, ...]) -> Whitener:
+    """The noise that a survey finds, without ranking anything."""
+    residuals = [residual(model, s) for s in sessions]
+    return _beside(_everything(model, sessions, which), residuals, len(unknowns(model, sessions[0])), which)
+
+
+def _everything(model: Model, sessions: list[Session], which: tuple[Direction, ...]) -> Stacked:
+    """All that may bend the model: its own unknowns, every direction, and what belongs to one session alone."""
+    parts = tangents(model, sessions, unknowns(model, sessions[0])), bank(model, which, sessions), bends_of_each_session(model, sessions)
+    return Stacked([np.concatenate(rows) for rows in zip(*parts, strict=True)], sessions)
+
+
+def _beside(every: Stacked, residuals: list[np.ndarray], own: int, which: tuple[Direction, ...]) -> Whitener:
+    return noise_model(residuals, every, own, _richest(which, own, len(every.rows[0])))
 
 
 def _richest(which: tuple[Direction, ...], own: int, rows: int) -> np.ndarray:

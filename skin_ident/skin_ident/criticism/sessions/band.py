@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 from scipy.signal import firwin, oaconvolve
 
 from skin_ident.estimators.scale import white_scale
@@ -114,7 +115,9 @@ class Band:
         cut[..., : y.shape[-1]] = y[..., :whole]
         cut = cut.reshape(*y.shape[:-1], kept + span, self.every)
         products = pieces @ np.swapaxes(cut, -1, -2)
-        return sum(products[..., j, j : j + kept] for j in range(span + 1))
+        down, along = products.strides[-2:]
+        diagonals = as_strided(products, (*y.shape[:-1], span + 1, kept), (*products.strides[:-2], down + along, along), writeable=False)
+        return diagonals.sum(axis=-2)
 
     @cached_property
     def _pieces(self) -> np.ndarray:
