@@ -7,7 +7,7 @@ from world.hidden import Hide
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import white
-from skin_ident.criticism.search.bounds import excluded_and_untestable
+from skin_ident.criticism.search.bounds import HOLLOW, excluded_and_untestable
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import project, rank
 from skin_ident.criticism.search.survey import Survey
@@ -18,12 +18,13 @@ from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
 
 SKIN = Model(Dispersion(m=0.0, b1=900.0, k1=9000.0, b2=600.0, k2=3000.0))
-GAP, MASS = Direction(Backlash("rig"), "gap", 1.0, 1), Direction(Inertia("rig"), "mass", 1.0, 1)
+SIZES = {"backlash": 1e-3, "inertia": 1.0}  # m, kg
+GAP, MASS = Direction(Backlash("rig"), "gap", SIZES["backlash"], 1), Direction(Inertia("rig"), "mass", SIZES["inertia"], 1)
 ROWS = 4000
 
 
 def surveyed(alike: float, gap: float, mass: float, seed: int = 0) -> Survey:
-    """A survey of two directions of correlation `alike`, of which the residual holds `gap` and `mass`, in unit noise."""
+    """A survey of two directions of correlation `alike`, of which the residual holds `gap` and `mass` sizes, in unit noise."""
     rng = np.random.default_rng(seed)
     a, b = rng.standard_normal((2, ROWS))
     A = np.column_stack([a, alike * a + np.sqrt(1.0 - alike**2) * b])
@@ -33,7 +34,7 @@ def surveyed(alike: float, gap: float, mass: float, seed: int = 0) -> Survey:
 
 def below(last: Survey, rounds: tuple[Survey, ...] = ()) -> dict[str, float]:
     entries, _ = excluded_and_untestable(last, list(rounds), set(), {}, {})
-    return {e["cause"]: e["below"] for e in entries if e["below"] is not None}
+    return {e["cause"]: e["below"] / SIZES[e["cause"]] for e in entries if e["below"] is not None}
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -47,6 +48,13 @@ def test_what_has_taken_the_place_of_a_cause_does_not_exclude_it():
     before, after = surveyed(0.95, 1.0, 0.0), surveyed(0.95, 0.0, 0.0)
     assert below(after)["backlash"] < 0.1
     assert below(after, (before,))["backlash"] > 0.9
+
+
+def test_more_than_there_can_be_of_a_cause_excludes_nothing():
+    last = surveyed(0.0, 6.0, 0.0)  # a gap of 6 mm is more than any drive has
+    assert "backlash" not in below(last) and "inertia" in below(last)
+    _, untestable = excluded_and_untestable(last, [], set(), {}, {})
+    assert any(u["cause"] == "backlash" and u.get("where") == "rig" and u["because"] == HOLLOW for u in untestable)
 
 
 def test_what_a_converter_may_do_itself_is_not_called_tested(tmp_path):

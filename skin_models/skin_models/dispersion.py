@@ -35,11 +35,11 @@ class Surface:
 class Dispersion:
     """Parameters of the dispersion model; all are those of the skin under the plunger."""
 
-    m: float = quantity("kg", 0.0, lower=0.0, doc="mass of skin that moves with the plunger")
-    b1: float = quantity("N*s/m", lower=-1e9, doc="damping between plunger and taxel")
-    k1: float = quantity("N/m", lower=0.0, doc="stiffness between plunger and taxel")
-    b2: float = quantity("N*s/m", lower=-1e9, doc="damping of the force that is dispersed past the taxel")
-    k2: float = quantity("N/m", lower=-1e9, doc="stiffness of the force that is dispersed past the taxel")
+    m: float = quantity("kg", 0.0, lower=0.0, upper=1e3, doc="mass of skin that moves with the plunger")
+    b1: float = quantity("N*s/m", lower=-1e9, upper=1e9, doc="damping between plunger and taxel")
+    k1: float = quantity("N/m", lower=0.0, upper=1e9, doc="stiffness between plunger and taxel")
+    b2: float = quantity("N*s/m", lower=-1e9, upper=1e9, doc="damping of the force that is dispersed past the taxel")
+    k2: float = quantity("N/m", lower=-1e9, upper=1e9, doc="stiffness of the force that is dispersed past the taxel")
 
     def __post_init__(self) -> None:
         check_parameters(self)

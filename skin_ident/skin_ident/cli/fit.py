@@ -77,6 +77,8 @@ def _check_what(chosen: argparse.Namespace) -> None:
     """Raises `FitError` for options that do not go together."""
     if chosen.what != DISPERSION and (chosen.each or chosen.profile or chosen.bootstrap or chosen.loss != LINEAR):
         raise FitError(f"--each, --profile, --bootstrap and --loss are for the dispersion model: leave them or --what {chosen.what} out")
+    if chosen.arms is not None and chosen.arms < 1:
+        raise FitError("--arms must be 1 or more")
     if chosen.arms is not None and chosen.what != PRONY:
         raise FitError(f"--arms are those of a relaxation spectrum: add --what {PRONY}")
 

@@ -49,7 +49,7 @@ from skin_ident.criticism.telling.judging import judge
 from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import believed, tell
-from skin_ident.criticism.usable import belong_together, doubted, in_sound_units, named_apart, something_moves
+from skin_ident.criticism.usable import are_other_data, belong_together, doubted, in_sound_units, named_apart, something_moves
 from skin_ident.criticism.vocabulary import verdict_of
 from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.choose import separating_experiments
@@ -83,6 +83,7 @@ def diagnose(
         return diagnose_scans(recordings, hold_out, model, progress)
     every = named_apart([*recordings, *hold_out])
     belong_together(every, model)
+    are_other_data(recordings, hold_out)
     something_moves(every[: len(recordings)])
     every, odd = put_right([doubted(r) for r in every])
     every = in_sound_units(every, model, twins)

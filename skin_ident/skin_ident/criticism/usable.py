@@ -14,7 +14,9 @@ from skin_ident.criticism.telemetry.more_than_applied import in_newtons
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.quality import FAR_TOO_MUCH, HARD, SOFT, far_too_little, impossible
 from skin_ident.recordings.assemble import slow
+from skin_ident.recordings.repeated import same
 from skin_models.model import Model
+from skin_models.words import counted
 
 IN_CONTACT = 0.05  # of the samples, at least
 SHALLOW = 0.85  # of the greatest depth, to which the least one falls at most where the zero of the depth is the surface,
@@ -29,7 +31,7 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
     """Raise `DiagnosisError` where sessions do not carry the same channels, or lack what a diagnosis needs."""
     kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
     if len(kinds) > 1:
-        said = "; ".join(f"{r.name}: {r.kind} with {len(r.taxels)} taxels" for r in recordings)
+        said = "; ".join(f"{r.name}: {r.kind} with {counted(len(r.taxels), 'taxel')}" for r in recordings)
         raise DiagnosisError(f"the recordings do not carry the same channels ({said}): diagnose them apart")
     thick = sorted({r.declared.skin_thickness_mm for r in recordings if r.declared.skin_thickness_mm})
     if len(thick) > 1:
@@ -48,6 +50,15 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         _is_long_enough(r, slowest)
         _touches(r)
         _has_its_zero_at_the_surface(r)
+
+
+def are_other_data(recordings: list, hold_out: list) -> None:
+    """Raise `DiagnosisError` where what is held out was fitted: it would be predicted, whatever the model."""
+    for kept in hold_out:
+        twin = next((r.name for r in recordings if same(r, kept)), None)
+        if twin is not None:
+            said = f"{kept.name}, which is held out, holds the same samples as {twin}, which is fitted"
+            raise DiagnosisError(f"{said}: hold out another session")
 
 
 def in_sound_units(recordings: list, model: Model | None = None, twins: list | None = None) -> list:

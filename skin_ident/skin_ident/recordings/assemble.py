@@ -61,6 +61,7 @@ def assemble(
         parts = [p if p.steps else replace(p, steps=steps_of(p.rows)) for p in parts]
     parts = [replace(p, rows=rows) for p, rows in zip(parts, track.blocks, strict=True)]
     taxels = [p for p in parts if p.kind == "taxel"]
+    _fits(name, declared, sum(len(p.names) for p in taxels), next((p.rows[0] for p in parts if p.kind == "depth"), None))
     recording = Recording(
         name=name,
         t=track.t,
@@ -75,6 +76,18 @@ def assemble(
         steps=_steps(parts),
     )
     return _plausible(recording)
+
+
+def _fits(name: str, declared: Declared, taxels: int, depth: np.ndarray | None) -> None:
+    """Raises `RecordingError` where what is declared cannot be of this recording."""
+    try:
+        declared.checked_for(taxels)
+    except RecordingError as error:
+        raise RecordingError(f"{name}: {error}") from error
+    travel = 0.0 if depth is None else 1e6 * float(np.ptp(depth))
+    if declared.encoder_step_um and 0.0 < travel < declared.encoder_step_um:
+        step = f"an encoder that steps by {declared.encoder_step_um:g} µm cannot have read a travel of {travel:.3g} µm"
+        raise RecordingError(f"{name}: {step}; mend encoder_step_um in rig.yaml")
 
 
 def _steps(parts: list[Channels]) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from skin_ident.recordings.declared import PER_TAXEL, Declared
+from skin_ident.recordings.declared import PER_TAXEL, POSITIONS, Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
 
@@ -37,5 +37,5 @@ def _only(r: Recording, names: Sequence[str]) -> Recording:
 
 def _declared(d: Declared, rows: list[int], count: int) -> Declared:
     """What is declared for each of these taxels."""
-    lists = {key: getattr(d, key) for key in (*PER_TAXEL, "taxel_positions_mm")}
+    lists = {key: getattr(d, key) for key in (*PER_TAXEL, POSITIONS)}
     return replace(d, **{key: tuple(values[i] for i in rows) for key, values in lists.items() if len(values) == count})

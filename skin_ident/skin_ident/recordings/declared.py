@@ -24,6 +24,7 @@ Keys that are not known here are passed over with a warning: the file may serve 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,16 @@ from skin_models.strict_yaml import load_yaml
 
 FILE_NAME = "rig.yaml"
 PER_TAXEL = ("taxel_step_n", "taxel_noise_n")  # one number for all taxels, or one for each
+POSITIONS = "taxel_positions_mm"
+LARGEST = {  # beyond which a unit is wrong
+    "sample_rate_hz": 1e6,
+    "encoder_step_um": 1e4,
+    "plunger_diameter_mm": 1e3,
+    "skin_thickness_mm": 1e3,
+    "moving_mass_kg": 100.0,
+    "spread_width_mm": 1e3,
+    "taxel_gain_uncertainty": 1.0,
+}
 
 
 @dataclass(frozen=True)
@@ -73,6 +84,16 @@ class Declared:
         """The value of a per-taxel entry for taxel `i`; None where nothing is declared."""
         values = getattr(self, key)
         return values[0] if len(values) == 1 else values[i] if i < len(values) else None
+
+    def checked_for(self, taxels: int) -> "Declared":
+        """The same, for a recording of so many taxels. Raises `RecordingError` where a list speaks of another number of them."""
+        for key in (*PER_TAXEL, POSITIONS):
+            said = len(getattr(self, key))
+            if taxels and said not in (0, taxels) and not (said == 1 and key in PER_TAXEL):
+                each = "[x, y] for each" if key == POSITIONS else "one number for all, or one for each"
+                there = f"{taxels} taxel{'' if taxels == 1 else 's'}"
+                raise RecordingError(f"{key} in {FILE_NAME} speaks of {said}, but the recording has {there}: give {each}")
+        return self
 
     def contact_of(self, recording: str) -> tuple[float, float]:
         """Where the plunger presses in a recording, mm; the origin of the taxels' frame unless it is declared otherwise.
@@ -136,16 +157,22 @@ def declared_from(text: str) -> Declared:
         raise RecordingError(str(error)) from error
     content = _mapping({} if content is None else content, "a rig description")
     known = [f.name for f in fields(Declared) if f.name != "warnings"]
-    numbers = [key for key in known if key not in (*PER_TAXEL, "taxel_positions_mm", "contact_position_mm", "calibration")]
+    numbers = [key for key in known if key not in (*PER_TAXEL, POSITIONS, "contact_position_mm", "calibration")]
     unknown = sorted(str(key) for key in content if key not in known)
     return Declared(
         **{key: _positive(key, content[key]) for key in numbers if key in content},
         **{key: _per_taxel(key, content[key]) for key in PER_TAXEL if key in content},
-        warnings=(f"passed over in {FILE_NAME}: {', '.join(unknown)}",) if unknown else (),
-        taxel_positions_mm=_positions(content.get("taxel_positions_mm", [])),
+        warnings=(f"passed over in {FILE_NAME}: {', '.join(_or_meant(key, known) for key in unknown)}",) if unknown else (),
+        taxel_positions_mm=_positions(content.get(POSITIONS, [])),
         contact_position_mm=_contacts(content.get("contact_position_mm", {})),
         calibration={str(k): _calibration(str(k), v) for k, v in _mapping(content.get("calibration", {}), "calibration").items()},
     )
+
+
+def _or_meant(key: str, known: list[str]) -> str:
+    """A key that is not known, and the one that it resembles."""
+    near = get_close_matches(key, known, 1)
+    return f"{key} (is {near[0]} meant?)" if near else key
 
 
 def _calibration(name: str, entry: Any) -> Calibration:
@@ -162,8 +189,11 @@ def _calibration(name: str, entry: Any) -> Calibration:
 
 def _positions(entries: Any) -> tuple[tuple[float, float], ...]:
     if not isinstance(entries, list):
-        raise RecordingError("taxel_positions_mm must be a list: one [x, y], or one number for a row of taxels, per taxel")
-    return tuple(_position(entry) for entry in entries)
+        raise RecordingError(f"{POSITIONS} must be a list: one [x, y], or one number for a row of taxels, per taxel")
+    places = tuple(_position(entry) for entry in entries)
+    if len(set(places)) < len(places):
+        raise RecordingError(f"{POSITIONS}: two taxels are at the same place")
+    return places
 
 
 def _contacts(entry: Any) -> dict[str, tuple[float, float]]:
@@ -174,7 +204,7 @@ def _contacts(entry: Any) -> dict[str, tuple[float, float]]:
     return {"": _position(entry, "contact_position_mm")}
 
 
-def _position(entry: Any, key: str = "taxel_positions_mm") -> tuple[float, float]:
+def _position(entry: Any, key: str = POSITIONS) -> tuple[float, float]:
     pair = entry if isinstance(entry, list) else [entry, 0.0]
     if len(pair) not in (2, 3):
         raise RecordingError(f"{key}: {entry!r} is neither a number nor [x, y]")
@@ -190,6 +220,8 @@ def _positive(key: str, value: Any) -> float | None:
     number = None if value is None else _number(key, value)
     if number is not None and number <= 0.0:
         raise RecordingError(f"{key} must be positive, not {value!r}")
+    if number is not None and number > LARGEST.get(key, float("inf")):
+        raise RecordingError(f"{key} cannot be more than {LARGEST[key]:g}, and is {value!r}: is it in the unit that its name says?")
     return number
 
 

@@ -14,7 +14,7 @@ def without_repeats(recordings: Sequence[Recording]) -> list[Recording]:
     """The recordings, each measurement once; the first of those that hold the same samples bears the warning."""
     out: list[Recording] = []
     for r in recordings:
-        first = next((i for i, kept in enumerate(out) if _same(kept, r)), None)
+        first = next((i for i, kept in enumerate(out) if same(kept, r)), None)
         if first is None:
             out.append(r)
         else:
@@ -26,10 +26,10 @@ def without_repeats(recordings: Sequence[Recording]) -> list[Recording]:
 def first_repeat(recordings: Sequence[Recording]) -> tuple[str, str] | None:
     """The names of two recordings that hold the same measurement, or None."""
     pairs = ((a, b) for i, b in enumerate(recordings) for a in recordings[:i])
-    return next(((a.name, b.name) for a, b in pairs if _same(a, b)), None)
+    return next(((a.name, b.name) for a, b in pairs if same(a, b)), None)
 
 
-def _same(a: Recording, b: Recording) -> bool:
+def same(a: Recording, b: Recording) -> bool:
     """Whether two recordings hold the same measurement, noise and all."""
     rows = [(a.channels | ({} if a.depth is None else {"depth": a.depth})), (b.channels | ({} if b.depth is None else {"depth": b.depth}))]
     if len(a) != len(b) or rows[0].keys() != rows[1].keys():

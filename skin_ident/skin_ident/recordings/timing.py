@@ -16,6 +16,8 @@ from skin_models.tables.order import in_order
 from skin_models.words import counted
 
 SNAP = 0.01  # of the period: jitter below this is taken as even
+DECIMALS = 4  # of a period in which stamps may be written
+SAME, SURELY = 1e-6, 0.01  # of the last decimal: a whole number of them, as far as floating point tells, and where it cannot
 BRIDGED = 10  # samples: the longest loss that is interpolated
 
 
@@ -49,13 +51,32 @@ def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
     """The track on an even grid, in s. Numbers that are missing are bridged where their run is short. Raises `RecordingError`."""
     track = _enough(ordered(track, name), name)
     track = _enough(_bridged(longest_stretch(track, name), name), name)
-    period = float(np.median(np.diff(track.t)))
-    steps = np.rint((track.t - track.t[0]) / period)
+    steps = np.rint((track.t - track.t[0]) / _period(track.t))
     dt = (track.t[-1] - track.t[0]) / steps[-1]
     track = track.warned(*_rate_warning(dt, rate_hz))
-    if steps[-1] == track.t.size - 1 and np.max(np.abs(track.t - track.t[0] - steps * dt)) <= SNAP * dt:
+    if steps[-1] == track.t.size - 1 and np.max(np.abs(track.t - track.t[0] - steps * dt)) <= SNAP * dt + _rounded(track.t, dt):
         return replace(track, t=track.t[0] + dt * np.arange(track.t.size))
     return _resampled(track, dt)
+
+
+def _period(t: np.ndarray) -> float:
+    """Of stamps t (N,) that may be rounded, late or lost: the median step is off by what a stamp is rounded to, and a long record would
+    seem to have lost samples; so the steps that it counts share the whole time."""
+    between = np.diff(t)
+    median = float(np.median(between))
+    shared = float(t[-1] - t[0]) / max(float(np.rint(between / median).sum()), 1.0)
+    return shared if abs(shared - median) < SNAP * median + _rounded(t, median) else median
+
+
+def _rounded(t: np.ndarray, dt: float) -> float:
+    """By how much stamps t (N,) may be off for being written with few decimals: half of the last one each, as is the first of them."""
+    begun = t - t[0]
+    for places in range(DECIMALS):
+        last = 10.0 ** (np.floor(np.log10(dt)) - places)
+        exact = SAME + 4.0 * np.spacing(float(np.max(np.abs(t)))) / last
+        if exact < SURELY and np.max(np.abs(begun / last - np.rint(begun / last))) < exact:
+            return last  # the first stamp is rounded, too
+    return 0.0
 
 
 def kept(track: Track, name: str, rate_hz: float | None = None) -> tuple[Track, bool]:
@@ -84,8 +105,9 @@ def _resampled(track: Track, dt: float) -> Track:
     steps = np.diff(track.t)
     jitter = np.std(steps[steps < 1.5 * dt])
     lost = int(np.sum(np.maximum(np.rint(steps / dt) - 1, 0)))
-    note = f"resampled evenly at {1 / dt:.6g} Hz (jitter {1e3 * jitter:.3g} ms"
-    note += f", {counted(lost, 'lost sample')} interpolated)" if lost else ")"
+    why = [f"jitter {1e3 * jitter:.3g} ms"] if jitter > SNAP * dt or not lost else []
+    why += [f"{counted(lost, 'lost sample')} interpolated"] if lost else []
+    note = f"resampled evenly at {1 / dt:.6g} Hz ({', '.join(why)})"
     return Track(t, tuple(interpolated(t, track.t, rows) for rows in track.blocks), (*track.warnings, note), interpolated=True)
 
 

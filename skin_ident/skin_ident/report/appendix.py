@@ -11,6 +11,7 @@ from skin_ident.report.tolerant import mapping, named_at, sequence, text
 from skin_ident.report.view import View
 from skin_ident.report.words import capital, effect_words, meaning, sentence
 
+SPREAD = "Standard errors are of noise alone: what the form of a model gets wrong, as of a real skin it always does, is not in them."
 MOST_ROWS = 15  # of a table, before it is folded
 GIVEN = {False: "that was given", True: "that was recorded as a twin"}  # by whether it is one
 GIVEN_NUMBERS = {False: "were given", True: "are those of the recorded twin, as a model of it has them"}
@@ -32,6 +33,7 @@ def parameters(v: View) -> Safe | None:
         )
     elif [(a.name, a.value) for a in v.before] == [(a.name, a.value) for a in v.after]:
         note = "Nothing was added to the model, so its parameters stay as they were."
+    note += f" {SPREAD}"
     held = [el("p", sentence(said), class_="note") for said in held_at(v)]
     return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v), held)
 

@@ -16,6 +16,7 @@ TESTED = {
     UNTESTED: "the data it was fitted to",
 }
 MOST_ADVICE = 4
+GAIN = "gain_error"
 LATER = "not before the next experiment"
 
 
@@ -80,7 +81,7 @@ def _on_held_out(v: View) -> Iterator[str]:
 def rebuild_answer(v: View) -> tuple[str, str]:
     """Must a sensor be rebuilt? The gravest answer among the findings, and a reason that follows "because"."""
     if not v.findings and v.verdict == NOTHING and not v.doubts:
-        return "No", "nothing in these data speaks against the sensor"
+        return "No", f"nothing in these data speaks against the sensor{_but_a_gain(v)}"
     if not v.findings:
         return "Not on this evidence", "what is in doubt is not borne out" if v.doubts else "no cause could be named"
     answers = [_of_all_names(f) for f in v.findings]
@@ -88,7 +89,12 @@ def rebuild_answer(v: View) -> tuple[str, str]:
         for a in answers:
             if a.answer == grave:
                 return capital(grave), a.because
-    return "No", "; ".join(dict.fromkeys(a.because for a in answers))
+    return "No", "; ".join(dict.fromkeys(a.because for a in answers)) + _but_a_gain(v)
+
+
+def _but_a_gain(v: View) -> str:
+    """What must be said beside a no: a slope that is wrong throughout looks like another skin, unless something else tells."""
+    return "; a gain that was wrong all the time would not show in them" if any(e.get("cause") == GAIN for e in v.untestable) else ""
 
 
 def _of_all_names(f: Finding) -> Rebuild:

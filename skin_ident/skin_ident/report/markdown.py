@@ -1,6 +1,6 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
-from skin_ident.report.appendix import held_at, size_ruled_out, why_untestable
+from skin_ident.report.appendix import SPREAD, held_at, size_ruled_out, why_untestable
 from skin_ident.report.gains import fall
 from skin_ident.report.numbers import UNKNOWN, amount, percent
 from skin_ident.report.reading import recording_name, warning_sentences
@@ -73,7 +73,7 @@ def _parameters(v: View) -> list[str]:
     names = dict.fromkeys([*before, *after])
     rows = [[capital((before.get(n) or after[n]).words), f"`{n}`", cell(before.get(n)), cell(after.get(n))] for n in names]
     table = _rows("Parameters before and after", ["parameter", "name", v.begun, "after"], rows)
-    return [*table, *(line for said in held_at(v) for line in ("", sentence(said)))] if table else []
+    return [*table, *(line for said in (SPREAD, *held_at(v)) for line in ("", sentence(said)))] if table else []
 
 
 def _excluded(v: View) -> list[str]:

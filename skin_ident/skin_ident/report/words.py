@@ -127,7 +127,7 @@ def rebuild(cause: str, where: str) -> Rebuild:
     if on_taxel:
         return Rebuild("no", "the sensor works; its calibration, zero or wiring needs attention")
     said = {
-        "skin": "the skin behaves like this and the model can learn it; the sensors read correctly",
+        "skin": "the skin behaves like this and the model can learn it; nothing in these data speaks against a sensor",
         "rig": "the test rig is at fault, not the sensor",
         "load_cell": "the reference load cell is at fault, not the skin's sensors",
     }

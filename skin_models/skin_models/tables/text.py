@@ -20,7 +20,7 @@ def read_text(path: str | os.PathLike) -> str:
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise TableError(f"cannot read {path}: {getattr(error, 'strerror', None) or 'it is not text'}") from error
+        raise TableError(f"cannot read {path}: {getattr(error, 'strerror', None) or 'it is not UTF-8 text; save it as UTF-8'}") from error
     if not text.strip():
         raise TableError(f"{path} is empty")
     return text.replace('"', "")  # some programs put every cell in quotes

@@ -19,7 +19,9 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.recordings.repeated import same
 from skin_models.model import Model
+from skin_models.words import counted
 
 COVERED = 0.9  # of a recording's time that its twin must cover
 SAME_MOTION = 0.95  # correlation of the two depths
@@ -49,7 +51,8 @@ def read_twins(sessions: list[Session], recordings: list, twins: list, mass: flo
 def _matched(recordings: list, twins: list) -> list:
     """The twin of every recording: by name where all names agree, else in order."""
     if len(twins) != len(recordings):
-        raise DiagnosisError(f"{len(recordings)} recordings, but {len(twins)} twins: give one simulated twin for each, in the same order")
+        given = f"{counted(len(recordings), 'recording')}, but {counted(len(twins), 'twin')}"
+        raise DiagnosisError(f"{given}: give one simulated twin for each, in the same order")
     by_name = {t.name: t for t in twins}
     return [by_name[r.name] for r in recordings] if {r.name for r in recordings} == set(by_name) else list(twins)
 
@@ -60,6 +63,8 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
     missing = [c for c in session.channels if c not in twin.channels]
     if missing or len(twin.taxels) != session.n_taxels:
         raise DiagnosisError(f"the twin {twin.name} must carry the channels of {recording.name}: {', '.join(session.channels)}")
+    if same(recording, twin):
+        raise DiagnosisError(f"the twin {twin.name} holds the very samples of {recording.name}: give what a simulation said of that motion")
     t, warnings = _clock(recording, twin)
     _same_motion(recording, twin, t)
     raw = np.array([np.interp(session.motion.t, t, twin.channels[c]) for c in session.channels])

@@ -19,12 +19,13 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.optimize import lsq_linear
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
+from skin_ident.criticism.courses.left_by_tare import MORE, Tare, tares
 from skin_ident.criticism.courses.run import LEAST, Moments, Run
-from skin_ident.criticism.gates.resolution import converter_step
 from skin_ident.criticism.gates.uncertain import Open, own_rows
 from skin_ident.criticism.noise.estimate import pursue
 from skin_ident.criticism.noise.steps import sharpest
@@ -209,8 +210,8 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    step = converter_step(g.sessions, g.sessions[0].channels[course.rows[0]]) if course.carrier == ZERO else 0.0
-    return Run(course, score, charge, largest, values, said, g.sessions[0].period, step, moments, z)
+    tare = _tare(course, g) if course.tares else None
+    return Run(course, score, charge, largest, values, said, g.sessions[0].period, tare, moments, z)
 
 
 def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -277,6 +278,8 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
     A = g.beside(block_diag(*(stack([np.array(own)], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
     steps, r = course.shape == STEPS, g.left
     z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else _least_squares(A, r, _free(course, g, rows))
+    if course.tares:
+        z = _as_tared(A, r, z, _tare(course, g).leaves)
     charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
     return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
@@ -294,6 +297,16 @@ def _free(course: Course, g: _Ground, rows: list[list[np.ndarray]]) -> np.ndarra
 
 def _least_squares(A: np.ndarray, r: np.ndarray, free: np.ndarray) -> np.ndarray:
     return free @ np.linalg.lstsq(A @ free, r, rcond=1e-8)[0] if free.size else np.zeros(A.shape[1])
+
+
+def _as_tared(A: np.ndarray, r: np.ndarray, z: np.ndarray, most: float) -> np.ndarray:
+    """The zeros within what tares leave, where they explain as much as any others."""
+    within = lsq_linear(A, r, (-most, most)).x if most > 0.0 else np.zeros(z.size)
+    return within if np.sum((r - A @ within) ** 2) - np.sum((r - A @ z) ** 2) < MORE else z
+
+
+def _tare(course: Course, g: _Ground) -> Tare:
+    return tares(g.sessions, g.noise)[course.rows[0]]
 
 
 def _said(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:

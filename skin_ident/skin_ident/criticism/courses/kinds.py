@@ -47,6 +47,11 @@ class Course:
         return (self.key, (self.cause, "taxel")) if self.carrier == DRIVEN else (self.key,)
 
     @property
+    def tares(self) -> bool:
+        """Whether it is a zero that lasts as long as the session, as tares leave one."""
+        return (self.carrier, self.shape) == (ZERO, CONSTANT)
+
+    @property
     def slopes(self) -> bool:
         """Whether it is a slope that lasts as long as the session."""
         return (self.carrier, self.shape) == (SLOPE, CONSTANT)

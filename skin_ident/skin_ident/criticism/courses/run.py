@@ -4,8 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from skin_ident.criticism.courses.carriers import DELAY, DEPTH, ZERO
-from skin_ident.criticism.courses.kinds import CONSTANT, Course
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH
+from skin_ident.criticism.courses.kinds import Course
+from skin_ident.criticism.courses.left_by_tare import Tare
 
 SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
 AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
@@ -22,8 +23,8 @@ def least_depth(encoder_step: float) -> float:
 @dataclass(frozen=True)
 class Run:
     """A course fitted to sessions: its likelihood score, what that was charged for amplitudes and moments, its largest amplitude, its
-    values (C, N) N and its words by session, the period of their samples, s, the step of the converter whose zero it is, N (0: none seen),
-    and by session the moments of its steps, s, and amplitudes."""
+    values (C, N) N and its words by session, the period of their samples, s, what a tare leaves of it, where it is a zero, and by session
+    the moments of its steps, s, and amplitudes."""
 
     course: Course
     score: float
@@ -32,7 +33,7 @@ class Run:
     values: dict[str, np.ndarray]
     said: dict[str, str]
     period: float
-    step: float = 0.0
+    tare: Tare | None = None
     moments: Moments = field(default_factory=dict)
     amplitudes: dict[str, np.ndarray] = field(default_factory=dict)
 
@@ -47,9 +48,8 @@ class Run:
 
     @property
     def of_the_tare(self) -> bool:
-        """Whether it is a zero that was set by a reading in steps: that, and what it is taken from, are off by half of one each. It belongs
-        to the baseline."""
-        return (self.course.carrier, self.course.shape) == (ZERO, CONSTANT) and self.largest <= self.step
+        """Whether it is a zero as a tare leaves it, which belongs to the baseline."""
+        return self.tare is not None and self.largest <= (1.0 + 1e-9) * self.tare.leaves
 
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains anything, and is more than good hardware does."""

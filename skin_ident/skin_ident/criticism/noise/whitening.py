@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.signal import lfilter
+from scipy.signal import freqz, lfilter
 
 from skin_ident.criticism.noise.growth import Channels, Growth, growth
 from skin_ident.stretches import runs
@@ -35,7 +35,7 @@ MEMORIES = np.array([10.0, 30.0, 100.0, 300.0])  # T_m, samples
 POLES = 1.0 - 1.0 / MEMORIES
 AVERAGING = np.poly(POLES)  # the common denominator of all averages, and the numerator that each has over it
 EACH = np.array([np.poly(np.delete(POLES, m)) / memory for m, memory in enumerate(MEMORIES)])
-FINE = 32  # frequencies that stand for a band
+FINE, FINEST = 32, 4096  # frequencies that stand for a band, and for all
 AT_ONCE = 32  # rows that are whitened together: more do not fit into a processor's cache
 FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must not be blown up
 
@@ -96,6 +96,14 @@ class Whitener:
         whole = np.convolve(self.filters[c], AVERAGING)
         whole[1 : 1 + averages.size] -= averages
         return whole, AVERAGING
+
+    def averaged(self, samples: int) -> np.ndarray:
+        """The standard deviation (C,) of an average of so many samples of each channel without load, N: by the noise's spectrum."""
+        w = np.pi * (np.arange(FINEST) + 0.5) / FINEST
+        kept = (np.sin(0.5 * samples * w) / (samples * np.sin(0.5 * w))) ** 2
+        predicted = np.array([freqz(*self.predictor(c), w)[1] for c in range(len(self.mix))])
+        channels = np.einsum("ci,cf,cj->ijf", self.mix, 1.0 / predicted, self.root)
+        return np.sqrt(np.mean(np.sum(np.abs(channels) ** 2, axis=1) * kept, axis=-1))
 
     def turned(self, w: np.ndarray, s: Channels) -> np.ndarray:
         """The adjoint of `apply` on (C, n): sum of apply(e) * w = sum of e * turned(w)."""
@@ -208,7 +216,7 @@ def _past(w: np.ndarray, order: int) -> np.ndarray:
 
 
 def stack(rows: list[np.ndarray], sessions: list, noise: Whitener, out: np.ndarray | None = None) -> np.ndarray:
-    """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M) or (rows,); the former in `out` where it is given."""
+    """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M), in `out` where it is given, or (rows,)."""
     if rows[0].ndim == 2:
         return np.concatenate([noise.apply(a, s).ravel() for a, s in zip(rows, sessions, strict=True)])
     ends = np.cumsum([0, *(a.shape[1] * a.shape[2] for a in rows)])

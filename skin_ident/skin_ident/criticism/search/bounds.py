@@ -17,11 +17,13 @@ from skin_ident.criticism.search.named import Seen
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
 from skin_ident.criticism.search.survey import Survey, detectable
 from skin_ident.criticism.vocabulary import CAUSES, Cause
-from skin_models.parameter import SHAPE, parameters_of
+from skin_models.model import Model
+from skin_models.parameter import SHAPE, Parameter, parameters_of
 
 CLEAR = 3.0
 NEAR = 0.35  # of the best score of a round
 ALIKE = 0.98  # correlation above which two directions are one
+HOLLOW = "beside what else may be there, all that is possible of it would not stand out here"
 
 
 def excluded_and_untestable(
@@ -37,15 +39,17 @@ def excluded_and_untestable(
         if cause.name in named:
             untestable += [undecided(cause, where, s) for where, s in there.items() if s.doubt]
             continue
-        entries = [e for e in _excluded(p, bounds, cause.name) if e["where"] not in there or e["below"] >= there[e["where"]].size]
+        entries, hollow = _excluded(p, bounds, cause.name, last.model)
+        entries = [e for e in entries if e["where"] not in there or e["below"] >= there[e["where"]].size]
         excluded += entries
         untestable += _imitated(p, cause, entries)
+        untestable += [{"cause": cause.name, "where": w, "because": HOLLOW, "needs": cause.needs} for w in hollow if w not in there]
         if there:
             untestable += [undecided(cause, where, s) for where, s in there.items()]
             continue
         if cause.name in known and not known[cause.name] and not entries:
             excluded.append({"cause": cause.name, "below": None, "unit": "", "because": "looked for and not seen"})
-        elif not entries:
+        elif not (entries or hollow):
             because = known.get(cause.name) or _because(p, cause.name)
             untestable.append({"cause": cause.name, "because": because, "needs": cause.needs})
     return excluded, untestable
@@ -92,21 +96,31 @@ def _beside_others(p: Projected) -> np.ndarray:
     return bounds
 
 
-def _excluded(p: Projected, bounds: np.ndarray, cause: str) -> list[dict[str, Any]]:
-    """One entry per place: the weakest of the bounds over the shapes that the data excite."""
+def _excluded(p: Projected, bounds: np.ndarray, cause: str, model: Model) -> tuple[list[dict[str, Any]], list[str]]:
+    """One entry per place: the weakest of the bounds over the shapes that the data excite. And the places where that bounds nothing, for
+    no skin or sensor can have as much."""
     limits = detectable(p, CLEAR)
+    hollow = set()
     places: dict[str, tuple[float, dict[str, Any]]] = {}
     for i, d in enumerate(p.which):
         if d.cause != cause or cause == AT_FULL_RATE or limits[i] > 1.0 or p.left[i] <= UNEXCITED:
             continue
         bound = bounds[i]
-        unit = next(q.unit for q in parameters_of(d.effect) if q.name == d.parameter)
+        q = next(q for q in parameters_of(d.effect) if q.name == d.parameter)
+        if bound * d.size > _most(q, d.where, model):
+            hollow.add(d.where)
         at = {q.name: {"value": q.value, "unit": q.unit} for q in parameters_of(d.effect) if q.role == SHAPE}
-        entry = {"cause": cause, "where": d.where, "parameter": d.parameter, "below": float(bound * d.size), "unit": unit}
+        entry = {"cause": cause, "where": d.where, "parameter": d.parameter, "below": float(bound * d.size), "unit": q.unit}
         if d.where not in places or bound > places[d.where][0]:
             which = {name: said for name, said in (("form", d.effect.form), ("at", at)) if said}
             places[d.where] = (float(bound), {**entry, **which})
-    return [entry for _, entry in places.values()]
+    return [entry for where, (_, entry) in places.items() if where not in hollow], [where for where in places if where in hollow]
+
+
+def _most(q: Parameter, where: str, model: Model) -> float:
+    """The most that an amplitude can be: what its effect allows, and nothing in the skin is stiffer than all of it."""
+    whole = model.dispersion.k1 + model.dispersion.k2
+    return min(max(abs(q.lower), abs(q.upper)), whole if where == "skin" and q.unit == "N/m" and whole > 0.0 else np.inf)
 
 
 def _imitated(p: Projected, cause: Cause, excluded: list[dict[str, Any]]) -> list[dict[str, Any]]:

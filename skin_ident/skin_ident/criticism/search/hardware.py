@@ -3,6 +3,7 @@
 import numpy as np
 
 from skin_ident.criticism.courses.carriers import DEPTH
+from skin_ident.criticism.courses.left_by_tare import Tare
 from skin_ident.criticism.courses.run import AT_REST, Run, least_depth
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
@@ -77,10 +78,10 @@ def zeros_do(largest: float, encoder_step: float) -> Seen:
     return Seen(np.inf, f"{why}, and good hardware does up to {least} by itself")
 
 
-def tare_does(largest: float, step: float) -> Seen:
-    """Why zeros that sessions have of their own, the `largest` of them in N, are no finding, where readings in steps set them no better."""
+def tare_does(largest: float, tare: Tare) -> Seen:
+    """Why zeros that sessions have of their own, the `largest` of them in N, are no finding, where a `tare` sets them no better."""
     off = f"the zeros of single sessions are off by up to {largest:.2g} N"
-    return Seen(np.inf, f"{off}, as a tare that is read in steps of {step:.2g} N may leave them", "a converter with finer steps")
+    return Seen(np.inf, f"{off}, as {tare.said} may leave them", "a converter with finer steps, and tares of many seconds in free air")
 
 
 def _worth(gain: Gain) -> str:

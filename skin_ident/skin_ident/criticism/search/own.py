@@ -100,6 +100,10 @@ def take_alone(search: "Search") -> bool:
     runs = beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step)
     runs = plainest_first([r for r in runs if r.worth(search.encoder_step)])
     run = next((r for r in runs if r.course not in had), None)
+    if run is not None and run.of_the_tare:
+        search.held = added(search.held, run.values)
+        search.tared[run.course.key] = tare_does(run.largest, run.tare)
+        return take_alone(search)
     least = search.least(sum(np.count_nonzero(s.weight) for s in search.held))
     if run is None or run.score < least or _in_their_noise(search, run) < min(least, CERTAIN):
         return False
@@ -110,7 +114,7 @@ def take_alone(search: "Search") -> bool:
         return False
     if run.size < EXTRAORDINARY * fitted(run.course, search.present.model, search.train, search.noise).size:
         return False
-    if run.of_the_tare or not search.resolved(run.course.key, gain, search.present.model):
+    if not search.resolved(run.course.key, gain, search.present.model):
         return False
     if take_tare_of_held(search, run.course.cause, run.score):
         return take_alone(search)
@@ -146,7 +150,7 @@ def take_course(search: "Search", run: Run, finding: Named) -> None:
     other = fitted(run.course, search.present.model, search.held, noise, free) if search.held else None
     search.train, search.held = train, added(search.held, other.values) if other else search.held
     if run.of_the_tare and (other is None or other.of_the_tare):
-        search.tared[run.course.key] = tare_does(run.largest, run.step)
+        search.tared[run.course.key] = tare_does(run.largest, run.tare)
         return
     search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
     search.progress(f"named {finding.cause} in the {finding.where}")

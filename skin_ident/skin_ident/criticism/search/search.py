@@ -23,7 +23,7 @@ from skin_ident.criticism.search.named import Named, Seen
 from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
-from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
+from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.tared import take_tare
@@ -233,10 +233,16 @@ class Search:
             if not (believed and much):
                 continue
             encoder = encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
-            if encoder is None:
+            unread = self._unread([t for t in rivals if t.score > trial.score - CHANCE])
+            if encoder is None and not unread:
                 return trial.fit, finding
-            self.usual[trial.key] = encoder
+            self.usual |= {trial.key: encoder} if encoder else unread
         return None
+
+    def _unread(self, as_good: list[Trial]) -> dict[tuple[str, str], Seen]:
+        """Those of trials that explain `as_good` as the best which are lengths that the encoder does not read: it does them by itself."""
+        seen = {t.key: too_short(t.key, t.fit.model, self.encoder_step) for t in as_good}
+        return {key: s for key, s in seen.items() if s is not None}
 
     def _in_doubt(self, trial: Trial, best: Trial, gain: Gain) -> bool:
         """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""

@@ -8,13 +8,14 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.courses.carriers import DEPTH, ZERO
 from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.kinds import CAUSES, CONSTANT, STEPS
+from skin_ident.criticism.courses.left_by_tare import tares
 from skin_ident.criticism.courses.run import least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
 from skin_ident.criticism.gates.gate import own_channels
-from skin_ident.criticism.gates.resolution import ROUNDED, converter_step
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.hardware import tare_does, zeros_do
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import place_of
 from skin_models.model import Model
@@ -22,7 +23,7 @@ from skin_models.model import Model
 if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
-WORTH_SAYING = 0.2  # of a step
+WORTH_SAYING = 0.2  # of what a tare leaves
 OFFSET, SHIFT = CAUSES[ZERO, CONSTANT], CAUSES[DEPTH, STEPS]
 
 
@@ -46,15 +47,15 @@ def take_tare(search: "Search", finding: Named) -> bool:
 
 
 def _shared(search: "Search", finding: Named) -> Zeros:
-    """The zero that a finding gives to all sessions alike, where it is no larger than one reading in steps leaves it: sessions that are
-    tared each do not share more."""
+    """The zero that a finding gives to all sessions alike, where it is no larger than tares leave it: sessions that are tared each do not
+    share more."""
     if finding.cause != OFFSET or finding.model is None:
         return {}
     offset = _offset_of(finding.model, finding) - _offset_of(finding.before, finding)
     channels = search.train[0].channels
     own = [c in own_channels(finding.where, channels) for c in channels]
-    step = min((converter_step(search.train, c) for c, mine in zip(channels, own, strict=True) if mine), default=0.0)
-    if not 0.0 < abs(offset) <= ROUNDED * step:
+    left = [t.leaves_all(len(search.train)) for t, mine in zip(tares(search.train, search.noise), own, strict=True) if mine]
+    if not 0.0 < abs(offset) <= min(left, default=0.0):
         return {}
     zero = np.append(offset * np.array(own), 0.0)
     return {s.name: zero for s in (*search.train, *search.held)}
@@ -79,16 +80,15 @@ def _is_zero(cause: str) -> bool:
 
 
 def _instead(search: "Search", sessions: list[Session], explained: float, *, free: bool) -> Zeros:
-    """The zeros that explain as much as was explained otherwise."""
+    """The zeros that explain as much as was explained otherwise, as far as anybody could tell."""
     found, fall = zeros(search.present.model, sessions, search.noise, search.encoder_step, free=free)
-    return found if fall >= explained else {}
+    return found if fall >= reach(explained) else {}
 
 
 def _said(search: "Search", found: Zeros) -> None:
     *channels, depth = np.max(np.abs([*found.values()]), axis=0).tolist()
-    for channel, largest in zip(search.train[0].channels, channels, strict=True):
-        step = converter_step(search.train, channel)
-        if largest > WORTH_SAYING * step:
-            search.tared[OFFSET, place_of(channel, search.train[0].n_taxels)] = tare_does(largest, step)
+    for channel, largest, tare in zip(search.train[0].channels, channels, tares(search.train, search.noise), strict=True):
+        if largest > WORTH_SAYING * tare.leaves:
+            search.tared[OFFSET, place_of(channel, search.train[0].n_taxels)] = tare_does(largest, tare)
     if depth > WORTH_SAYING * least_depth(search.encoder_step):
         search.tared[SHIFT, place_of("depth", search.train[0].n_taxels)] = zeros_do(depth, search.encoder_step)
