@@ -64,6 +64,17 @@ def test_columns_in_another_order(order, moved):
     assert np.array_equal(right[3].taxels, session(3).taxels)
 
 
+def test_columns_that_are_much_alike_are_known_where_the_other_sessions_agree():
+    def alike(r):
+        return replace(r, taxels=np.array([1.0, 0.9, 1.05])[:, None] * r.taxels[:1] + 0.01 * (r.taxels - r.taxels[:1]))
+
+    made = [alike(session(i)) for i in range(3)]
+    right, (symptom,) = put_right([made[0], reordered((1, 0, 2))(made[1]), made[2]])
+    assert (symptom.evidence["kind"], symptom.channels) == ("swapped columns", ("taxel_0", "taxel_1"))
+    assert np.array_equal(right[1].taxels, made[1].taxels)
+    assert not put_right([made[0], times("taxel_1", 1.1)(made[1]), made[2]])[1]
+
+
 def test_with_two_sessions_nobody_knows_which():
     _, (symptom,) = put_right(sessions(2, 1, reordered((2, 1, 0))))
     assert "the other one" in symptom.evidence["why"]

@@ -40,6 +40,18 @@ def test_a_pull_that_is_not_like_the_simulated_one_is_named_and_not_simulated():
     assert found.evidence["unlike_simulated"] and effect_of(found) is None
 
 
+@pytest.mark.parametrize("pull", [0.0, 0.12])
+def test_a_load_cell_too_noisy_for_a_single_leaving_agrees_with_its_taxel_over_all(pull):
+    rng, t = np.random.default_rng(2), np.arange(12000) / 250.0
+    skin = Dispersion(m=0.0, b1=1.0, k1=900.0, b2=1.0, k2=600.0)
+    x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
+    brief = np.where((np.diff(x, append=x[-1]) < 0.0) & (x < 0.0) & (x > -2e-4), -1.0, 0.0)
+    force = 1500.0 * np.maximum(x, 0.0) + pull * brief + rng.normal(0.0, 0.1, t.size)
+    taxel = 900.0 * np.maximum(x, 0.0) + 0.12 * brief + rng.normal(0.0, 0.01, t.size)
+    found = find_pull(Model(skin, shares=(1.0,)), [prepare(Recording("a", t, x, force, taxel[None]))])
+    assert [s.channels for s in found] == ([("force", "taxel_0")] if pull else [])  # what the load cell does not feel is a taxel's fault
+
+
 def test_beside_a_taxel_that_feels_nothing_the_pull_is_what_does_not_reach_it():
     rng, t = np.random.default_rng(1), np.arange(12000) / 250.0
     skin = Dispersion(m=0.0, b1=1.0, k1=900.0, b2=1.0, k2=600.0)

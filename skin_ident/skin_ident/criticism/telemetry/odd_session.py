@@ -23,6 +23,7 @@ from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR
 
 ODD = 0.15  # distance of two unit vectors of shares from which a session is asked for another order
 MENDS = 0.25  # of that distance, what the other order may leave
+LITTLE, EXACTLY = 0.02, 0.1  # the same where the others agree, for columns that are much alike: of gains, no two change so that they fit
 ALIKE = 0.05  # or so much, which is what shares differ by from day to day
 DEEPER = 5.0  # times that sessions of one skin may differ in stiffness and in depth
 HUGE, WIDE = 100.0, 2.0  # a factor beyond HUGE is known from within a factor of WIDE
@@ -204,7 +205,9 @@ def _reordered(group: list, names: list[str], slopes: np.ndarray) -> _Fault | No
         left = float(np.linalg.norm(unit[i, order] - _others(unit, i)))
         rest = np.delete(unit, i, axis=0)
         steady = max(float(np.linalg.norm(row - np.median(rest, axis=0))) for row in rest)
-        if apart[i] > max(ODD, 3.0 * steady) and left < min(MENDS * apart[i], max(ALIKE, 2.0 * steady)):
+        plainly = apart[i] > max(ODD, 3.0 * steady) and left < min(MENDS * apart[i], max(ALIKE, 2.0 * steady))
+        exactly = len(group) > 2 and apart[i] > max(LITTLE, 10.0 * steady) and left < EXACTLY * apart[i]
+        if plainly or exactly:
             return _of_order(group, names, int(i), order, apart[i], left)
     return None
 

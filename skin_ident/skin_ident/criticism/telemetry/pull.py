@@ -30,10 +30,16 @@ IN = 0.3  # of the greatest speed in the air, from which the plunger is on its w
 
 @dataclass(frozen=True)
 class Leaving:
-    """One leaving: how far each channel (C,) falls below air and model, N (negative), and the depth there, m."""
+    """One leaving: how far each channel falls below air and model, N (negative), where each of them is lowest, (C, C) by lowest and channel,
+    and the depth where the first is, m."""
 
-    dips: np.ndarray
+    together: np.ndarray
     depth: float
+
+    @property
+    def dips(self) -> np.ndarray:
+        """How far each channel falls at its lowest, (C,)."""
+        return np.diag(self.together)
 
 
 def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
@@ -49,9 +55,14 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     dips = np.array([one.dips for one in leavings])
     pulled = dips < -CLEAR * width
     carried = np.flatnonzero(pulled.mean(axis=0) >= AGREE)
-    if carried.size == 0 or (sessions[0].channels[0] == "force" and carried[0] != 0):  # what pulls a taxel pulls the load cell too
+    if carried.size == 0:
         return []
     shown = pulled[:, carried].any(axis=1)
+    if sessions[0].channels[0] == "force" and carried[0] != 0:  # what pulls a taxel pulls the load cell too, whose noise may hide it
+        beside = np.array([one.together[carried[0], 0] for one in leavings])
+        if np.mean(beside[shown]) > -CLEAR * width[0] / np.sqrt(np.count_nonzero(shown)):
+            return []
+        carried, dips[:, 0] = np.append(0, carried), beside
     depths = [one.depth for one, yes in zip(leavings, shown, strict=True) if yes]
     found = _symptom(model, sessions[0], dips[shown], carried, depths, len(leavings))
     return [_as_simulated(found, model, sessions, rest)]
@@ -102,7 +113,7 @@ def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
         below = np.maximum(s.raw[:, window] - _zero(s.raw[:, around], moved.v[around]), rest[:, window])
         even = np.apply_along_axis(np.convolve, 1, below, np.ones(SMOOTH) / SMOOTH, "valid")
         lowest = np.argmin(even, axis=1)
-        yield Leaving(even[np.arange(len(even)), lowest], float(moved.x[window[lowest[0] + SMOOTH // 2]]))
+        yield Leaving(even[:, lowest].T, float(moved.x[window[lowest[0] + SMOOTH // 2]]))
 
 
 def _zero(air: np.ndarray, speed: np.ndarray) -> np.ndarray:
