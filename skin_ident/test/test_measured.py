@@ -76,7 +76,7 @@ def test_spikes_of_the_chamber_pressure_and_nothing_on_the_taxels(tmp_path):
         assert [(s.cause, s.where) for s in symptoms] == [("outliers", "load_cell")]
         mask = next(iter(symptoms[0].bad.values()))
         t, pressure, _ = insole_rows(name)
-        spikes = t[np.abs(pressure - median_filter(pressure, 9)) > 0.03]  # a plain threshold sees them as well
+        spikes = t[np.abs(pressure - median_filter(pressure, 9)) > 0.015]  # a plain threshold sees them as well
         assert np.mean([np.min(np.abs(spikes - at)) < 0.1 for at in r.t[mask]]) > 0.8
 
 
@@ -92,4 +92,4 @@ def test_what_the_pressure_of_the_second_insole_file_lacks_is_found(tmp_path):
     findings = diagnose([first], [second]).findings
     assert ("force_offset", "load_cell") in said(findings)
     for worth in findings["gain_by_channel"].values():
-        assert worth["held_out_rmse_after"] < 0.4 * worth["held_out_rmse_before"]
+        assert worth["held_out_rmse_after"] < 0.45 * worth["held_out_rmse_before"]

@@ -16,14 +16,14 @@ from skin_ident.criticism.gates.resolution import ROUNDED, converter_step
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 
-AVERAGED_S = 1.0  # that a tare lasts
+AVERAGED_S = 0.5  # that a tare lasts at least
 WANDERED = 3.0  # standard deviations of its average
 MORE = 10.0  # fall of the squared whitened error, by which larger zeros may explain more
 
 
 @dataclass(frozen=True)
 class Tare:
-    """Of one channel: the converter's `step`, N (0: none seen), and the standard deviation of a second of its noise, N."""
+    """Of one channel: the converter's `step`, N (0: none seen), and the standard deviation of its noise's average over a tare, N."""
 
     step: float
     wander: float
@@ -42,7 +42,7 @@ class Tare:
         """What the tare was of, in words."""
         if self.step > WANDERED * self.wander:
             return f"a tare that is read in steps of {self.step:.2g} N"
-        return f"a tare in noise that wanders by {self.wander:.2g} N rms from one second to another"
+        return f"a tare in noise that wanders by {self.wander:.2g} N rms from one half second to another"
 
 
 def tares(sessions: list[Session], noise: Whitener) -> list[Tare]:

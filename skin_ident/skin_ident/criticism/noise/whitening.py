@@ -35,7 +35,8 @@ MEMORIES = np.array([10.0, 30.0, 100.0, 300.0])  # T_m, samples
 POLES = 1.0 - 1.0 / MEMORIES
 AVERAGING = np.poly(POLES)  # the common denominator of all averages, and the numerator that each has over it
 EACH = np.array([np.poly(np.delete(POLES, m)) / memory for m, memory in enumerate(MEMORIES)])
-FINE, FINEST = 32, 4096  # frequencies that stand for a band, and for all
+FINE = 32  # frequencies that stand for a band
+EVERY = np.pi * (np.arange(4096) + 0.5) / 4096  # radians a sample, frequencies that stand for all
 AT_ONCE = 32  # rows that are whitened together: more do not fit into a processor's cache
 FLOOR = 1e-4  # of the variance, added as white noise: the band's stop band must not be blown up
 
@@ -99,11 +100,19 @@ class Whitener:
 
     def averaged(self, samples: int) -> np.ndarray:
         """The standard deviation (C,) of an average of so many samples of each channel without load, N: by the noise's spectrum."""
-        w = np.pi * (np.arange(FINEST) + 0.5) / FINEST
-        kept = (np.sin(0.5 * samples * w) / (samples * np.sin(0.5 * w))) ** 2
-        predicted = np.array([freqz(*self.predictor(c), w)[1] for c in range(len(self.mix))])
-        channels = np.einsum("ci,cf,cj->ijf", self.mix, 1.0 / predicted, self.root)
-        return np.sqrt(np.mean(np.sum(np.abs(channels) ** 2, axis=1) * kept, axis=-1))
+        kept = (np.sin(0.5 * samples * EVERY) / (samples * np.sin(0.5 * EVERY))) ** 2
+        return np.sqrt(np.mean(self._spectrum() * kept, axis=1))
+
+    def lasting(self) -> np.ndarray:
+        """By how many times fewer samples of each channel (C,) count, of how loud they are, for being correlated: the sum of rho^2 over all
+        lags, which is the mean square of the spectrum over the square of its mean."""
+        spectrum = self._spectrum()
+        return np.mean(spectrum**2, axis=1) / np.mean(spectrum, axis=1) ** 2
+
+    def _spectrum(self) -> np.ndarray:
+        """The power of every channel without load at frequencies `EVERY`, (C, F) N^2: its mean is the variance."""
+        predicted = np.array([freqz(*self.predictor(c), EVERY)[1] for c in range(len(self.mix))])
+        return np.sum(np.abs(np.einsum("ci,cf,cj->ijf", self.mix, 1.0 / predicted, self.root)) ** 2, axis=1)
 
     def turned(self, w: np.ndarray, s: Channels) -> np.ndarray:
         """The adjoint of `apply` on (C, n): sum of apply(e) * w = sum of e * turned(w)."""

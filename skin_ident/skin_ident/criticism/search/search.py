@@ -26,7 +26,7 @@ from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
-from skin_ident.criticism.search.tared import take_tare
+from skin_ident.criticism.search.tared import take_tare, take_zeros
 from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import OFFSET, Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.unstuck import unstuck
@@ -77,6 +77,7 @@ class Search:
         self.tared: dict[tuple[str, str], Seen] = {}  # zeros of sessions that were taken into the baseline
         self.doubts: dict[tuple[str, str], Seen] = {}  # what training speaks for, and others leave in doubt
         self.most = MOST_FINDINGS  # rounds
+        self.zeroed = False  # whether zeros as good hardware leaves them were taken where no cause was believed
         self.refused = 0.0  # what the best cause would explain that was not believed in the last round
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
@@ -102,6 +103,9 @@ class Search:
             if taken and take_tare(self, taken[1]):
                 continue
             if shared and unstuck(self, *shared):
+                continue
+            if not (taken or self.zeroed) and take_zeros(self):
+                self.zeroed = True
                 continue
             alone = not taken and take_alone(self)
             if light and not (taken or alone or self.named):

@@ -9,7 +9,7 @@ from skin_ident.criticism.courses.carriers import DEPTH, ZERO
 from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.kinds import CAUSES, CONSTANT, STEPS
 from skin_ident.criticism.courses.left_by_tare import tares
-from skin_ident.criticism.courses.run import least_depth
+from skin_ident.criticism.courses.run import LEAST, least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
 from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.search.growing import instances
@@ -34,8 +34,23 @@ def take_tare(search: "Search", finding: Named) -> bool:
         return False
     shared = _shared(search, finding)
     found = shared or _instead(search, search.train, finding.explained, free=True)
-    if not found:
+    if found:
+        _take(search, found, shared)
+    return bool(found)
+
+
+def take_zeros(search: "Search") -> bool:
+    """Whether zeros as good hardware leaves them explain something where no cause is believed, and were taken: they would be a riddle."""
+    found, fall = zeros(search.present.model, search.train, search.noise, search.encoder_step, free=True)
+    free = sum(np.count_nonzero(z) for z in found.values())
+    if fall < max(LEAST, free * np.log(max(search.present.count, 2))):
         return False
+    _take(search, found, {})
+    return True
+
+
+def _take(search: "Search", found: Zeros, shared: Zeros) -> None:
+    """Put zeros into the sessions that were fitted, and into the held-out ones their own, or those that all have."""
     model = search.present.model
     search.train = added(search.train, added_by(found, model, search.train))
     search.present = fit(model, search.train, search.noise)
@@ -43,7 +58,6 @@ def take_tare(search: "Search", finding: Named) -> bool:
     others = shared or (zeros(model, held, search.noise, search.encoder_step, free=False)[0] if held else {})
     search.held = added(held, added_by(others, model, held))
     _said(search, found | others)
-    return True
 
 
 def _shared(search: "Search", finding: Named) -> Zeros:

@@ -30,8 +30,8 @@ IN = 0.3  # of the greatest speed in the air, from which the plunger is on its w
 
 @dataclass(frozen=True)
 class Leaving:
-    """One leaving: how far each channel falls below air and model, N (negative), where each of them is lowest, (C, C) by lowest and channel,
-    and the depth where the first is, m."""
+    """One leaving: how far channels fall below air and model, N (negative), where each of them is lowest, (C, C) by the lowest and the
+    channel, and the depth where the first is, m."""
 
     together: np.ndarray
     depth: float

@@ -9,8 +9,8 @@ copies of what is simulated, are also fitted to every other few seconds of the s
 them do; the floor is the lower of the two. And while the plunger is in the air there is nothing but noise: that of a channel under load may
 be some times as large, but not many times.
 
-How large noise is, a record shows the worse the longer the memory of that is: of the RMS of n samples that are correlated by r from one to
-the next the relative standard error is sqrt((1 + r^2) / (1 - r^2) / 2 n) (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27-41).
+How large noise is, a record shows the worse the longer the memory of that is: of the RMS of n samples whose correlations are rho at all
+lags the relative standard error is sqrt(sum(rho^2) / 2 n) (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27-41).
 """
 
 from collections.abc import Iterable
@@ -24,7 +24,7 @@ from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, RESOLVED, unread_force
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.estimate import less
-from skin_ident.criticism.noise.whitening import Stacked, white
+from skin_ident.criticism.noise.whitening import Stacked, Whitener, white
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session, motion_under
@@ -35,7 +35,7 @@ from skin_models.model import Model
 ROUNDING = 1e-9  # N
 DOUBTED = 1.25  # times the floor of the session that tells most, from which the floor of every session is looked at
 WELL_ABOVE = 1.4  # times the floor of the very sessions: more than noise. Of 25 sound sets the most had 1.2, of what was fitted 1.1
-UNSURE = 2.0  # standard errors of the floor, by which it may be wrong
+UNSURE = 4.0  # standard errors of how loud noise is, by which floor and rest together may be off
 LOUDER = 6.0  # times the noise of the air: so much does no load make of it
 AIR_S = 3.0  # of the air, that tell its noise
 TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
@@ -115,12 +115,12 @@ def beyond_noise(
     random = {channel for s in symptoms if s.cause not in PREDICTS for channel in s.channels}
     shadow = SHADOW * max((n.gain.squares for n in c.named), default=0.0)
     fitted, least_fitted = _fitted(c, floor)
-    loudest = _loudest(c)
+    loudest, louder, doubt = _loudest(c), _louder(c), _doubt(c.last.noise, list(c.held or c.train))
     lasting = {part: _but_for_the_worst(c, sessions) for part, sessions in (("held", list(c.held or c.train)), ("train", list(c.train)))}
     above = {}
     for i, (channel, rms) in enumerate(left.items()):
-        limit = WELL_ABOVE * (1.0 + UNSURE * _doubt_of(floor[channel]["lag_one"], list(c.held or c.train), i))
-        low = min(floor[channel]["rms"], float(fitted[i]) * TWICE / WELL_ABOVE)
+        limit = WELL_ABOVE * (1.0 + UNSURE * float(doubt[i]))
+        low = min(floor[channel]["rms"], float(fitted[i]) * louder[i] * TWICE / WELL_ABOVE)
         ends = (("held", rms, low), ("train", float(fitted[i]), least_fitted[i]))
         pairs = [(more * lasting[part][i], min(few, loudest[i] / limit)) for part, more, few in ends]
         least = max(shadow, _resolution(c, i, channel, encoder_step) ** 2)
@@ -130,10 +130,20 @@ def beyond_noise(
     return above
 
 
-def _doubt_of(lag_one: float, sessions: list[Session], i: int) -> float:
-    """Relative standard error of the RMS of a channel's noise in sessions, of that correlation from sample to sample."""
-    n, r = sum(np.count_nonzero(s.weight[i]) for s in sessions), min(abs(lag_one), 0.999)
-    return float(np.sqrt((1.0 + r**2) / (1.0 - r**2) / (2.0 * max(n, 1))))
+def _doubt(noise: Whitener, sessions: list[Session]) -> np.ndarray:
+    """Relative standard error (C,) of the RMS of each channel's noise in sessions."""
+    n = sum(np.count_nonzero(s.weight, axis=1) for s in sessions)
+    return np.sqrt(noise.lasting() / (2.0 * np.maximum(n, 1)))
+
+
+def _louder(c: Criticism) -> np.ndarray:
+    """How many times louder each channel's noise (C,) is in held-out sessions than in those that were fitted, where it grows with the load;
+    1 where it is not."""
+    held, train = (
+        np.sqrt(np.mean(np.concatenate([c.last.noise.growth.loudness(s) for s in each], axis=1) ** 2, axis=1))
+        for each in (list(c.held or c.train), list(c.train))
+    )
+    return np.maximum(held / train, 1.0)
 
 
 def _loudest(c: Criticism) -> np.ndarray:
