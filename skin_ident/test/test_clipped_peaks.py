@@ -8,6 +8,7 @@ from test_faults import NOISE, SKIN, T
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.telemetry.pile_up import find_saturation
 from skin_ident.recordings.recording import Recording
 from skin_models.signals import motion
 
@@ -75,3 +76,15 @@ def test_a_lone_clipped_peak_may_be_either():
 
 def test_sound_peaks_raise_nothing():
     assert not of_force([session(i, lambda y: y) for i in range(2)])
+
+
+@pytest.mark.parametrize("clip", [False, True])
+def test_peaks_that_reach_one_level_of_a_coarse_converter_are_clipped_only_if_they_are(clip):
+    """Stamps that are uneven have readings interpolated, so that most of them are between two levels."""
+    rng, t, step = np.random.default_rng(5), np.arange(8000) / 200.0, 0.05
+    depth = 0.5e-3 - 0.3e-3 * np.cos(2.0 * np.pi * 0.25 * t)
+    force = SKIN.simulate(motion(t, depth)).force
+    read = step * np.round(force / step + 0.4 * rng.standard_normal(t.size))
+    read = np.minimum(read, step * np.round(0.93 * force.max() / step)) if clip else read
+    uneven = np.interp(t + 1e-3 * rng.uniform(-1.0, 1.0, t.size), t, read)
+    assert bool(find_saturation(["a"], ("force",), [uneven[None]], [force[None]], 0, (step,))) == clip

@@ -50,7 +50,7 @@ def tared(seed: int, pole: float) -> list:
 
 @pytest.mark.parametrize("pole", [0.9, 0.98, 0.995])
 def test_sessions_that_were_tared_in_noise_that_wanders_are_sound(pole):
-    """Of six sets at most one is told anything: of eighteen zeros, and as many of a taxel, one may be more than three standard errors off."""
+    """Of six sets at most one is told anything: of their three dozen zeros one may be more than three standard errors off."""
     sets = (tared(100 * seed, pole) for seed in range(6))
     told = [diagnose(made[:2], made[2:]).findings for made in sets]
     loud = [[(f["cause"], f["where"]) for f in findings["findings"]] for findings in told if findings["verdict"] != "nothing_wrong"]

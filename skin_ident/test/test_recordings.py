@@ -93,13 +93,23 @@ def test_rig_yaml_calibrates_and_declares(tmp_path):
 @pytest.mark.parametrize(
     ("text", "says"),
     [("skin_thickness_mm: thick", "number"), ("skin_thickness_mm: -1", "positive"), ("[1", "YAML"),
-     ("calibration: {force: {slope: 3}}", "slope"), ("taxel_positions_mm: 3", "list")],
+     ("calibration: {force: {slope: 3}}", "slope"), ("taxel_positions_mm: 3", "list"),
+     ("taxel_positions_mm: [[0, 0], [1, 0], [2, 0]]", "speaks of 3, but the recording has 2 taxels"),
+     ("taxel_positions_mm: [[0, 0], [0, 0]]", "same place"), ("taxel_step_n: [0.1, 0.2, 0.3]", "one number for all, or one for each"),
+     ("encoder_step_um: 9999", "cannot have read a travel"), ("moving_mass_kg: 1.0e+9", "cannot be more than 100"),
+     ("taxel_gain_uncertainty: 3", "unit")],
 )  # fmt: skip
 def test_bad_rig_yaml(tmp_path, text, says):
     (tmp_path / "rig.yaml").write_text(text)
     write_table(tmp_path / "a.csv", R)
     with pytest.raises(RecordingError, match=says):
         load(tmp_path)
+
+
+def test_a_misspelt_key_is_passed_over_and_the_known_one_said(tmp_path):
+    (tmp_path / "rig.yaml").write_text("sample_rate_hzz: 100\n")
+    write_table(tmp_path / "a.csv", R)
+    assert "sample_rate_hzz (is sample_rate_hz meant?)" in " ".join(load(tmp_path)[0].warnings)
 
 
 def test_topics_are_mapped_and_missing_ones_named(tmp_path):

@@ -13,7 +13,7 @@ from skin_ident.criticism.telemetry.quantization import find_buried, find_quanti
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.criticism.telemetry.units import find_unit_faults
-from skin_ident.criticism.usable import belong_together, doubted, in_sound_units, something_moves
+from skin_ident.criticism.usable import are_other_data, belong_together, doubted, in_sound_units, something_moves
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.recording import Recording
@@ -42,6 +42,12 @@ def test_sound_presses_are_used():
     something_moves([presses(0), presses(1)])
     away = presses(2).depth + 2e-3  # preloaded, and so is the force
     belong_together([presses(2, depth=away, force=1500.0 * away)] * 2)
+
+
+def test_what_is_held_out_must_not_have_been_fitted():
+    are_other_data([presses(0), presses(1)], [presses(2)])
+    with pytest.raises(DiagnosisError, match=r"copy, which is held out, holds the same samples as session_1"):
+        are_other_data([presses(0), presses(1)], [replace(presses(1), name="copy")])
 
 
 @pytest.mark.parametrize(

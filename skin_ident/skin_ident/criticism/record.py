@@ -145,9 +145,10 @@ def _in_residuals(
     channels, n, dt = sessions[0].channels, sessions[0].n_taxels, recordings[0].dt
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
-    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt, tuple(np.max([s.steps for s in sessions], axis=0)))
+    steps = tuple(np.max([s.steps for s in sessions], axis=0))
+    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt, steps)
     believed = _beside(raw, recordings, outliers)
-    clipped = find_saturation(names, channels, believed, predicted, n)
+    clipped = find_saturation(names, channels, believed, predicted, n, steps)
     clipped += [s for s in find_ceilings(names, channels, believed, predicted, jumps, n) if s.channels not in {c.channels for c in clipped}]
     known = {(s.cause, c) for s in known for c in s.channels} | {("outliers", c) for s in outliers for c in s.channels}
     known |= {("saturation", c) for s in (*outliers, *clipped) for c in s.channels}

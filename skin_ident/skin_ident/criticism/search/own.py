@@ -54,7 +54,7 @@ def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[
     searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
     least = SEARCHED * search.least(after.count)
     told = score - _at_once(run, search) > least if searched else score > _of_wandering(run, search.least(after.count))
-    told = told and score > search.form_of_others(*run.course.key)
+    told = told and score > search.form_of_others(*run.course.key) and not search.shadows(gain)
     stood = stands(run, gain, search.present.model, search.train)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood and search.resolved(run.course.key, gain, after.model)):

@@ -228,7 +228,7 @@ class Search:
             finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
             told = trial.score > self.least(trial.fit.count) * gain.breadth and sized(trial)  # what it was fitted to must gain by it, too
             told = told and (trial in trials or gain.lower > SURELY * gain.relative)
-            much = gain.squares > SHADOW * self.fallen(gain.channel) and trial.score > self.form_of_others(*trial.key)
+            much = not self.shadows(gain) and trial.score > self.form_of_others(*trial.key)
             if much and self._in_doubt(trial, trials[0], gain):
                 self.doubts[trial.key] = too_short(trial.key, trial.fit.model, self.encoder_step) or unproven()
             believed = told and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)
@@ -278,6 +278,10 @@ class Search:
     def fallen(self, channel: str) -> float:
         """The largest fall of the mean square, N^2, by what has been named and is carried by a channel."""
         return max((n.gain.squares for n in self.named if channel in n.gain.carried), default=0.0)
+
+    def shadows(self, gain: Gain) -> bool:
+        """Whether what has been named explains so much more that what gains so may be its imperfect form."""
+        return gain.squares <= SHADOW * self.fallen(gain.channel)
 
     def _shorter(self, after: Fit) -> bool:
         """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""

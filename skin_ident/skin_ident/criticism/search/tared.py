@@ -68,7 +68,8 @@ def _shared(search: "Search", finding: Named) -> Zeros:
     offset = _offset_of(finding.model, finding) - _offset_of(finding.before, finding)
     channels = search.train[0].channels
     own = [c in own_channels(finding.where, channels) for c in channels]
-    left = [t.leaves_all(len(search.train)) for t, mine in zip(tares(search.train, search.noise), own, strict=True) if mine]
+    count = len(search.train) + len(search.held)
+    left = [t.leaves_all(count) for t, mine in zip(tares(search.train, search.noise), own, strict=True) if mine]
     if not 0.0 < abs(offset) <= min(left, default=0.0):
         return {}
     zero = np.append(offset * np.array(own), 0.0)

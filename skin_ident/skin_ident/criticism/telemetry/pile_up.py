@@ -1,6 +1,8 @@
 """Saturation: samples pile up at one level, whatever came before, while the model goes on beyond it, or moves where the channel stands and
 the noise that it has elsewhere is gone: a first model may be bent by what clips, or by what else is wrong, as far as the level."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
@@ -14,13 +16,20 @@ NOISY = 2.0  # unless noise, and what the model does in a visit, are so many of 
 
 
 def find_saturation(
-    names: list[str], channels: tuple[str, ...], raw: list[np.ndarray], simulated: list[np.ndarray], n_taxels: int
+    names: list[str],
+    channels: tuple[str, ...],
+    raw: list[np.ndarray],
+    simulated: list[np.ndarray],
+    n_taxels: int,
+    steps: Sequence[float] = (),
 ) -> list[Symptom]:
-    """Channels clipped at a level, from measured and simulated rows (C, N) of each session; the clipped samples are marked as bad."""
+    """Channels clipped at a level, from measured and simulated rows (C, N) of each session, read in `steps` where these are known; the
+    clipped samples are marked as bad."""
+    steps = steps or [0.0] * len(channels)
     found = []
     for c, channel in enumerate(channels):
         y, model = np.concatenate([r[c] for r in raw]), np.concatenate([m[c] for m in simulated])
-        level, at = _pile(y)
+        level, at = _pile(y, steps[c])
         width = normal_scale(y - model - np.median(y - model))
         if level is None or _visits(at) < FEWEST_VISITS:
             continue
@@ -32,11 +41,13 @@ def find_saturation(
     return found
 
 
-def _pile(y: np.ndarray) -> tuple[float | None, np.ndarray]:
-    """The topmost level and who sits there, where that is more than the tail of any smooth distribution would put there."""
+def _pile(y: np.ndarray, step: float) -> tuple[float | None, np.ndarray]:
+    """The topmost level and who sits there, where that is more than the tail of any smooth distribution would put there. Readings that were
+    interpolated, for their stamps are uneven, lie between the levels that are a `step` apart, and count for the next one."""
     top = float(y.max())
     at = y >= top - 1e-9 * max(abs(top), 1.0)
-    levels, counts = np.unique(y[y >= top - 0.1 * (top - y.min())], return_counts=True)
+    near = y[y >= top - 0.1 * (top - y.min())]
+    levels, counts = np.unique(np.round((near - top) / step) if step > 0.0 else near, return_counts=True)
     usual = float(np.mean(counts[-6:-1])) if levels.size > 5 else float("inf")
     return (top, at) if at.sum() >= max(FEWEST_SAMPLES, PILED * usual) else (None, at)
 
