@@ -78,6 +78,9 @@ def load_findings(directory: Path) -> dict[str, Any]:
         raise ReportError(f"{path} is not JSON: {error}") from error
     if not isinstance(findings, dict) or findings.get("schema") != 1 or not isinstance(findings.get("verdict"), str):
         raise ReportError(f"{path} is not a result of diagnose: it needs schema 1 and a verdict")
+    for name, kind, what in (("findings", list, "a list"), ("baseline", dict, "a mapping"), ("extended", dict, "a mapping")):
+        if not isinstance(findings.get(name, kind()), kind):
+            raise ReportError(f"{path} is damaged: its {name} must be {what}; run diagnose again to make it")
     return findings
 
 

@@ -147,7 +147,10 @@ def test_findings_without_curves_still_make_a_report(rendered, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["findings.json", "report.html", "report.md"]
 
 
-@pytest.mark.parametrize("content", ["", "[]", "{}", '{"schema": 2, "verdict": "explained"}', "\udcff"])
+@pytest.mark.parametrize(
+    "content",
+    ["", "[]", "{}", '{"schema": 2, "verdict": "explained"}', '{"schema": 1, "verdict": "explained", "findings": "x"}', "\udcff"],
+)
 def test_unusable_directories_get_one_sentence_and_status_2(tmp_path, monkeypatch, capsys, content):
     if content:
         (tmp_path / "findings.json").write_bytes(content.encode("utf-8", "surrogateescape"))

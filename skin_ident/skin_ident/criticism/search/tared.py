@@ -15,7 +15,6 @@ from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.hardware import tare_does, zeros_do
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import place_of
 from skin_models.model import Model
@@ -95,9 +94,9 @@ def _is_zero(cause: str) -> bool:
 
 
 def _instead(search: "Search", sessions: list[Session], explained: float, *, free: bool) -> Zeros:
-    """The zeros that explain as much as was explained otherwise, as far as anybody could tell."""
+    """The zeros that explain as much as was explained otherwise."""
     found, fall = zeros(search.present.model, sessions, search.noise, search.encoder_step, free=free)
-    return found if fall >= reach(explained) else {}
+    return found if fall >= explained else {}
 
 
 def _said(search: "Search", found: Zeros) -> None:
