@@ -180,9 +180,9 @@ def test_what_stays_at_its_greatest_reading_because_the_plunger_does_is_not_clip
 
 
 def test_a_plunger_that_the_skin_cannot_follow_is_refused_in_a_sentence():
-    depth = 0.5e-3 + 0.3e-3 * np.sin(2.0 * np.pi * 5.0 * T)
-    out = SKIN.simulate(motion(T, depth))
-    recordings = [Recording(f"shaken_{i}", T, depth, out.force, out.taxels) for i in range(2)]
+    depths = [0.5e-3 + 0.3e-3 * np.sin(2.0 * np.pi * frequency * T) for frequency in (5.0, 5.2)]
+    shaken = [(depth, SKIN.simulate(motion(T, depth))) for depth in depths]
+    recordings = [Recording(f"shaken_{i}", T, depth, out.force, out.taxels) for i, (depth, out) in enumerate(shaken)]
     with pytest.raises(DiagnosisError, match="press more slowly"):
         diagnose(recordings[:1], recordings[1:])
 

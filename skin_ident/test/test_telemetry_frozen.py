@@ -94,3 +94,16 @@ def test_wide_steps_of_a_converter_are_no_frozen_runs():
         codes = np.cumsum(np.random.default_rng(seed).uniform(0.02, 0.08, 120))
         told += bool(_told(load, codes[np.searchsorted(codes, y)]))
     assert told == 0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_reading_that_rests_while_the_encoder_trembles_is_not_frozen(seed):
+    """Holds of a stage whose encoder steps to and fro by 5 µm, under noise that wanders by less than a converter's step in a second."""
+    rng, n = np.random.default_rng(seed), 8000
+    stiff, depth = 2500.0, np.repeat(rng.uniform(0.1e-3, 0.3e-3, 16), n // 16)
+    depth = np.convolve(np.pad(depth, 50, mode="edge"), np.hanning(101) / 50.0, "valid")
+    noise = lfilter([np.sqrt(1.0 - 0.995**2)], [1.0, -0.995], rng.standard_normal(n))
+    step = 2e-4
+    raw = step * np.round((stiff * depth + 2e-4 * noise) / step)
+    simulated = stiff * 5e-6 * np.round(depth / 5e-6 + 0.4 * rng.standard_normal(n))
+    assert not find_outliers(["a"], ("force",), [(raw - simulated)[None]], [raw[None]], [np.zeros(n, bool)], 0, 0.004, (step,))

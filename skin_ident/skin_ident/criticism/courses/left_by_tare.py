@@ -17,7 +17,7 @@ from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 
 AVERAGED_S = 0.5  # that a tare lasts at least
-WANDERED = 3.0  # standard deviations of its average
+WANDERED = 2.5  # standard deviations of its average
 MORE = 10.0  # fall of the squared whitened error, by which larger zeros may explain more
 
 

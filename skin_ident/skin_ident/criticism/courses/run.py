@@ -51,6 +51,11 @@ class Run:
         """Whether it is a zero as a tare leaves it, which belongs to the baseline."""
         return self.tare is not None and self.largest <= (1.0 + 1e-9) * self.tare.leaves
 
+    @property
+    def within_a_step(self) -> bool:
+        """Whether it is a zero no larger than a step of the converter."""
+        return self.tare is not None and self.largest <= (1.0 + 1e-9) * self.tare.step
+
     def worth(self, encoder_step: float) -> bool:
         """Whether it explains anything, and is more than good hardware does."""
         return self.score > LEAST and self.largest >= self.least(encoder_step)

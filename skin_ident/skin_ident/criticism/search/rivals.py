@@ -7,7 +7,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_models.model import Model
 
 EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift
-TARED = 0.1  # what one may that is no larger than tares leave: they all leave some
+TARED = 0.1  # what one may that is no larger than a step of the converter
 CHANCE = 10.0  # twice nats, within which two causes explain as much
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
@@ -45,7 +45,8 @@ def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tup
 
 
 def plainest_first(runs: list[Run]) -> list[Run]:
-    """The courses, what lasts before all others that explain no more; a zero that a tare leaves goes before what explains little more."""
+    """The courses, what lasts before all others that explain no more; a zero within a converter's step, which every tare leaves, goes before
+    what explains little more."""
     best = runs[0].score if runs else 0.0
     tared, lasting = (1.0 - TARED) * best, best - max(CHANCE, EQUAL * best)
-    return sorted(runs, key=lambda r: (not r.of_the_tare or r.score < tared, r.course.shape != CONSTANT or r.score < lasting, -r.score))
+    return sorted(runs, key=lambda r: (not r.within_a_step or r.score < tared, r.course.shape != CONSTANT or r.score < lasting, -r.score))

@@ -92,6 +92,7 @@ class Search:
             last = self.look()
             trials = self.trials(last)
             runs = self.own_courses()
+            zeros = set(self.usual)
             best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
             free = with_mass(self.present, self.train, self.noise) if self.weighable else None
             light = free is not None and (lighter(self.present.model, free.model) or may_be_skin(self, free))
@@ -104,7 +105,7 @@ class Search:
                 continue
             if shared and unstuck(self, *shared):
                 continue
-            if not (taken or self.zeroed) and take_zeros(self):
+            if not (taken or self.zeroed or self.doubts or set(self.usual) - zeros) and take_zeros(self):
                 self.zeroed = True
                 continue
             alone = not taken and take_alone(self)

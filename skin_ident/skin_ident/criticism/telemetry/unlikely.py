@@ -27,9 +27,15 @@ def unlikely_runs(y: np.ndarray, e: np.ndarray, step: float, resting: np.ndarray
         if a < AROUND or y.size - b < AROUND or resting[a - AROUND // 2 : b + AROUND // 2].any() or moved < MOVED * step:
             continue
         sides = slice(a - AROUND, a), slice(b, b + AROUND)
-        p = max(max(np.mean(again[side]), step / max(np.sqrt(np.pi) * normal_scale(np.diff(e[side])), step)) for side in sides)
+        p = max(max(np.mean(again[side]), step / max(np.sqrt(np.pi) * _noise(y[side], e[side]), step)) for side in sides)
         mask[a:b] = y.size * p ** (b - a - 1) < CHANCE and not _wide(y, y[a], 0.5 * moved, b - a)
     return mask
+
+
+def _noise(y: np.ndarray, e: np.ndarray) -> float:
+    """The standard deviation of differences from sample to sample that is noise of `y` itself: what its model leaves, `e`, has that of the
+    depth in it as well, and second differences of the reading little of a motion."""
+    return min(normal_scale(np.diff(e)), normal_scale(np.diff(y, 2)) / np.sqrt(3.0))
 
 
 def _wide(y: np.ndarray, reading: float, within: float, count: int) -> bool:
