@@ -45,7 +45,7 @@ def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tup
 
 
 def plainest_first(runs: list[Run]) -> list[Run]:
-    """The courses, what lasts before all others that explain no more; a zero within a converter's step, which every tare leaves, goes before
+    """The courses, what lasts before all others that explain no more; a zero within a converter's step, as every tare leaves one, before
     what explains little more."""
     best = runs[0].score if runs else 0.0
     tared, lasting = (1.0 - TARED) * best, best - max(CHANCE, EQUAL * best)
