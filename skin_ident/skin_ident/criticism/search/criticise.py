@@ -5,6 +5,7 @@ from dataclasses import replace
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.search.exchange import exchange
+from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import Progress, Search
@@ -45,7 +46,7 @@ def criticise(
     search.eliminate()
     search.unweigh()
     if given:
-        search.check_numbers(given)
+        check_numbers(search, given)
         baseline = fit(given, train, noise, 0)
     else:
         weighted = replace(start, effects=search.hanging)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, fit_effects
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE
 from skin_ident.criticism.courses.course import BEHIND, MARGIN, worthwhile
@@ -37,7 +37,6 @@ from skin_models.effect import Effect
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
-NUMBERS = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
 SENSORS = ("taxel", "load_cell")
@@ -340,16 +339,6 @@ class Search:
             gain = self.gain(without.model, self.present.model, finding.where)
             if not (gain.passed or self.second_opinion(without.model, self.present.model, finding.where, gain).passed):
                 self.present, self.named = without, [n for n in self.named if n is not finding]
-
-    def check_numbers(self, given: Model) -> None:
-        """Whether the numbers of the given model are wrong once every named cause is in it; where they are not, they stay as given."""
-        as_given = replace(self.present.model, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)
-        frozen = fit_effects(as_given, self.train, self.noise)
-        gain = self.gain(frozen.model, self.present.model, "skin", fit_effects)
-        if gain.passed and gain.before - gain.after > NUMBERS * gain.before:
-            self.named.insert(0, Named("parameters", "skin", gain, frozen.cost - self.present.cost, ()))
-        else:
-            self.present = frozen
 
     def gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
         """What `after` gains over `before` in held-out data; in training sessions by turns where what is held out cannot show it."""
