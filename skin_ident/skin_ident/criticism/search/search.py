@@ -26,7 +26,7 @@ from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
-from skin_ident.criticism.search.tared import take_tare, take_zeros
+from skin_ident.criticism.search.tared import SHIFT, take_tare, take_zeros
 from skin_ident.criticism.search.together import lasts, two_at_once
 from skin_ident.criticism.search.trial import OFFSET, Trial, plausible, same_by_nature, sized
 from skin_ident.criticism.search.unstuck import unstuck
@@ -244,8 +244,8 @@ class Search:
         return None
 
     def _unread(self, as_good: list[Trial]) -> dict[tuple[str, str], Seen]:
-        """Those of trials that explain `as_good` as the best which are lengths that the encoder does not read: it does them by itself."""
-        seen = {t.key: too_short(t.key, t.fit.model, self.encoder_step) for t in as_good}
+        """Those of trials that explain `as_good` as the best which are zeros of depth that the encoder does not read, and so leaves."""
+        seen = {t.key: too_short(t.key, t.fit.model, self.encoder_step) for t in as_good if t.key[0] == SHIFT}
         return {key: s for key, s in seen.items() if s is not None}
 
     def _in_doubt(self, trial: Trial, best: Trial, gain: Gain) -> bool:
