@@ -133,6 +133,11 @@ class _Ground:
         return self.left[sum(sizes[:i]) : sum(sizes[: i + 1])].reshape(session.measured.shape)
 
     @cached_property
+    def tared(self) -> list[Tare]:
+        """What tares leave of every channel: worked out from the noise's spectrum once for all zeros."""
+        return tares(self.sessions, self.noise)
+
+    @cached_property
     def _carriers(self) -> dict[tuple[str, tuple[int, ...], str], np.ndarray]:
         return {}
 
@@ -210,7 +215,7 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    tare = _tare(course, g) if course.tares else None
+    tare = g.tared[course.rows[0]] if course.tares else None
     return Run(course, score, charge, largest, values, said, g.sessions[0].period, tare, moments, z)
 
 
@@ -279,7 +284,7 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
     steps, r = course.shape == STEPS, g.left
     z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else _least_squares(A, r, _free(course, g, rows))
     if course.tares:
-        z = _as_tared(A, r, z, _tare(course, g).leaves)
+        z = _as_tared(A, r, z, g.tared[course.rows[0]].leaves)
     charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
     return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
@@ -303,10 +308,6 @@ def _as_tared(A: np.ndarray, r: np.ndarray, z: np.ndarray, most: float) -> np.nd
     """The zeros within what tares leave, where they explain as much as any others."""
     within = lsq_linear(A, r, (-most, most)).x if most > 0.0 else np.zeros(z.size)
     return within if np.sum((r - A @ within) ** 2) - np.sum((r - A @ z) ** 2) < MORE else z
-
-
-def _tare(course: Course, g: _Ground) -> Tare:
-    return tares(g.sessions, g.noise)[course.rows[0]]
 
 
 def _said(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:
