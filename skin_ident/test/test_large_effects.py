@@ -46,3 +46,14 @@ def test_jumps_at_landings_alone_are_no_outliers(at_landings):
     wrong = np.zeros(4000)
     wrong[(210 if at_landings else 310) : 4000 : 400] = 3.0
     assert bool(found(wrong, np.zeros(4000), jumps)) is not at_landings
+
+
+@pytest.mark.parametrize("at_landing", [True, False])
+def test_what_all_channels_feel_at_a_landing_is_no_outlier_of_one(at_landing):
+    """Two quick touches of stiff skin at 60 Hz: too few to say that they are where the plunger lands, but all sensors feel them."""
+    jumps, e = np.zeros(4000, bool), np.array([noisy(0), noisy(1)])
+    for a in range(200, 4000, 40):
+        jumps[a : a + 20] = True
+    for i in (1210, 2410):
+        e[:, i if at_landing else i + 20] += 3.0
+    assert bool(find_outliers(["a"], ("force", "taxel_0"), [e], [e], [jumps], 1, 0.01)) is not at_landing

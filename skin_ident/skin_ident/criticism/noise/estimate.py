@@ -43,7 +43,7 @@ def _pass(residuals: list[np.ndarray], every: Stacked, own: int, offered: np.nda
     asked = [replace(s, weight=s.weight * noise.believed(s)) for s in every.sessions]  # what is left of the others may be anything
     left = _less(residuals, every.rows, z)
     gone = taken([a[z != 0.0] for a in every.rows], left, [s.weight for s in asked])
-    fitted = with_growth(fit_whitener(left, asked, gone, noise.order), left, asked, gone)
+    fitted = with_growth(fit_whitener(left, asked, gone, noise.order, floor=noise.floor), left, asked, gone)
     return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), np.count_nonzero(offered[own:]))
 
 

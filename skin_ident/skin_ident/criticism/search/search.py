@@ -333,8 +333,8 @@ class Search:
         return other if other.passed else first
 
     def eliminate(self) -> None:
-        """Take out every cause, last found first, without which the rest predicts held-out data just as well."""
-        for finding in reversed([n for n in self.named[:-1] if not n.courses]):
+        """Take out causes, the last first, without which the rest predicts as well. The present model's own was just asked."""
+        for finding in reversed([n for n in self.named if not n.courses and n.model is not self.present.model]):
             without = fit(lacking(self.present.model, *finding.key), self.train, self.noise)
             gain = self.gain(without.model, self.present.model, finding.where)
             if not (gain.passed or self.second_opinion(without.model, self.present.model, finding.where, gain).passed):

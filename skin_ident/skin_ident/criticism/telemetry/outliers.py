@@ -49,8 +49,10 @@ def find_outliers(
     """
     steps = steps or [0.0] * len(channels)
     every = [_of_channel([r[c] for r in residuals], [r[c] for r in raw], jumps, steps[c]) for c in range(len(channels))]
+    bounced = _bounced([away for away, _, _ in every], jumps)
     found = []
     for c, (away, still, unlikely) in enumerate(every):
+        away = [a & ~b for a, b in zip(away, bounced, strict=True)]
         others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
         own = [_alone(s, o) for s, o in zip(still, others, strict=True)]
         sure = sum(_sure(s, r, y, c) for s, r, y in zip(own, residuals, raw, strict=True))
@@ -99,6 +101,12 @@ def _between_landings(away: list[np.ndarray], jumps: list[np.ndarray]) -> list[n
     if binom.sf(at.sum() - 1, at.size, share) > BOUNCING:
         return away
     return [without(a, lambda b, _, j=j: j[b]) for a, j in zip(away, jumps, strict=True)]
+
+
+def _bounced(away: list[list[np.ndarray]], jumps: list[np.ndarray]) -> list[np.ndarray]:
+    """Samples (N,) of each session at which excursions of several channels begin at one landing: they all feel the plunger."""
+    together = [np.sum(masks, axis=0) > 1 for masks in zip(*away, strict=True)]
+    return [t & ~without(t, lambda a, _, j=j: j[a]) for t, j in zip(together, jumps, strict=True)]
 
 
 def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np.ndarray] | None:
