@@ -137,6 +137,15 @@ def test_load_is_what_a_channel_reads_beyond_its_zero(zero):
     assert load_of(zero + 5.0 * depth[None] + noise, depth, 0.04) == pytest.approx(5.0 * depth[None], abs=0.03)
 
 
+def test_noise_that_wanders_is_no_load_of_a_channel_that_feels_none():
+    """A taxel at the rim reads its own noise; it would seem to grow with what it reads."""
+    n = 2400
+    depth = np.maximum(np.sin(0.02 * np.arange(n)), 0.0)
+    wanders = [lfilter([0.2], [1.0, -0.98], np.random.default_rng(seed).standard_normal(n)) for seed in range(2)]
+    load = load_of(np.array([5.0 * depth + wanders[0], 0.05 * depth + wanders[1]]), depth, 0.04)
+    assert np.max(load[0]) > 4.0 and not load[1].any()
+
+
 def test_no_mixture_of_channels_is_taken_to_be_silent_at_its_slowest():
     """Of several channels that one mixture has the least noise left from which slow directions happened to take most of it."""
     n, deepest = 700, []

@@ -43,12 +43,12 @@ def _share(run: Run, model: Model, sessions: list[Session]) -> float:
 def believed(gain: Gain, course: Course) -> bool:
     """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
     little too early or too late leaves a spike, which whitening would make the most of. But where the plain error falls by little, the
-    likelihood must gain, too."""
+    likelihood must gain, too, and may nowhere lose more than that gains."""
     fall = 1.0 - gain.after / max(gain.before, 1e-300)
     sure = gain.ci95[0] > SURE * (gain.before - gain.after) and fall > CLEARLY[course.shape]
     if course.shape == BEND and not course.wanders:  # which leaves no spikes, and is what wandering noise looks like
         return sure and gain.lower > 0.0
-    return sure and (gain.relative > 0.0 or fall > PLAINLY)
+    return sure and (gain.relative > 0.0 or (fall > PLAINLY and gain.relative > -fall))
 
 
 def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
@@ -82,12 +82,17 @@ def helps(run: Run, before: Model, after: Model, train: list[Session], held: lis
     if not held:
         return True
     own = fitted(run.course, after, held, noise, left_open(after, train, held, noise))
+    return _left(run, after, added(held, own.values)) < _left(run, before, held)
+
+
+def nearer(run: Run, model: Model, sessions: list[Session]) -> bool:
+    """Whether a model with a course of their own is nearer to sessions, in the plain error of the channels where it shows."""
+    return _left(run, model, added(sessions, run.values)) < _left(run, model, sessions)
+
+
+def _left(run: Run, model: Model, sessions: list[Session]) -> float:
     rows = list(run.course.rows)
-
-    def left(model: Model, sessions: list[Session]) -> float:
-        return sum(float(np.sum((residual(model, s) ** 2 * s.weight)[rows])) for s in sessions)
-
-    return left(after, added(held, own.values)) < left(before, held)
+    return sum(float(np.sum((residual(model, s) ** 2 * s.weight)[rows])) for s in sessions)
 
 
 def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:

@@ -6,9 +6,9 @@ standard deviation is taken as
     s_c(t) = s_c (1 + g_c min(|y_c(t) - y_c0|, y_c1) / y_c1),
 
 y_c what channel c reads, averaged over a quarter of a second lest the noise be measured by itself, y_c0 what it reads where least is
-pressed, and y_c1 the greatest load that the growth was seen at. The growth g_c is the one under which the innovations of noise that is
-steady are described in the fewest words, where their absolute values are exponential: outliers lead squares astray. Steady noise is
-believed unless growth says clearly more.
+pressed, and y_c1 the greatest load that the growth was seen at; a channel that reads as far to either side of y_c0 feels none. The growth
+g_c is the one under which the innovations of noise that is steady are described in the fewest words, where their absolute values are
+exponential: outliers lead squares astray. Steady noise is believed unless growth says clearly more.
 
 Source: A. C. Harvey, Estimating regression models with multiplicative heteroscedasticity, Econometrica 44 (1976) 461-465.
 """
@@ -24,6 +24,7 @@ GREATEST = 99.0  # percent of the samples that are loaded less
 CLEARLY = 10.0  # nats
 AVERAGED_S = 0.25
 LEAST_PRESSED = 0.1  # of the samples
+ONE_SIDED = 0.4  # of the greatest reading to one side, the least to the other that is noise
 
 
 class Channels(Protocol):
@@ -56,10 +57,13 @@ class Growth:
 
 
 def load_of(measured: np.ndarray, depth: np.ndarray, spacing: float) -> np.ndarray:
-    """The load (C, n) of channels `measured` (C, n), N, every `spacing` seconds at `depth` (n,), whatever their zeros are."""
+    """The load (C, n) of channels `measured` (C, n), N, every `spacing` seconds at `depth` (n,), whatever their zeros are. What goes to
+    either side of the zero is no load but noise, and of a channel that feels little else it would seem to grow with itself."""
     resting = depth <= np.quantile(depth, LEAST_PRESSED)
     averaged = uniform_filter1d(measured, max(round(AVERAGED_S / spacing), 1), axis=1, mode="nearest")
-    return np.abs(averaged - np.median(measured[:, resting], axis=1, keepdims=True))
+    felt = averaged - np.median(measured[:, resting], axis=1, keepdims=True)
+    less, more = np.sort(np.abs(np.percentile(felt, [100.0 - GREATEST, GREATEST], axis=1)), axis=0)
+    return np.abs(felt) * (less < ONE_SIDED * more)[:, None]
 
 
 def growth(innovations: list[np.ndarray], sessions: list[Channels]) -> Growth:

@@ -9,7 +9,7 @@ from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, grown_noise
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
 from skin_ident.criticism.courses.course import added, beside_the_rest, fitted
-from skin_ident.criticism.courses.gate import believed, course_gain, helps, stands
+from skin_ident.criticism.courses.gate import believed, course_gain, helps, nearer, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.uncertain import left_open
@@ -101,6 +101,8 @@ def take_alone(search: "Search") -> bool:
     runs = plainest_first([r for r in runs if r.worth(search.encoder_step)])
     run = next((r for r in runs if r.course not in had), None)
     if run is not None and run.of_the_tare:
+        if not nearer(run, search.present.model, search.held):
+            return False
         search.held = added(search.held, run.values)
         search.tared[run.course.key] = tare_does(run.largest, run.tare)
         return take_alone(search)
