@@ -1,6 +1,7 @@
 """The parts of the array analysis, each against something independent of it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,12 +11,15 @@ from world.specimen import draw_specimen
 from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.bending import Leaning, Walking, Widening
 from skin_ident.criticism.array.evidence import fitted
-from skin_ident.criticism.array.extending import known
+from skin_ident.criticism.array.extending import NO_FORM, NOT_JUDGED, TOO_LARGE, known, unwritten
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.findings import POSSIBLE, excluded
 from skin_ident.criticism.array.gains import Gains
+from skin_ident.criticism.array.hypotheses import Hypothesis
+from skin_ident.criticism.array.joining import joined
 from skin_ident.criticism.array.judgement import judge
 from skin_ident.criticism.array.layout import Layout, layout_of
+from skin_ident.criticism.array.proposing import for_anybody
 from skin_ident.criticism.array.sentences import separating
 from skin_ident.criticism.array.smeared import Capacitive, Smeared
 from skin_ident.recordings.declared import Declared, declared_from
@@ -115,6 +119,40 @@ def test_a_lean_is_written_as_the_effect_of_the_catalogue_that_does_the_same():
     model = replace(model, notes={"spread_width": {"value": leaning.width, "unit": "m"}})
     a, b = (replace(model, effects=(e,)).simulate(MOTION).taxels for e in (leaning, told))
     assert np.allclose(a, b, rtol=1e-9) and np.ptp(a[0][a[1] > 0.1] / a[1][a[1] > 0.1]) > 1e-3
+
+
+def test_a_model_for_anybody_keeps_where_its_taxels_are():
+    model = Model(Dispersion(m=0.0, b1=900.0, k1=9600.0, b2=600.0, k2=2800.0), (0.6, 0.8, 0.1), tuple(BENDS), positions=ROW)
+    assert for_anybody(model) == replace(model, effects=())
+
+
+def judged_as(cause: str, where: str, name: str) -> SimpleNamespace:
+    """An array in which one cause was named, by one quantity of the family, of size 0.1."""
+    member = SimpleNamespace(member={name: 0.1})
+    j = SimpleNamespace(key=(cause, where), hypothesis=Hypothesis(cause, where, 0.1, {name: 0.1}), fit=member)
+    return SimpleNamespace(named=True, layout=array(3, 0)[1], judgement=SimpleNamespace(causes=(j,)))
+
+
+def test_what_has_no_effect_in_the_catalogue_is_not_said_to_be_in_the_model():
+    plain = Model(Dispersion(m=0.0, b1=900.0, k1=9600.0, b2=600.0, k2=2800.0), (0.6, 0.8, 0.1))
+    leaning, walking, widening, smeared, _ = BENDS
+    model = replace(plain, effects=(leaning, widening, smeared))
+    nothing = SimpleNamespace(named=False)
+    assert unwritten(model, nothing) == {("crosstalk", "taxel"): NO_FORM}
+    assert unwritten(model.extended(walking), nothing) == {("off_centre", "rig"): NO_FORM, ("crosstalk", "taxel"): NO_FORM}
+    assert set(unwritten(model, "a taxel is dead").values()) == {NOT_JUDGED} and not unwritten(plain, "a taxel is dead")
+    assert unwritten(plain.extended(replace(leaning, deepest=1e-6)), nothing) == {("off_centre", "rig"): TOO_LARGE}
+    assert unwritten(plain, judged_as("crosstalk", "taxel", "common")) == {("crosstalk", "taxel"): NO_FORM}
+    assert not unwritten(plain, judged_as("crosstalk", "taxel", "leak"))
+
+
+def test_the_finding_says_that_the_model_does_not_have_it():
+    walks = {"cause": "off_centre", "where": "rig", "evidence": {"forms": ["Walking"]}, "alternatives": []}
+    lags = walks | {"cause": "lag", "where": "taxel"}
+    content = {"findings": [walks, lags], "excluded": [], "untestable": [], "verdict": "explained", "warnings": []}
+    model = Model(Dispersion(m=0.0, b1=900.0, k1=9600.0, b2=600.0, k2=2800.0), (0.6, 0.8, 0.1), (BENDS[1],))
+    said = [f["evidence"].get("simulated") for f in joined(content, "a taxel is dead", model)["findings"]]
+    assert said == [NOT_JUDGED, None]
 
 
 def test_the_family_has_the_shares_of_the_world_under_a_moved_contact():

@@ -1,5 +1,7 @@
 """What is said to be excluded holds: a true effect that another one hides, or has taken the place of, is never excluded below its size."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from world import make_sessions, write_case
@@ -8,10 +10,13 @@ from world.hidden import Hide
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import white
 from skin_ident.criticism.search.bounds import HOLLOW, excluded_and_untestable
+from skin_ident.criticism.search.named import Seen
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import project, rank
 from skin_ident.criticism.search.survey import Survey
+from skin_ident.criticism.telling.findings import _not_findings
 from skin_ident.recordings.load import load
+from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effects.backlash import Backlash
 from skin_models.effects.inertia import Inertia
@@ -55,6 +60,16 @@ def test_more_than_there_can_be_of_a_cause_excludes_nothing():
     assert "backlash" not in below(last) and "inertia" in below(last)
     _, untestable = excluded_and_untestable(last, [], set(), {}, {})
     assert any(u["cause"] == "backlash" and u.get("where") == "rig" and u["because"] == HOLLOW for u in untestable)
+
+
+def test_every_clock_is_a_clock_to_the_reader_and_none_is_in_doubt_that_is_named():
+    doubts = {("time_shift", place): Seen(1e-3, "half of the data speak for it", doubt=True) for place in ("clock_depth", "clock_taxels")}
+    record = Recording("a", np.arange(500) / 100.0, None, np.zeros(500), np.zeros((0, 500)))
+    c = SimpleNamespace(usual=doubts)
+    _, said = excluded_and_untestable(surveyed(0.0, 0.0, 0.0), [], set(), {}, _not_findings(c, [record], set()))
+    clocks = [(u["where"], u["channel_clock"]) for u in said if u["cause"] == "time_shift"]
+    assert clocks == [("clock", "depth"), ("clock", "taxels")]
+    assert "time_shift" not in _not_findings(c, [record], {("time_shift", "clock")})
 
 
 def test_what_a_converter_may_do_itself_is_not_called_tested(tmp_path):

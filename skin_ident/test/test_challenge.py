@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from skin_ident.cli.challenge import RESULTS, main
-from skin_ident.hiding.campaign import NULL, Case, cases, kept, key
+from skin_ident.hiding.campaign import NULL, Case, cases, keep, kept, key
 from skin_ident.hiding.picture import save_confusion
 from skin_ident.hiding.tally import confusion, extra, interval, rate, right, summary
 
@@ -58,6 +58,21 @@ def test_a_line_cut_short_is_played_again(tmp_path):
     file = tmp_path / RESULTS
     file.write_text(json.dumps(ENTRIES[2]) + "\n" + json.dumps(ENTRIES[3])[:40])
     assert [key(e) for e in kept(file)] == [Case("lag", 1.0, 0)]
+
+
+def test_what_follows_a_line_cut_short_is_kept(tmp_path):
+    file = tmp_path / RESULTS
+    file.write_text(json.dumps(ENTRIES[2]) + "\n" + json.dumps(ENTRIES[3])[:40])
+    keep(ENTRIES[4], file), keep(ENTRIES[5], file)
+    assert list(kept(file)) == [ENTRIES[2], ENTRIES[4], ENTRIES[5]] and file.read_text().count("\n") == 4
+
+
+def test_lines_of_another_shape_are_left_out(tmp_path):
+    file = tmp_path / RESULTS
+    skipped, without = entry("lag") | {"skipped": "too large"}, {k: v for k, v in ENTRIES[3].items() if k != "named"}
+    strange = [3, None, "lag", [1], {}, {"cause": "lag"}, entry(["lag"]), without]
+    file.write_text("".join(json.dumps(e) + "\n" for e in (*strange, skipped, ENTRIES[2])))
+    assert list(kept(file)) == [skipped, ENTRIES[2]]
 
 
 def test_a_campaign_resumes_and_writes_its_tables(tmp_path, capsys):

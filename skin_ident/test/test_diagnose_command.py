@@ -7,6 +7,7 @@ import pytest
 from making import recording, write_bag, write_table
 
 from skin_ident.cli import diagnose
+from skin_ident.criticism.telling.outcome import Outcome
 from skin_models.materials import material
 from skin_models.model_file import save_model
 
@@ -87,3 +88,33 @@ def test_a_model_of_another_kind_of_skin_is_no_wrong_unit(command, tmp_path, mon
 
     monkeypatch.setattr("skin_ident.criticism.diagnose.layout_of", far_enough)
     assert command(table, "--model", tmp_path / "stiff.yaml").status == 130
+
+
+FINDINGS = {"schema": 1, "verdict": "nothing_wrong", "recordings": [], "findings": []}
+OURS = ("baseline.yaml", "model.yaml", "separating.yaml", "separating_2.yaml", "separating_10.yaml")
+THEIRS = ("separating_notes.yaml", "separating_2_old.yaml", "my_model.yaml", "rig.yaml")
+
+
+def answered(folder, **outcome):
+    """What lies in a folder of an earlier answer, beside files of somebody's own, after another one."""
+    folder.mkdir()
+    diagnose.write(Outcome(FINDINGS), folder)
+    for name in (*OURS, *THEIRS):
+        (folder / name).write_text("earlier")
+    diagnose.write(Outcome(FINDINGS, **outcome), folder)
+    return {p.name: p.read_text() for p in folder.glob("*.yaml")}
+
+
+def test_nothing_of_an_earlier_answer_stays_beside_another(tmp_path):
+    theirs = dict.fromkeys(THEIRS, "earlier")
+    assert answered(tmp_path / "without_model") == theirs
+    skin = material("silicone_4mm").model
+    left = answered(tmp_path / "with_model", baseline=skin, model=skin, batteries={"separating.yaml": "new"})
+    assert {*left} == {*THEIRS, "baseline.yaml", "model.yaml", "separating.yaml"} and left["separating.yaml"] == "new"
+    assert theirs.items() <= left.items() and "earlier" not in (left["model.yaml"], left["baseline.yaml"])
+
+
+def test_a_model_in_a_folder_without_an_answer_is_somebodys_own(tmp_path):
+    (tmp_path / "model.yaml").write_text("mine")
+    diagnose.write(Outcome(FINDINGS), tmp_path)
+    assert (tmp_path / "model.yaml").read_text() == "mine"

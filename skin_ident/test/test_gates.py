@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain
+from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain, refitted
 from skin_ident.criticism.gates.resolution import held_depths, of_the_converter, of_the_drive, resolved, unread_depth, unread_force
 from skin_ident.criticism.gates.second_opinion import all_in_turn, at_any_scale, halves_in_turn
 from skin_ident.criticism.noise.whitening import fit_whitener
@@ -24,6 +24,7 @@ from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effects.backlash import Backlash
+from skin_models.effects.gain_error import GainStep
 from skin_models.effects.lag import Lag
 from skin_models.effects.nonlinear_stiffness import PowerStiffness
 from skin_models.effects.position_offset import PositionOffset
@@ -291,3 +292,26 @@ def test_a_zero_of_each_session_explains_more_than_wandering_noise_may():
     assert told is not None and told[1].cause == "force_offset" and told[1].explained > search.least(search.present.count)
     search.least = lambda count: told[1].explained + 1.0
     assert own_course(search, [run], []) is None
+
+
+def test_of_what_the_others_do_not_feel_a_fit_to_them_knows_nothing():
+    """A gain that steps after the end of all sessions but one was fitted to that one, which shall be predicted."""
+    session = prepare(recorded(PLAIN))
+    noise = fit_whitener([residual(PLAIN, session)], [session])
+    steps = [PLAIN.extended(GainStep(where="load_cell", gain=0.03, after=at)) for at in (20.0, 60.0)]
+    seen, unseen = (refitted(PLAIN, after, [session], noise)[1].effects[0].gain for after in steps)
+    assert unseen == 0.0 and 0.0 < abs(seen) < 0.002
+
+
+@pytest.mark.parametrize(("cause", "enough"), [("nonlinear_stiffness", False), ("stress_relaxation", True)])
+def test_a_zero_of_depth_that_nobody_reads_may_bend_a_force_but_relaxes_nothing(cause, enough):
+    """Half of a step of 10 µm beside 12 N/mm is 0.06 N, of which a free stiffness leaves half."""
+    train, squares = [prepare(recorded(PLAIN))], 0.04**2
+    gain = replace(QUICK, before=float(np.sqrt(0.005**2 + squares)), after=0.005)
+    assert resolved(gain, cause, PLAIN, PLAIN, train, 10e-6) is enough
+
+
+def test_a_session_is_as_long_as_it_may_be_believed():
+    session = prepare(recorded(PLAIN))
+    half = replace(session, weight=session.weight * (np.arange(session.t.size) < session.t.size // 2))
+    assert session.seconds == pytest.approx(np.ptp(session.t), rel=0.01) and half.seconds == pytest.approx(session.seconds / 2, rel=0.01)

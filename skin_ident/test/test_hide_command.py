@@ -60,6 +60,15 @@ def test_what_changes_is_what_the_place_says(on):
         assert np.allclose(steps, np.round(steps), atol=1e-6)
 
 
+def test_an_error_of_the_encoder_counts_by_the_stiffness_that_each_channel_feels(on):
+    """A load cell feels the whole skin, a taxel its share of what is sensed."""
+    change = hide(BASE, "quantization", "rig", 2.0, 0, on)[1].change
+    skin, shares = on.model.dispersion, on.model.shares
+    felt = {"force": skin.k1 + skin.k2, "taxel_0": shares[0] * skin.k1, "taxel_1": shares[1] * skin.k1}
+    steps = [change[c] * noise / felt[c] for c, noise in zip(on.sessions[0].channels, on.noise, strict=True)]
+    assert steps == pytest.approx([steps[0]] * 3, rel=0.02) and 1e-6 < steps[0] < 1e-4  # m
+
+
 def test_equal_seeds_hide_equal_things(on):
     (one, _), truth = hide(BASE, size=1.0, seed=7, on=on)
     (other, _), again = hide(BASE, size=1.0, seed=7, on=on)
@@ -119,6 +128,12 @@ def test_nothing_of_somebody_elses_is_overwritten(command, base, tmp_path):
     done = command(base, "--cause", "friction", "--out", own)
     assert done.status == 2 and "rig.yaml" in done.err and "another folder" in done.err
     assert [p.read_text() for p in own.iterdir()] == ["sample_rate_hz: 100  # precious\n"]
+
+
+def test_the_root_of_all_folders_is_refused(command, base):
+    """There is no place beside it for the truth."""
+    done = command(base, "--cause", "friction", "--out", "/")
+    assert done.status == 2 and done.err.startswith("error: ") and done.err.count("\n") == 1
 
 
 @pytest.mark.parametrize("size", [0.5, 3.0])

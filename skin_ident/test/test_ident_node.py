@@ -14,6 +14,7 @@ from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from rclpy.action import ActionClient  # noqa: E402
 from rclpy.context import Context  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
+from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.qos import qos_profile_sensor_data  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 from skin_testbed_msgs.action import Identify  # noqa: E402
@@ -22,6 +23,7 @@ from std_srvs.srv import Trigger  # noqa: E402
 
 from skin_ident.recordings.declared import Declared  # noqa: E402
 from skin_ident.recordings.mass import known_mass  # noqa: E402
+from skin_ident.ros.ident_node import IdentNode  # noqa: E402
 from skin_models.model_file import load_model  # noqa: E402
 from skin_models.ros.processes import Domain, Processes, wait_until  # noqa: E402
 
@@ -197,6 +199,29 @@ def test_identify_criticises(world):
     answer = bench.ask(goal.get_result_async, 60.0).result
     assert answer.error_code == 0 and answer.verdict == "nothing_wrong" and not answer.causes, answer
     assert (folder / "criticised" / "findings.json").samefile(answer.findings) and "k1" in answer.parameter_names
+
+
+def test_what_was_learnt_is_forgotten_only_where_other_settings_make_another_estimate(monkeypatch):
+    with Domain() as domain:
+        for name, value in domain.environment().items():
+            monkeypatch.setenv(name, value)
+        rclpy.init()
+        node = IdentNode()
+
+        def kept(accepted=True, **values):
+            """Whether the estimate is still the same after setting parameters, all of them or none."""
+            before = node.fit
+            assert node.set_parameters_atomically([Parameter(k, value=v) for k, v in values.items()]).successful == accepted
+            return node.fit is before
+
+        try:
+            assert kept(model_path="other.yaml") and kept(window=30.0, cutoff=5.0)  # no estimate depends on it; as they are
+            assert kept(accepted=False, window=20.0, publish_period=0.2) and kept(accepted=False, window=-1.0)
+            assert not any(kept(**change) for change in ({"window": 20.0}, {"cutoff": 4.0}, {"mass": 1e-3}, {"joint": "stage"}))
+            assert (node.fit.window, node.fit.cutoff, node.fit.mass) == (20.0, 4.0, 1e-3) and kept(window=20.0)
+        finally:
+            node.destroy_node()
+            rclpy.shutdown()
 
 
 def test_ends_cleanly(world):

@@ -89,6 +89,29 @@ def test_numbers_are_those_of_all_taxels():
     assert renamed(said, [4, 7, 9]) == {"taxel_7": ["share_4 of taxel_9", 3], "taxel_10": ("taxel_7", "b")}
 
 
+def test_names_of_files_are_no_numbers_of_taxels():
+    """A recording may be called after a taxel: its name stays, wherever it stands, and a taxel beside it is renumbered."""
+    why = "taxel_0.csv: taxel_0 holds one value, as in old taxel 1.csv"
+    said = {
+        "recordings": [{"name": "taxel_0.csv", "warnings": [why]}, {"name": "old taxel 1.csv"}, {"name": "taxel_1"}],
+        "findings": [{"where": "taxel_1", "evidence": {"held_out": "taxel_1", "sessions": {"taxel_0.csv": [1.0]}, "why": why}}],
+    }
+    told = why.replace("taxel_0 holds", "taxel_4 holds")
+    assert renamed(said, [4, 7]) == {
+        "recordings": [{"name": "taxel_0.csv", "warnings": [told]}, {"name": "old taxel 1.csv"}, {"name": "taxel_1"}],
+        "findings": [{"where": "taxel_7", "evidence": {"held_out": "taxel_1", "sessions": {"taxel_0.csv": [1.0]}, "why": told}}],
+    }
+
+
+def test_a_doubt_about_another_taxel_outlives_a_finding_of_the_same_cause():
+    found = {"cause": "lag", "where": "taxel_9", "alternatives": [{"cause": "dead_zone", "where": "taxel_9"}]}
+    doubts = [{"cause": "lag", "where": f"taxel_{i}", "because": "half of the data", "in_doubt": True} for i in (9, 8)]
+    reasons = [{"cause": "lag", "because": "slow"}, doubts[0] | {"cause": "dead_zone"}]
+    joint = {"findings": [], "excluded": [], "untestable": [reasons[0]], "verdict": "nothing_wrong", "warnings": []}
+    findings = with_rest(joint, (), Rest((), (found,), (*doubts, reasons[1]), (), (), {}), [0, 1], 12)
+    assert findings["untestable"] == [doubts[1], reasons[1]]
+
+
 def test_what_good_hardware_does_in_the_others_is_said():
     said = {"cause": "saturation", "where": "taxel_9", "because": "a converter may do it", "needs": "finer steps"}
     joint = {"findings": [], "excluded": [], "untestable": [], "verdict": "nothing_wrong", "warnings": []}

@@ -88,3 +88,12 @@ def test_a_model_that_pulls_where_nothing_does_is_seen_through():
         y = truth.simulate(motion(t, x))
         force, taxels = (z + rng.normal(0.0, 0.01, z.shape) for z in (y.force, y.taxels))
         assert is_pulled(pulling, plain, [prepare(Recording("a", t, x, force, taxels))]) == (truth is pulling)
+
+
+def test_of_many_samples_with_heavy_tails_some_are_low_by_themselves():
+    """At 1 kHz six hundred samples are looked at about each leaving."""
+    rng, t = np.random.default_rng(0), np.arange(48000) / 1000.0
+    x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
+    force = 1500.0 * np.maximum(x, 0.0) + 0.01 * rng.standard_t(3, t.size)
+    session = prepare(Recording("a", t, x, force, np.zeros((0, t.size))))
+    assert not find_pull(Model(Dispersion(m=0.0, b1=1.0, k1=900.0, b2=1.0, k2=600.0)), [session])

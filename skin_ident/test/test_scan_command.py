@@ -62,3 +62,14 @@ def test_a_scan_beside_a_session_is_refused(tmp_path, capsys):
     (tmp_path / "session.tsv").write_text("t_s\tx_mm\tforce_n\n" + "".join(f"{0.01 * i}\t{0.01 * i}\t{0.1 * i}\n" for i in range(200)))
     assert main([str(tmp_path), "--out", str(tmp_path / "out")]) == 2
     assert "diagnosed apart" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kept", [[], ["again.csv"]])
+def test_taxels_of_scans_are_no_choice(tmp_path, capsys, kept):
+    scan = making.make(None, seed=1)[0][0]
+    write(scan, tmp_path / "scan.csv"), write(scan, tmp_path / "again.csv")
+    held = ["--hold-out", *(str(tmp_path / name) for name in kept)] if kept else []
+    assert main([str(tmp_path / "scan.csv"), *held, "--taxels", "0", "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "error: scan.csv is a static spread scan, of one taxel: leave --taxels out" in said and "looking at the tables" not in said
+    assert not (tmp_path / "out").exists()

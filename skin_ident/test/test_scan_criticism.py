@@ -107,6 +107,12 @@ def test_held_out_scans_are_the_gate_when_there_are_some():
     assert "spread_shape" in names(findings) and "held out" in findings["findings"][0]["evidence"]["held_out"]
 
 
+def test_every_held_out_scan_has_a_size_of_its_own():
+    train, held = [scan_of(5e-3, 9e3, 1, "a.csv")], [scan_of(5e-3, 20e3, 2, "b.csv"), scan_of(5e-3, 24e3, 3, "c.csv")]
+    findings = diagnose_scans(train, held).findings
+    assert findings["verdict"] == "nothing_wrong" and findings["baseline"]["rmse"]["taxel_0"]["held_out"] < 0.1
+
+
 ONE = Declared(skin_thickness_mm=4.0)
 PLACED = Declared(skin_thickness_mm=4.0, contact_position_mm={"a.csv": (0.0, 0.0), "b.csv": (20.0, 0.0)})
 
@@ -161,6 +167,12 @@ def test_scans_and_sessions_are_diagnosed_apart():
 
     with pytest.raises(DiagnosisError, match="apart"):
         diagnose([scan_of(5e-3, 9e3), Session()])
+
+
+@pytest.mark.parametrize("held", [[], [scan_of(5e-3, 9e3)]])
+def test_nothing_is_nothing_to_diagnose(held):
+    with pytest.raises(DiagnosisError, match="no recording to diagnose"):
+        diagnose([], held)
 
 
 @pytest.mark.campaign

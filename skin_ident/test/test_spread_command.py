@@ -31,6 +31,16 @@ def test_the_thesis_own_scan_is_fitted(tmp_path, capsys):
     assert deepest["a_n"]["value"] == pytest.approx(10.45, abs=0.01) and deepest["c_mm"]["value"] == pytest.approx(5.245, abs=0.01)
 
 
+def test_scans_of_one_name_in_two_folders_are_both_kept(tmp_path):
+    paths = []
+    for day, table in (("monday", "4-10"), ("tuesday", "4-11")):
+        (tmp_path / day).mkdir()
+        paths.append(str(write_scan(tmp_path / day / "scan.csv", thesis_scan(table))))
+    assert main([*paths, "--out", str(tmp_path / "out")]) == 0
+    scans = json.loads((tmp_path / "out" / "fit.json").read_text())["scans"]
+    assert list(scans) == ["scan.csv (1)", "scan.csv (2)"] and scans["scan.csv (1)"] != scans["scan.csv (2)"]
+
+
 def test_a_scan_of_nothing_is_refused(tmp_path, capsys):
     path = tmp_path / "scan.csv"
     path.write_text("depth_mm,f_0mm_n,f_1mm_n,f_2mm_n,f_3mm_n\n0.1,1,1,1,1\n0.2,1,1,1,1\n")

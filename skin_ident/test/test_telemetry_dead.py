@@ -13,9 +13,10 @@ from skin_ident.criticism.courses.kinds import courses
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.search.proposals import directions
-from skin_ident.criticism.telemetry.dead import apart
+from skin_ident.criticism.telemetry.dead import apart, find_dead_taxels
 from skin_ident.criticism.telemetry.loose import contact_of
 from skin_ident.recordings.load import load
+from skin_ident.recordings.recording import Recording
 
 
 def three(layout, taxels=3, seed=6):
@@ -134,6 +135,18 @@ def test_one_that_dies_while_the_plunger_rests_is_dead_from_then_on(tmp_path, se
     sessions, _ = make_sessions("dead_taxel", "taxel_0", "dies", seed=seed, n_sessions=3, protocol="holds_only", noise="white")
     symptoms = named(tmp_path, sessions)
     assert [(s.cause, s.where, s.evidence["kind"]) for s in symptoms] == [("dead_taxel", "taxel", "dies")]
+
+
+@pytest.mark.parametrize("by_depth", [True, False])
+@pytest.mark.parametrize("share", [0.05, 1.0, 5.0])
+def test_one_that_dies_at_once_is_dead_from_then_on_whatever_its_slope(share, by_depth):
+    """It lives in the first of the pieces alone, whose own slope says what living is."""
+    t = np.arange(3000) / 100.0
+    load = 2.0 + np.sin(7.0 * t) + 0.5 * np.sin(17.0 * t)
+    dying = np.where(t < 1.795, share * load, 0.3 * share) + 2e-3 * share * np.random.default_rng(0).standard_normal(t.size)
+    depth, force = (1e-4 * load, None) if by_depth else (None, load)
+    (symptom,) = find_dead_taxels([Recording("early", t, depth, force, np.array([dying, share * load]))])
+    assert symptom.where == "taxel_0" and symptom.parameters["since"]["value"] == pytest.approx(1.8, abs=0.02)
 
 
 @pytest.mark.parametrize("seed", range(6))

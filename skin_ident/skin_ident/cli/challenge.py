@@ -1,7 +1,6 @@
 """`challenge --out DIR`: hide effects in simulated recordings, look for them, and count. The same command again goes on."""
 
 import argparse
-import json
 import math
 import multiprocessing
 import os
@@ -15,7 +14,7 @@ from typing import Any
 from skin_ident.cli import common
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.vocabulary import CAUSES
-from skin_ident.hiding.campaign import NULL, SHARES, Case, cases, kept, key, recordings, result
+from skin_ident.hiding.campaign import NULL, SHARES, Case, cases, keep, kept, key, recordings, result
 from skin_ident.hiding.drawing import hideable
 from skin_ident.hiding.errors import HidingError
 
@@ -39,8 +38,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     try:
         for entry in _played(left, chosen.jobs):
             done[key(entry)] = entry
-            with file.open("a", encoding="utf-8") as lines:
-                lines.write(json.dumps(entry) + "\n")
+            keep(entry, file)
     except KeyboardInterrupt:
         common.say(f"\ninterrupted; the cases so far are kept in {file}, and the same command goes on")
         return common.INTERRUPTED

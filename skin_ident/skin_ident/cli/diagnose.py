@@ -1,6 +1,7 @@
 """`diagnose RECORDING… --out DIR`: what the simulation gets wrong on measured data, by which cause, and what naming it is worth."""
 
 import argparse
+import re
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -10,12 +11,15 @@ from typing import Any
 
 from skin_ident.cli import common
 from skin_ident.criticism.above import above_noise
-from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.diagnose import are_scans, diagnose
 from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load
 from skin_models.model_file import load_model, save_model
+
+FINDINGS, BASELINE, MODEL = "findings.json", "baseline.yaml", "model.yaml"
+BATTERY = re.compile(r"separating(_[1-9]\d*)?\.yaml")  # as separating_experiments names them
 
 VERDICTS = {
     "nothing_wrong": "nothing wrong: what is left looks like noise",
@@ -44,6 +48,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     say("reading recordings")
     files, kept = apart(chosen.recordings, chosen.hold_out)
     recordings, held, twins = (_loaded(paths, how, chosen.taxels) for paths in (files, kept, [(p, "") for p in chosen.twin]))
+    if chosen.taxels and are_scans([*recordings, *held, *twins]):
+        raise RecordingError(f"{recordings[0].name} is a static spread scan, of one taxel: leave --taxels out")
     outcome = diagnose(recordings, held, model, say, twins)
     if chosen.taxels:
         outcome.findings["taxels"] = {f"taxel_{i}": name for i, name in enumerate(recordings[0].taxel_names)}
@@ -78,11 +84,11 @@ def _once(files: list[Path]) -> Files:
 
 
 def _loaded(files: Sequence[tuple[Path | str, str]], how: dict[str, Any], taxels: list[str]) -> list:
-    recordings = [_warned(r, said) for file, said in files for r in load(file, **how)]
+    recordings = [warned(r, said) for file, said in files for r in load(file, **how)]
     return only_taxels(recordings, taxels) if taxels else recordings
 
 
-def _warned(recording, said: str):
+def warned(recording, said: str):
     """A session with one more warning; a static scan bears none."""
     return replace(recording, warnings=(*recording.warnings, said)) if said and hasattr(recording, "warnings") else recording
 
@@ -94,13 +100,24 @@ def write(outcome: Outcome, folder: Path) -> None:
     write_report(outcome, folder)
     save_traces(outcome, folder)
     if outcome.model is not None:
-        save_model(outcome.baseline, folder / "baseline.yaml")
-        save_model(outcome.model, folder / "model.yaml", outcome.std)
-    for stale in {p.name for p in folder.glob("separating*.yaml")} - set(outcome.batteries):
-        (folder / stale).unlink()  # of an earlier answer in this folder, which it would seem to belong to
+        save_model(outcome.baseline, folder / BASELINE)
+        save_model(outcome.model, folder / MODEL, outcome.std)
+    _remove_earlier(outcome, folder)
     for file, battery in outcome.batteries.items():
         (folder / file).write_text(battery, encoding="utf-8")
-    common.write_json(folder / "findings.json", outcome.findings)
+    common.write_json(folder / FINDINGS, outcome.findings)
+
+
+def _remove_earlier(outcome: Outcome, folder: Path) -> None:
+    """Remove models and batteries of an earlier answer that this one does not write again: they would seem to belong to it.
+
+    A folder without findings holds no answer, and whatever is in it is somebody's own, as are all names that are not given here.
+    """
+    again = {*outcome.batteries, *((BASELINE, MODEL) if outcome.model is not None else ())}
+    earlier = folder.glob("*.yaml") if (folder / FINDINGS).exists() else ()
+    for file in earlier:
+        if file.name not in again and (file.name in (BASELINE, MODEL) or BATTERY.fullmatch(file.name)):
+            file.unlink()
 
 
 def summary(findings: dict[str, Any]) -> str:

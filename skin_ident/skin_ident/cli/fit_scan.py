@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.cli import common
+from skin_ident.criticism.usable import named_apart
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.figures import plus_minus
 from skin_ident.spread_fit import GaussianFit, fit_spread
@@ -15,9 +16,10 @@ GOOD = 0.9  # R² below which the Gaussian is called poor
 
 
 def fit_scans(scans: Sequence[SpreadScan], out: str | None) -> int:
-    """Print a, c and, where both sides were scanned, b of every depth; write fit.json. Raises `FitError` where no depth can be fitted."""
+    """Print a, c and, where both sides were scanned, b of every depth; write fit.json, with scans of one name numbered in
+    the order given. Raises `FitError` where no depth can be fitted."""
     found = {}
-    for scan in scans:
+    for scan in named_apart(list(scans)):
         step = scan.declared.of_taxel("taxel_step_n", 0) or 0.0
         both = bool(np.any(scan.distance < 0.0))
         fits = fit_spread(scan, step=step, noise=scan.declared.of_taxel("taxel_noise_n", 0) or 0.0, free_centre=both)

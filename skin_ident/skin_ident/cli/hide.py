@@ -54,6 +54,8 @@ def _sessions(loaded: list) -> list[Recording]:
 
 def _truth_file(given: str | None, out: Path) -> Path:
     """Where the truth goes. Raises `HidingError` where that is beside the data."""
+    if not out.resolve().name:
+        raise HidingError(f"everything lies in {out}, the truth would, too: name a folder with --out")
     truth = Path(given) if given else out.resolve().with_name(out.resolve().name + "_truth.json")
     if truth.is_dir():
         raise HidingError(f"--truth {truth} is a folder: name a file")

@@ -75,6 +75,8 @@ def diagnose(
     (see `twin`). Raises `DiagnosisError` where the sessions do not belong together or lack what is needed.
     """
     hold_out = hold_out or []
+    if not recordings:
+        raise DiagnosisError("there is no recording to diagnose")
     if twins and model is not None:
         raise DiagnosisError("criticise either a model or recorded twins, not both")
     if are_scans([*recordings, *hold_out, *(twins or [])]):

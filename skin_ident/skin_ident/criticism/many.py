@@ -6,7 +6,7 @@ beside the load cell, for causes of their own alone. The ratios of all taxels ar
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -38,6 +38,7 @@ FEW = 8  # taxels that are searched together
 JOINT = 6  # of more, those that are
 GROUP = 5  # and of the others at a time
 NUMBERED = re.compile(r"\b(taxel[_ ]|share_)(\d+)\b")
+OF_SESSIONS = ("name", "session", "held_out", "tested_on")  # keys of findings.json that hold names of sessions, or no text
 
 Split = Callable[[list[Session]], tuple[list[Session], list[Session]]]
 
@@ -78,21 +79,31 @@ def some(recordings: list, taxels: list[int]) -> list:
     ]
 
 
-def renamed(thing: Any, taxels: list[int]) -> Any:
-    """Anything made of texts, with the numbers of `taxels` in place of their order among themselves."""
+def renamed(thing: Any, taxels: list[int], sessions: Collection[str] = ()) -> Any:
+    """Anything made of texts, with the numbers of `taxels` in place of their order among themselves. Names of `sessions`, which the whole
+    of findings.json brings itself, are those of files and stay as they are, in the middle of a sentence too."""
     if isinstance(thing, str):
-        return NUMBERED.sub(lambda m: f"{m[1]}{taxels[int(m[2])]}" if int(m[2]) < len(taxels) else m[0], thing)
+        either = _numbered_or(sessions)
+        return either.sub(lambda m: f"{m[1]}{taxels[int(m[2])]}" if m[2] and int(m[2]) < len(taxels) else m[0], thing)
     if isinstance(thing, dict):
-        return {renamed(k, taxels): renamed(v, taxels) for k, v in thing.items()}
+        sessions = sessions or [r["name"] for r in thing.get("recordings", ())]
+        return {renamed(k, taxels, sessions): v if k in OF_SESSIONS else renamed(v, taxels, sessions) for k, v in thing.items()}
     if isinstance(thing, (list, tuple)):
-        return type(thing)(renamed(v, taxels) for v in thing)
+        return type(thing)(renamed(v, taxels, sessions) for v in thing)
     return thing
 
 
-def symptom_of_all(s: Symptom, taxels: list[int]) -> Symptom:
-    """A symptom under the numbers that all taxels have."""
+def _numbered_or(sessions: Collection[str]) -> re.Pattern[str]:
+    """`NUMBERED`, or the name of a session that would pass for it, which has no groups. One that is nothing but the word for a taxel cannot
+    be told from it in a sentence, where the taxel is meant far more often."""
+    names = sorted((n for n in sessions if NUMBERED.search(n) and not NUMBERED.fullmatch(n)), key=len, reverse=True)
+    return re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, names))})(?!\w)|{NUMBERED.pattern}") if names else NUMBERED
+
+
+def symptom_of_all(s: Symptom, taxels: list[int], sessions: Collection[str] = ()) -> Symptom:
+    """A symptom under the numbers that all taxels have; `sessions` are names that its words may hold."""
     bad = {(session, renamed(channel, taxels)): mask for (session, channel), mask in s.bad.items()}
-    said = {name: renamed(getattr(s, name), taxels) for name in ("where", "channels", "parameters", "evidence", "alternatives")}
+    said = {name: renamed(getattr(s, name), taxels, sessions) for name in ("where", "channels", "parameters", "evidence", "alternatives")}
     return replace(s, bad=bad, **said)
 
 
@@ -151,14 +162,14 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
     search.eliminate()
     found_here = [n for n in search.named if n.where.startswith("taxel_")]
     usual = {key: s for key, s in search.seen.items() if key[1].startswith("taxel_")}
-    model, std = search.present.model, search.present.std
+    model, std, names = search.present.model, search.present.std, [r.name for r in recordings]
     effects = [replace(e, where=renamed(e.where, taxels)) for e in model.effects if e.taxel is not None]
     return Rest(
         tuple(named_of_all(n, taxels) for n in found_here),
-        tuple(renamed(found(n, model, std, {}), taxels) for n in found_here),
-        tuple(renamed(undecided(BY_NAME[cause], where, s), taxels) for (cause, where), s in usual.items()),
+        tuple(renamed(found(n, model, std, {}), taxels, names) for n in found_here),
+        tuple(renamed(undecided(BY_NAME[cause], where, s), taxels, names) for (cause, where), s in usual.items()),
         tuple(effects),
-        tuple(symptom_of_all(s, taxels) for s in own),
+        tuple(symptom_of_all(s, taxels, names) for s in own),
         {i: s * model.dispersion.k1 / max(k1, 1e-9) for i, s in zip(taxels, model.shares, strict=True)},
     )
 
@@ -209,9 +220,16 @@ def _spread_out(beyond: np.ndarray | None, s: Session, chosen: list[int]) -> np.
 
 
 def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, chosen: list[int], count: int) -> dict[str, Any]:
-    """findings.json of the joint search with what was found in the other taxels."""
+    """findings.json of the joint search with what was found in the other taxels; of a cause that is named, what is in doubt elsewhere
+    stays."""
     entries = [*(seen(s) for s in (*odd, *rest.symptoms)), *findings["findings"], *rest.entries]
     named = {(e["cause"], e["where"]) for e in entries}
+    causes, told = {cause for cause, _ in named}, named | {(a["cause"], a["where"]) for e in entries for a in e["alternatives"]}
+    open_still = [
+        u
+        for u in (*findings["untestable"], *rest.untestable)
+        if u["cause"] not in causes or (u.get("in_doubt") and (u["cause"], u["where"]) not in told)
+    ]
     verdict = {"nothing_wrong": "explained", "unexplained": "partly_explained"}.get(findings["verdict"], findings["verdict"])
     said = (
         f"of {count} taxels those that are loaded most ({', '.join(map(str, chosen))}) were searched together with skin, rig and load "
@@ -221,7 +239,7 @@ def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, ch
         **findings,
         "findings": entries,
         "excluded": [e for e in findings["excluded"] if (e["cause"], e.get("where")) not in named],
-        "untestable": [u for u in (*findings["untestable"], *rest.untestable) if u["cause"] not in {cause for cause, _ in named}],
+        "untestable": open_still,
         "verdict": verdict if entries else findings["verdict"],
         "warnings": [said, *findings["warnings"]],
     }

@@ -26,6 +26,8 @@ NULL = "null"
 SESSIONS = 3
 SKIN = "silicone_4mm"
 SHARES = (1.0, 0.35, 0.1, 0.05)  # of the taxels, the first under the plunger
+UNPLAYED = {"skipped", "failed"}  # either is the reason why a result holds nothing but its case;
+FOUND = {"where", "form", "imitated", "named", "alternatives", "verdict", "over_oracle", "seconds_per_session"}  # any other holds all these
 
 
 @dataclass(frozen=True)
@@ -97,14 +99,24 @@ def _over_oracle(findings: dict[str, Any], changed: list[Recording], hidden: Hid
 
 
 def kept(file: Path) -> Iterator[dict[str, Any]]:
-    """The results of a campaign so far; a line that was cut short by an interruption is left out."""
+    """The results of a campaign so far; lines that an interruption cut short, or that hold anything else, are left out."""
     if not file.exists():
         return
-    for line in file.read_text(encoding="utf-8").splitlines():
+    for line in file.read_text(encoding="utf-8", errors="replace").splitlines():
         try:
-            yield json.loads(line)
-        except json.JSONDecodeError:
+            entry = json.loads(line)
+            hash(key(entry))  # it is looked up by its case
+        except (ValueError, KeyError, TypeError):
             continue
+        if entry.keys() & UNPLAYED or entry.keys() >= FOUND:
+            yield entry
+
+
+def keep(entry: dict[str, Any], file: Path) -> None:
+    """Add a result to those so far: on a line of its own, also after one that was cut short."""
+    cut = file.exists() and file.read_bytes()[-1:] not in (b"", b"\n")
+    with file.open("a", encoding="utf-8") as lines:
+        lines.write("\n" * cut + json.dumps(entry) + "\n")
 
 
 def key(entry: dict[str, Any]) -> Case:

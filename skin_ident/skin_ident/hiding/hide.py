@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skin_ident.criticism.baseline.residual import stiffness
 from skin_ident.criticism.sessions.session import stacked
 from skin_ident.criticism.telling.findings import place
 from skin_ident.hiding.apply import applied, changed
@@ -121,8 +122,8 @@ def _measure(effect: Effect, seed: int, on: Ground) -> tuple[np.ndarray, np.ndar
     after = changed(effect, first, session, on.model, seed)
     change = stacked(after)[1] - session.raw
     if after.depth is not first.depth:  # an encoder's error counts by the force that it would have meant
-        skin = on.model.dispersion
-        change = change + (skin.k1 + skin.k2) * (after.depth - first.depth)
+        each = [stiffness(on.model, channel) for channel in session.channels]
+        change = change + np.outer(each, after.depth - first.depth)
     change = session.band.thin(change) / on.noise[:, None]
     return rms(change, session.weight), rms(change - _imitated(change, on), session.weight)
 

@@ -7,7 +7,7 @@ from skin_ident.report.bars import parameter_table
 from skin_ident.report.markup import Safe, el, join, section, table
 from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.reading import recording_name, warning_sentences
-from skin_ident.report.tolerant import mapping, named_at, sequence, text
+from skin_ident.report.tolerant import mapping, named_at, place_in, sequence, text
 from skin_ident.report.view import View
 from skin_ident.report.words import capital, effect_words, meaning, sentence
 
@@ -57,7 +57,7 @@ def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
     """The entries of another table that are about the same cause at the same place."""
 
     def named(x: dict) -> tuple[str, str]:
-        return text(x.get("cause")), text(x.get("where"))
+        return text(x.get("cause")), place_in(x)
 
     return [o for o in others if named(o) == named(e) or (named(o)[0] == named(e)[0] and not (named(o)[1] and named(e)[1]))]
 
@@ -81,7 +81,7 @@ def bound(e: dict) -> str:
     """How small an excluded cause must be, in words."""
     if finite(e.get("below")) is None:
         return text(e.get("because")) or "not seen"
-    cause, where, name = (text(e.get(k)) for k in ("cause", "where", "parameter"))
+    cause, where, name = text(e.get("cause")), place_in(e), text(e.get("parameter"))
     at = {k: mapping(q) for k, q in mapping(e.get("at")).items()}
     labels = effect_words(cause, where, (name, *at))
     words = labels.get(name) or spoken(name)
@@ -163,7 +163,8 @@ def _before_after(v: View) -> str:
 
 
 def reading(v: View, folder: str) -> Safe:
-    """A glossary, and where the other files are: beside the page, or what belongs to the diagnosis in its `folder`."""
+    """A glossary, and where the other files are: beside the page, or what belongs to the diagnosis in its `folder`. Of records in which too
+    little can be believed there is no model."""
     words = (
         ("before, after", _before_after(v)),
         ("measured − simulated", "what the simulation misses; zero is perfect"),
@@ -175,7 +176,8 @@ def reading(v: View, folder: str) -> Safe:
         ("could not be tested", "the motion never brought it out, so the data are silent"),
         ("where", "skin: the material; taxel: a sensor in it; load cell: the reference; rig: mount and stage; clock: timing of a channel"),
     )  # fmt: skip
-    kept = "findings.json (everything here, for programs), model.yaml (the extended model) and traces.npz (the curves)"
+    model = ", model.yaml (the extended model)" if v.has_model else ""
+    kept = f"findings.json (everything here, for programs){model} and traces.npz (the curves)"
     text_too = "report.md and pictures (for a mail)"
     files = f"Beside this file: {text_too}. In {folder}: {kept}." if folder else f"Beside this file: {text_too}, {kept}."
     return section(

@@ -122,7 +122,7 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
         elif f.separating:
             yield sentence(f"To tell {cause_at(f.cause, f.where)} from {_rivals(f)}: {f.separating}")
     yield from _advice(v)
-    if v.judged or any(f.simulated for f in v.findings):
+    if any(f.carried for f in v.findings):
         lies = f"in {folder}" if folder else "beside this report"
         yield f"Load model.yaml, {lies}, into the simulated skin: {_carried(v)} named here is in it."
     if v.verdict in (PARTLY, UNEXPLAINED):
@@ -137,8 +137,9 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
 
 
 def _carried(v: View) -> str:
+    """How much of what is named is in the model. Not all that a scan shows has a place in it: a finding of one must say that it has."""
     own = any(dict(f.evidence).get("of_each_session") for f in v.findings)  # no simulation can know it beforehand
-    whole = not own and all(f.simulated or not f.direct for f in v.findings)
+    whole = not own and all(f.carried and (f.says_whether_simulated or not v.is_scan) for f in v.findings)
     return "everything" if whole else "what can be simulated of what is"
 
 

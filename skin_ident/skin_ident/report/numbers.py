@@ -43,12 +43,17 @@ def plain(value: Any, digits: int = 3) -> str:
         return UNKNOWN
     if number == 0.0:
         return "0"
-    exponent = math.floor(math.log10(abs(float(f"{number:.{digits - 1}e}"))))
+    exponent = _exponent(number, digits)
     if not -4 < exponent < 6:
         return f"{number / 10.0**exponent:.{digits - 1}f}".replace("-", "−") + f"{_SPACE}×{_SPACE}10{str(exponent).translate(_RAISED)}"
     whole = round(number, digits - 1 - exponent)
     text = f"{whole:,.{max(digits - 1 - exponent, 0)}f}"
     return text.replace(",", _THIN if abs(whole) >= 1e4 else "").replace("-", "−")
+
+
+def _exponent(number: float, digits: int) -> int:
+    """The power of ten of the first of `digits` significant digits, once the number is rounded to them: 9.996 to three has that of 10."""
+    return math.floor(math.log10(abs(float(f"{number:.{digits - 1}e}"))))
 
 
 def printed_unit(unit: str) -> str:
@@ -89,7 +94,7 @@ def _with_spread(value: float, std: float) -> str:
     digits = min(max(3, 1 + math.floor(math.log10(abs(value))) - math.floor(math.log10(std))), 6)
     text = plain(value, digits)
     if "×" in text:
-        power = 10.0 ** math.floor(math.log10(abs(value)))
+        power = 10.0 ** _exponent(value, digits)
         return f"({plain(value / power, digits)}{_SPACE}±{_SPACE}{plain(std / power, 1)}){text[text.index('×') - 1 :]}"
     decimals = len(text.partition(".")[2])
     spread = f"{std:.{decimals}f}" if round(std, decimals) and std < 1e4 else plain(std, 1)

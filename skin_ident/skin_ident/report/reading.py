@@ -3,6 +3,7 @@
 from typing import Any
 
 from skin_ident.criticism.above import above_noise
+from skin_ident.criticism.gates.gate import EACH_IN_TURN
 from skin_ident.criticism.search.rivals import CHANCE
 from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, plain
@@ -26,7 +27,6 @@ _KNOWN = {
     "systematic_rest",
     "gain_by_channel",
 }
-IN_TURN = "each session in turn"
 
 
 def view(findings: dict[str, Any]) -> View:
@@ -49,7 +49,7 @@ def view(findings: dict[str, Any]) -> View:
         band_hz=next(
             (b for f in mapping(findings.get("noise_floor")).values() if (b := finite(mapping(f).get("band_hz"))) is not None), None
         ),
-        in_turn=any(g.get("tested_on") == IN_TURN for g in gains.values()),
+        in_turn=any(g.get("tested_on") == EACH_IN_TURN for g in gains.values()),
         other={k: v for k, v in findings.items() if k not in _KNOWN},
         held=tuple(_held(str(name), mapping(h)) for name, h in mapping(baseline.get("held")).items()),
         above=above_noise(findings),
@@ -188,7 +188,7 @@ def _error(channel: str, before: dict, after: dict, floor: Any, gain: dict) -> C
     if isinstance(floor, dict):
         floor = next((v for v in (finite(floor.get(k)) for k in ("rms", "value", "rmse", "std")) if v is not None), None)
     pairs = [(finite(before.get(k)), finite(after.get(k))) for k in ("train", "held_out")]
-    if gain.get("tested_on") == IN_TURN:
+    if gain.get("tested_on") == EACH_IN_TURN:
         pairs[1] = (finite(gain.get("held_out_rmse_before")), finite(gain.get("held_out_rmse_after")))
     low, high = (*map(finite, sequence(gain.get("ci95"))), None, None)[:2]
     interval = None if low is None or high is None or low == high == 0.0 else (low, high)

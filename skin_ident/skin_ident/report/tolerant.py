@@ -31,6 +31,11 @@ def text(thing: Any) -> str:
     return "" if thing is None else str(thing)
 
 
+def place_in(entry: dict) -> str:
+    """The place of an entry of findings.json as the catalogue names it, which of the clocks included."""
+    return "_".join(filter(None, (text(entry.get("where")), text(entry.get("channel_clock")))))
+
+
 def named_at(entry: dict) -> str:
     """The cause and place of an entry of findings.json, as `cause_at` says them."""
-    return cause_at(text(entry.get("cause")), text(entry.get("where")))
+    return cause_at(text(entry.get("cause")), place_in(entry))

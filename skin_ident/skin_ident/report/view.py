@@ -4,8 +4,9 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from skin_ident.report.tolerant import text
+from skin_ident.report.tolerant import mapping, text
 
+SCAN = "static spread scan"  # the kind of its recordings
 DIRECT = {"quantization", "saturation", "outliers", "dead_taxel", "noise", "data_error", "interference"}
 HELD_OUT, STRETCHES, IN_TURN, UNTESTED = "held_out", "stretches", "in_turn", ""  # how a gain was tested
 
@@ -68,13 +69,23 @@ class Finding:
 
     @property
     def simulated(self) -> bool:
-        """Whether the extended model carries what telemetry saw."""
+        """Whether the finding says that it is in the extended model."""
         return text(dict(self.evidence).get("simulated")).startswith("yes")
+
+    @property
+    def carried(self) -> bool:
+        """Whether it is in the extended model: as the finding says, or since a better simulation is what it stands on."""
+        return self.simulated if self.says_whether_simulated else not self.direct
+
+    @property
+    def says_whether_simulated(self) -> bool:
+        """Whether the finding says that it is in the extended model, or that it is not."""
+        return "simulated" in dict(self.evidence)
 
     @property
     def direct(self) -> bool:
         """Whether it is seen in the record itself, before any model, so that the simulation gains nothing. A silent taxel is no signal."""
-        return self.cause == "dead_taxel" or (not self.gain.fall and (self.cause in DIRECT or "simulated" in dict(self.evidence)))
+        return self.cause == "dead_taxel" or (not self.gain.fall and (self.cause in DIRECT or self.says_whether_simulated))
 
     @property
     def unmeasured(self) -> str:
@@ -140,7 +151,12 @@ class View:
     @property
     def is_scan(self) -> bool:
         """Whether this is about a static spread scan."""
-        return any(f.cause.startswith("spread_") or f.cause == "anisotropy" for f in self.findings) or "gauss" in self.model.lower()
+        return any(mapping(r).get("kind") == SCAN for r in self.recordings)
+
+    @property
+    def has_model(self) -> bool:
+        """Whether there is an extended model: one without a parameter was never fitted."""
+        return bool(self.after)
 
     @property
     def is_twin(self) -> bool:

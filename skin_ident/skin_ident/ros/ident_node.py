@@ -6,6 +6,7 @@ Subscribes to encoder, force and taxels; publishes `estimates` (ParameterEstimat
 
 import threading
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
@@ -54,13 +55,17 @@ class Settings:
     model_path: str = setting("identified_model.yaml", "file that `~/save` writes")
 
 
+learning = attrgetter("window", "cutoff", "mass", "joint")  # the settings that make another estimate
+
+
 class IdentNode(Node):
     """Callbacks stay short; identification over recordings runs in a thread of its own, one goal after the other."""
 
     def __init__(self) -> None:
         super().__init__("ident_node")
-        self.settings = Parameters(self, Settings, on_change=lambda settings: self._start_anew(settings))
-        self._start_anew(self.settings.now)
+        self.settings = Parameters(self, Settings)
+        self._start_anew()
+        self.add_post_set_parameters_callback(lambda parameters: self._on_change())  # after, for others may refuse a change
         self._subscribe()
         self.estimates = self.create_publisher(ParameterEstimates, "estimates", QoSProfile(depth=10))
         self.diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", QoSProfile(depth=10))
@@ -73,8 +78,15 @@ class IdentNode(Node):
         self.action = ActionServer(self, Identify, "identify", self._identify, cancel_callback=lambda handle: CancelResponse.ACCEPT)
         self.get_logger().info("ready: estimating live, and waiting for goals on identify")
 
-    def _start_anew(self, settings: Settings) -> None:
-        self.fit = LiveFit(settings.window, settings.cutoff, settings.mass)
+    def _start_anew(self) -> None:
+        now = self.settings.now
+        self.learnt_under = learning(now)
+        self.fit = LiveFit(now.window, now.cutoff, now.mass)
+
+    def _on_change(self) -> None:
+        """Forget what was learnt where it was learnt under other settings."""
+        if learning(self.settings.now) != self.learnt_under:
+            self._start_anew()
 
     def _subscribe(self) -> None:
         policies = QoSOverridingOptions.with_default_policies()
@@ -104,7 +116,7 @@ class IdentNode(Node):
         self.diagnostics.publish(live_messages.diagnostics(self.fit, self.get_clock().now().to_msg(), self.get_fully_qualified_name()))
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._start_anew(self.settings.now)
+        self._start_anew()
         response.success, response.message = True, "what was learnt is forgotten"
         return response
 

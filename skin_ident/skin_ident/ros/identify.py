@@ -4,7 +4,10 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
+from traceback import format_exc
 
+from rclpy.logging import get_logger
 from skin_testbed_msgs.action import Identify
 
 from skin_ident.cli.common import check_output, output_folder, refusal, topics_of, write_json
@@ -58,6 +61,8 @@ class Run:
             if self.goal.output_directory:
                 with _writing():
                     check_output(self.goal.output_directory)  # here, not after minutes of work
+            if not self.goal.recordings:
+                raise RecordingError("the goal names no recordings")
             return self._criticised() if self.goal.criticise else self._fitted()
         except Cancelled:
             return Result(error_code=Result.CANCELLED, error_string="cancelled; nothing was written")
@@ -67,6 +72,10 @@ class Run:
             return Result(error_code=Result.WRITE_FAILED, error_string=str(error))
         except OSError as error:
             return Result(error_code=Result.UNUSABLE_INPUT, error_string=refusal(error))
+        except Exception as error:  # a result that rclpy makes up would say SUCCESS
+            get_logger("identify").error(format_exc())
+            said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            return Result(error_code=Result.FAILED, error_string=f"a mistake of this program, not of the goal: {said}")
 
     def _say(self, stage: str, progress: float | None = None) -> None:
         if self.cancelled():
@@ -74,11 +83,8 @@ class Run:
         self.done = self.done if progress is None else progress
         self.publish(Identify.Feedback(progress=self.done, stage=stage))
 
-    def _load(self, paths: list[str], share: float) -> list:
-        if not paths:
-            raise RecordingError("the goal names no recordings")
+    def _load(self, files: list[Path], share: float) -> list:
         topics = topics_of(self.goal.topics)
-        files = [file for path in paths for file in find(path)]
         start, loaded = self.done, []
         for i, file in enumerate(files):
             self._say(f"reading {file.name}", start + share * i / len(files))
@@ -89,7 +95,8 @@ class Run:
         options = Options(loss=self.goal.loss or LINEAR)
         if options.loss not in LOSSES:
             raise FitError(f"the loss is one of {', '.join(LOSSES)}, not {options.loss!r}")
-        recordings, _ = sessions_of(self._load(list(self.goal.recordings), 0.6))
+        files = [file for path in self.goal.recordings for file in find(path)]
+        recordings, _ = sessions_of(self._load(files, 0.6))
         self._say(f"fitting {counted(len(recordings), 'session')}", 0.6)
         estimate = fit_recordings(recordings, options)
         self._say("writing", 0.95)
@@ -108,12 +115,16 @@ class Run:
 
     def _criticised(self) -> Result:
         # Imported here: the criticism and its report take a second to load, and a node that only fits never needs them.
-        from skin_ident.cli.diagnose import write
+        from skin_ident.cli.diagnose import Files, apart, warned, write
         from skin_ident.criticism.diagnose import diagnose
 
+        def read(files: Files, share: float) -> list:
+            loaded = self._load([file for file, _ in files], share)
+            return [warned(r, said) for r, (_, said) in zip(loaded, files, strict=True)]
+
         model = load_model(self.goal.model) if self.goal.model else None
-        recordings = self._load(list(self.goal.recordings), 0.2)
-        held = self._load(list(self.goal.hold_out), 0.1) if self.goal.hold_out else []
+        files, kept = apart(self.goal.recordings, self.goal.hold_out)
+        recordings, held = read(files, 0.2), read(kept, 0.1)
         outcome = diagnose(recordings, held, model, lambda stage: self._say(stage, min(0.9, self.done + 0.02)))
         path = ""
         if self.goal.output_directory:

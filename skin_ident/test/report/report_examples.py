@@ -219,7 +219,7 @@ def spread_scan() -> Outcome:
         "alternatives": [], "separating_experiment": None,
     }  # fmt: skip
     content = {
-        "schema": 1, "recordings": [scan.name],
+        "schema": 1, "recordings": [{"name": scan.name, "kind": "static spread scan"}],
         "baseline": {"model": "gaussian", "parameters": {"c": {"value": 5.25e-3, "unit": "m"}}, "rmse": rmse[0]},
         "findings": [f], "excluded": [],
         "untestable": [{"cause": "anisotropy", "because": "one direction", "needs": "lateral scans in x and in y"}],

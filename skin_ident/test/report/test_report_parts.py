@@ -8,6 +8,8 @@ import report_examples as examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from skin_ident.criticism.gates.gate import EACH_IN_TURN
+from skin_ident.criticism.scan.diagnose import diagnose_scans
 from skin_ident.criticism.telling.outcome import Outcome, Trace
 from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.focus import focus
@@ -16,7 +18,10 @@ from skin_ident.report.page import page
 from skin_ident.report.reading import view
 from skin_ident.report.shapes import binned, smooth, spectrum, thinned
 from skin_ident.report.story import tell
+from skin_ident.report.view import HELD_OUT, STRETCHES
 from skin_ident.report.words import effect_words, rebuild
+from skin_ident.spread_scan import SpreadScan
+from skin_ident.thesis_spread import thesis_scan
 from skin_models.catalogue import effects
 from skin_models.parameter import parameters_of
 
@@ -37,6 +42,8 @@ NB, THIN = "\u00a0", "\u202f"
         (0.3e-3, "m", None, f"0.300{NB}mm"),
         (12e-6, "m", 1e-7, f"12.0{NB}±{NB}0.1{NB}µm"),
         (3e8, "N/m^3", 3e6, f"(3.00{NB}±{NB}0.03){NB}×{NB}10⁸{NB}N/m³"),
+        (9.996e6, "N/m", 2e4, f"(1.00{NB}±{NB}0.002){NB}×{NB}10⁷{NB}N/m"),
+        (9.996e-5, "1", 1e-6, f"(1.00{NB}±{NB}0.01){NB}×{NB}10⁻⁴"),
         (-0.5, "N*s/m", None, f"−0.500{NB}N·s/m"),
         (0.25, "1", None, "0.250"),
         (float("nan"), "N", None, "–"),
@@ -136,6 +143,29 @@ INNER = ["cause", "where", "channels", "parameters", "evidence", "gain", "altern
 )
 def test_a_page_comes_out_of_any_findings(content, finding, verdict):
     page_of(Outcome({"findings": [finding], **content, "verdict": verdict}))
+
+
+def test_a_scan_is_known_by_its_recordings_and_not_by_words_in_its_findings():
+    """A scan with a model of any name and a finding of any cause was held out; a lone session with a spread that widens was not."""
+    rmse = {"taxel_0": {"train": 0.01, "held_out": 0.01, "unit": "N"}}
+    scan = diagnose_scans([thesis_scan("4-10")]).findings["recordings"]
+    for recordings, cause, tested in ((scan, "drift", HELD_OUT), ([{"name": "a.csv"}], "spread_depth", STRETCHES)):
+        model = {"model": "my silicone", "rmse": rmse}
+        v = view({"recordings": recordings, "baseline": model, "extended": model, "findings": [{"cause": cause, "where": "skin"}]})
+        assert v.tested == tested
+
+
+def test_no_model_is_promised_where_none_is_written():
+    """Nothing of a scan that never answers can be believed, and there is no extended model."""
+    depth, distance = np.linspace(2e-4, 2e-3, 10), np.linspace(0.0, 1e-2, 8)
+    noise = 0.01 * np.random.default_rng(0).standard_normal((depth.size, distance.size))
+    outcome = diagnose_scans([SpreadScan(depth, distance, noise, name="silent.csv")])
+    assert outcome.model is None and "model.yaml" not in page_of(outcome)
+    assert "model.yaml (the extended model)" in page_of(examples.explained())
+
+
+def test_the_words_of_the_gate_are_the_readers():
+    assert view({"gain_by_channel": {"force": {"tested_on": EACH_IN_TURN}}}).in_turn
 
 
 @pytest.mark.parametrize("depth", [np.nan, 0.0])

@@ -12,6 +12,7 @@ from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.telling.findings import advice_on, found
 from skin_ident.criticism.telling.outcome import Round, Trace
 from skin_ident.report.appendix import parameters, reading, size_ruled_out, why_untestable
@@ -155,6 +156,42 @@ def test_an_experiment_speaks_for_itself_and_words_without_one_are_said_for_whom
     assert any(w.means.endswith("It fits these data almost as well.") for w in first.wrong)
     elsewhere = tell(examples.Outcome(findings("explained", entries=[battery])), "/there").story.next
     assert "Record /there/separating.yaml (x" in elsewhere[0] and any("model.yaml, in /there," in s for s in elsewhere)
+
+
+@pytest.mark.parametrize(
+    ("said", "scan", "words"),
+    [
+        (("", ""), False, "everything named here is in it"),
+        (("yes, as an effect", "no: the skin has none of this form"), False, "what can be simulated of what is named here is in it"),
+        (("", ""), True, "what can be simulated of what is named here is in it"),
+        (("yes, as an effect", "yes, as an effect"), True, "everything named here is in it"),
+        (("no: the skin has none of this form",) * 2, False, None),
+    ],
+)
+def test_the_model_is_not_said_to_have_what_the_findings_say_it_has_not(said, scan, words):
+    gain = {"held_out_rmse_before": 0.2, "held_out_rmse_after": 0.1}
+    simulated = [{"simulated": s} if s else {} for s in said]
+    entries = [rivals((cause, "rig"), gain=gain, evidence=s) for cause, s in zip(("off_centre", "crosstalk"), simulated, strict=True)]
+    content = findings("explained", entries=entries) | {"recordings": [{"name": "a"} | ({"kind": "static spread scan"} if scan else {})]}
+    told = [s for s in tell(examples.Outcome(content)).story.next if "model.yaml" in s]
+    assert [words in s for s in told] == ([] if words is None else [True])
+
+
+def test_the_clocks_of_the_catalogue_are_one_rival_as_near_as_the_nearest():
+    near = (Rival("time_shift", "clock", 1.0), Rival("hysteresis", "skin", 5.0), Rival("time_shift", "clock_taxels", 7.0))
+    gain = SimpleNamespace(carried=("force",), relative=0.9, held_out="b", entry={})
+    entry = found(Named("lag", "taxel", gain, 1.0, near), examples.Model(examples.SILICONE), {}, {})
+    told = [(a["cause"], a["where"], a["explains_less_by"]) for a in entry["alternatives"]]
+    assert told == [("time_shift", "clock", 1.0), ("hysteresis", "skin", 5.0)]
+
+
+def test_it_is_said_which_clock_could_not_be_tested():
+    clocks = [{"cause": "time_shift", "where": "clock", "below": 1e-3, "unit": "s", "parameter": "delay"}]
+    clocks += [clocks[0] | {"channel_clock": name} for name in ("taxels", "depth")]
+    text = markdown(tell(examples.Outcome(findings() | {"excluded": clocks})))
+    assert all(f"| time shift of the clock{of} | 1.00\u00a0ms" in text for of in ("", " of the taxels", " of the encoder"))
+    one = view(findings() | {"excluded": clocks[:1], "untestable": [clocks[1] | {"because": "it was slow"}]})
+    assert why_untestable(one.untestable[0], one) == "It was slow." and "only this" not in size_ruled_out(one.excluded[0], one)
 
 
 def test_a_rival_that_explains_clearly_less_is_not_said_to_fit_as_well():

@@ -27,9 +27,13 @@ from skin_models.effects.off_centre import OffCentre
 from skin_models.effects.spread_depth import SpreadDepth
 from skin_models.effects.spread_shape import SpreadShape
 from skin_models.effects.spread_width import SpreadWidth
+from skin_models.errors import ModelError
 from skin_models.model import Model
 
 SILENT = 1e-3  # of the largest share: below, a share is no ratio of anything
+NO_FORM = "no: the simulated skin has no effect of this form"
+NOT_JUDGED = "no: what bends the ratios of taxels is written down only where those of all of them can be judged"
+TOO_LARGE = "no: an effect of the simulated skin cannot be as large as that"
 
 
 def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
@@ -50,6 +54,21 @@ def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
         return here
     e = _effect(a.judgement.causes[0], own)
     return _with(here, e, _heard(here, e) if isinstance(e, Crosstalk) else _factors(a.judgement.causes[0], own))
+
+
+def unwritten(model: Model, a: ArrayCriticism | str) -> dict[tuple[str, str], str]:
+    """By cause and place: why the model that `told` writes down does not have what was named there."""
+    bent = [e for e in model.effects if is_of_array(e)]
+    keys = [(e.cause, e.where) for e in bent]
+    if isinstance(a, str):
+        return dict.fromkeys(keys, NOT_JUDGED)
+    best = a.judgement.causes[:1] if a.named else ()
+    keys += [j.key for j in best]
+    try:
+        effects = [*map(known, bent), *(_effect(j, a.layout.of([0])) for j in best)]
+    except ModelError:  # and then none of them is written
+        return dict.fromkeys(keys, TOO_LARGE)
+    return {key: NO_FORM for key, e in zip(keys, effects, strict=True) if e is None}
 
 
 def _with(model: Model, e: Effect | None, factors: np.ndarray) -> Model:

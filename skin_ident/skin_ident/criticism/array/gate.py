@@ -13,7 +13,7 @@ from skin_ident.criticism.array.hypotheses import EXACT
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.baseline.residual import residual, rmse
-from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
+from skin_ident.criticism.gates.gate import EACH_IN_TURN, Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
@@ -31,7 +31,7 @@ def held_out_gain(
     train = [i for i in range(len(sessions)) if i not in held]
     in_turn = [([i for i in train if i != j] or [j], [j]) for j in train] if not held or layout.several_contacts else []
     folds = [*([(train, held)] if held else []), *in_turn]
-    said = " and ".join([*(sessions[i].name for i in held), *(["each session in turn"] if in_turn else [])])
+    said = " and ".join([*(sessions[i].name for i in held), *([EACH_IN_TURN] if in_turn else [])])
     around = best.background
     width = {"width": around.width} if around.width > EXACT else {}
     before, after, judged, least = [], [], [], []

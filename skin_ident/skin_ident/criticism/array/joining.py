@@ -4,6 +4,7 @@ from collections.abc import Container
 from typing import Any
 
 from skin_ident.criticism.array.analysis import ArrayCriticism, analyse, doubted_taxels
+from skin_ident.criticism.array.extending import unwritten
 from skin_ident.criticism.array.findings import entry, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import changing
@@ -37,8 +38,9 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
 def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen: Container[tuple[str, str]] = ()) -> dict[str, Any]:
     """findings.json with what the array says: a finding more, or bounds and reasons in place of those that know nothing of layouts.
 
-    `model` is the extended one, whose effects of the array are put into words; `seen` are causes and places of which the search has seen
-    something that is no finding: ratios on the whole bound no form of them that comes and goes.
+    `model` is the extended one, whose effects of the array are put into words, with why of those that cannot be written down; `seen` are
+    causes and places of which the search has seen something that is no finding: ratios on the whole bound no form of them that comes and
+    goes.
     """
     findings = {**findings, "findings": [_in_words(e, model) for e in findings["findings"]]}
     entries = _with(findings["findings"], entry(a)) if not isinstance(a, str) and a.named else findings["findings"]
@@ -55,6 +57,8 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen
         verdict = "partly_explained" if entries else "unexplained"
     warnings = [*findings["warnings"], *([APART] if not isinstance(a, str) and a.named else [])]
     reasons = [u for u in reasons if u["cause"] not in {e["cause"] for e in bounds}]
+    absent = unwritten(model, a)
+    entries = [_marked(e, absent.get((e["cause"], e["where"]), "")) for e in entries]
     more = {"excluded": able, "untestable": kept + reasons, "verdict": verdict, "warnings": warnings}
     return {**findings, "findings": entries, **more}
 
@@ -69,6 +73,11 @@ def _in_words(entry: dict[str, Any], model: Model) -> dict[str, Any]:
     mine = (e for e in model.effects if (e.cause, e.where) == (entry["cause"], entry["where"]))
     words = "; ".join(filter(None, map(changing, mine)))
     return {**entry, "evidence": {"why": words, **entry["evidence"]}} if words else entry
+
+
+def _marked(entry: dict[str, Any], why: str) -> dict[str, Any]:
+    """The entry, saying `why` the extended model does not have it; as it is, where there is no reason."""
+    return {**entry, "evidence": {**entry["evidence"], "simulated": why}} if why else entry
 
 
 def _with(entries: list[dict[str, Any]], new: dict[str, Any]) -> list[dict[str, Any]]:

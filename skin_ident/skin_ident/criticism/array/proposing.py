@@ -1,6 +1,7 @@
 """Directions in which an array may bend while it is pressed, offered to the search beside those of the catalogue."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from skin_ident.criticism.array.bending import Leaning, Reaching, Walking, Widening
 from skin_ident.criticism.array.layout import Layout
@@ -29,9 +30,7 @@ def is_of_array(e: Effect) -> bool:
 def for_anybody(model: Model) -> Model:
     """The model without the effects that only a layout gives a meaning to: what can be written and loaded again."""
     kept = tuple(e for e in model.effects if not is_of_array(e))
-    return model if len(kept) == len(model.effects) else Model(
-        model.dispersion, model.shares, kept, model.name, model.source, model.notes
-    )  # fmt: skip
+    return model if len(kept) == len(model.effects) else replace(model, effects=kept)
 
 
 def _effects(layout: Layout, session: Session) -> Iterator[Effect]:

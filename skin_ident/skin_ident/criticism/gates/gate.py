@@ -14,11 +14,14 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.baseline.unknowns import with_values
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session, without
 from skin_models.model import Model
+from skin_models.parameter import AMPLITUDE
 
+EACH_IN_TURN = "each session in turn"  # what was held out, where no session was kept aside; readers of findings.json know it by this
 BLOCK_S = 2.0
 FEWEST_BLOCKS = 3  # of a session; shorter ones in one that would have fewer
 RESAMPLES = 1000
@@ -115,7 +118,7 @@ def held_out_gain(
     if held:
         return gain_of_residuals(*left_in_held(before, after, train, held, noise), held, noise, ", ".join(s.name for s in held))
     if len(train) > 1:
-        pairs, said = in_turn(before, after, train, noise, refit_before), "each session in turn"
+        pairs, said = in_turn(before, after, train, noise, refit_before), EACH_IN_TURN
     else:
         pairs, said = [(s, before, after) for s in train], "nothing: the only session was used to fit"
     return gain_of_residuals(*left_by(pairs), [s for s, _, _ in pairs], noise, said)
@@ -132,8 +135,10 @@ def in_turn(before: Model, after: Model, train: list[Session], noise: Whitener, 
 
 
 def refitted(before: Model, after: Model, sessions: list[Session], noise: Whitener, refit_before: Callable = fit) -> tuple[Model, Model]:
-    """Both models fitted to `sessions`."""
-    return refit_before(before, sessions, noise, FOLD_ITERATIONS).model, fit(after, sessions, noise, FOLD_ITERATIONS).model
+    """Both models fitted to `sessions`; of what these do not feel, such as a step after their end, `after` has nothing."""
+    found = fit(after, sessions, noise, FOLD_ITERATIONS)
+    unfelt = tuple(u for u in found.unknowns if isinstance(u.part, int) and u.parameter.role == AMPLITUDE and found.std[u.label] == 0.0)
+    return refit_before(before, sessions, noise, FOLD_ITERATIONS).model, with_values(found.model, unfelt, np.zeros(len(unfelt)))
 
 
 def left_by(asked: list[Asked]) -> Residuals:

@@ -26,6 +26,7 @@ INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and
 ROUNDED = 0.5  # of a step, by which a tare leaves a zero off
 RESOLVED = float(np.hypot(INTEGRAL, ROUNDED))  # of a step: what may be left (RMS) beside that
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
+UNZEROED = 0.25  # of the encoder's step, by which the zero of depth is off beside a stiffness that is free: it bends what is read
 TREMBLING = 1e-6  # m, of a good stage at rest
 EVEN_S = 0.5  # over which the speed is averaged, for a beat makes spikes of it
 MOVING = 2.0  # times the greatest speed of such a tremble
@@ -46,15 +47,17 @@ def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
 
 def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float, strict: bool = False) -> bool:
     """Whether the gain is more than what steps leave open, in all or where the stage moves. Those of the encoder leave a force, the same
-    one wherever the plunger comes back to, so that held-out sessions repeat it; those of the converter are uneven where noise does not
-    carry the readings across them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed
-    what steps beat against samples in any session, and those speeds, too, unless the likelihood gains much by it and nobody is `strict`. A
-    stage that trembles at rest does so no more while it moves: a fall there may be smaller."""
+    one wherever the plunger comes back to, so that held-out sessions repeat it, and a zero of depth, which bends what a free stiffness is
+    fitted to; those of the converter are uneven where noise does not carry the readings across them. And damping feels speeds that nobody
+    reads: what depends on speed, or smooths the depth, must exceed what steps beat against samples in any session, and those speeds, too,
+    unless the likelihood gains much by it and nobody is `strict`. A stage that trembles at rest does so no more while it moves: a fall
+    there may be smaller."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     moves = partial(_moves, encoder_step)
     chance = AT_FEW_DEPTHS if held_depths(train, encoder_step) < FEW else OPEN
-    still, moving = (chance * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven for part in (None, moves))
+    bent = (k * UNZEROED * encoder_step) ** 2 if cause in OF_READING else 0.0
+    still, moving = (chance * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven + bent for part in (None, moves))
     if cause in OF_SPEED:
         beats = OPEN * max((damping(before, gain.channel) * _beat([s], encoder_step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats

@@ -91,8 +91,6 @@ def _start(cells: Cells, model: Model | None, declared: Declared) -> Member:
 def _setting(looked: Looked, held: Cells | None, start: Member) -> Setting:
     cells = looked.cells
     x = excited_beside(cells, start)
-    if held is not None:
-        held = replace(held, scan=np.zeros(len(held), int))
     return Setting(cells, able(x), rich(x), looked.floor, Test(start, held), x.both_sides)
 
 

@@ -23,6 +23,10 @@ from skin_ident.spread_scan import SpreadScan
 
 CHANNEL = "taxel_0"
 ALSO = {"parameters": ("gain_error", "taxel")}  # what no static scan can tell from a cause
+UNSIMULATED = {
+    "off_centre": "no: the model is written about the spread's own centre",
+    "drift": "no: the simulated skin has no drift that goes by the order of the readings",
+}
 SAID = {"power": "shape_power", "tail": "tail_weight", "ceiling": "level", "disc": "disc_radius", "drift": "drift_over_the_scan"}
 
 
@@ -148,6 +152,7 @@ def entry(n: Named, found: Search, s: Setting) -> dict[str, Any]:
             "held_out_fall_over_distances": n.gain.across,
             "held_out": n.gain.held_out,
             "forms": [c.form or c.cause],
+            "simulated": UNSIMULATED.get(c.cause, "yes, in the written model"),
         },
         "gain": {
             "held_out_rmse_before": n.gain.before,

@@ -7,7 +7,7 @@ entirely as well). A distance left out is predicted entirely. The squared errors
 depths (of distances) are resampled as blocks: B. Efron, R. Tibshirani, An Introduction to the Bootstrap, 1993, ch. 8.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -95,9 +95,10 @@ def left_out(m: Member, cells: Cells, noise: Noise, groups: np.ndarray, how: str
 def held_scans(m: Member, held: Cells, how: str) -> np.ndarray:
     """Errors (N,) in scans that were not fitted; the skin's stiffness there is not known, so its size comes from every other column."""
     group = held.row if how == SIZED_AGAIN else held.scan
+    as_first = replace(held, scan=np.zeros(len(held), int))  # any size of the fit will do: each part changes it until it suits
     e = np.empty(len(held))
     for part in (group == g for g in np.unique(group)):
-        e[part] = _errors(m, held.only(part), SIZED_AGAIN)
+        e[part] = _errors(m, as_first.only(part), SIZED_AGAIN)
     return e
 
 

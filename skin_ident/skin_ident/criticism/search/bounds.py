@@ -52,7 +52,18 @@ def excluded_and_untestable(
         elif not (entries or hollow):
             because = known.get(cause.name) or _because(p, cause.name)
             untestable.append({"cause": cause.name, "because": because, "needs": cause.needs})
-    return excluded, untestable
+    return list(map(_placed, excluded)), list(map(_placed, untestable))
+
+
+def place(where: str) -> str:
+    """The word of the vocabulary for a place of the catalogue: every clock is `clock`."""
+    return "clock" if where.startswith("clock") else where
+
+
+def _placed(entry: dict[str, Any]) -> dict[str, Any]:
+    """The entry with its place in the word of the vocabulary; which clock it is, where it is not the load cell's, in `channel_clock`."""
+    where = entry.get("where", "")
+    return entry if place(where) == where else {**entry, "where": place(where), "channel_clock": where.partition("_")[2]}
 
 
 def undecided(cause: Cause, where: str, seen: Seen) -> dict[str, Any]:

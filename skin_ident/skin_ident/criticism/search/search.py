@@ -160,7 +160,8 @@ class Search:
     def ahead(self, present: Fit) -> "Search":
         """The same state with another fit, from which to look further; what is found there is not found here."""
         other = copy(self)
-        other.present, other.usual, other.doubts, other.doubting = present, dict(self.usual), {}, True
+        vars(other).update({name: copy(v) for name, v in vars(self).items() if isinstance(v, (list, dict, set))})
+        other.present, other.doubts, other.doubting, other._surveyed = present, {}, True, None
         return other
 
     @property
@@ -291,8 +292,7 @@ class Search:
     def resolved(self, key: tuple[str, str], gain: Gain, after: Model) -> bool:
         """Whether a gain is more than what steps of encoder and converters leave open. What else is believed, and is not, is said."""
         seen = steps_do(key[0], gain, self.present.model, after, self.train, self.encoder_step)
-        if seen:
-            self.usual[key] = seen
+        self.usual |= {key: seen} if seen else {}
         return seen is None
 
     def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:

@@ -53,7 +53,7 @@ def _no_steps(search: "Search", after: Model, both: Gain, causes: set[str]) -> b
 
 def lasts(search: "Search") -> bool:
     """Whether training sessions are long enough to speak of several causes beside each other."""
-    return sum(float(s.motion.t[-1] - s.motion.t[0]) for s in search.train) >= LASTS_S
+    return sum(s.seconds for s in search.train) >= LASTS_S
 
 
 def _explained(pair: Pair) -> float:

@@ -56,6 +56,11 @@ class Session:
         return sum(c.startswith("taxel") for c in self.channels)
 
     @property
+    def seconds(self) -> float:
+        """How long it may be believed, s, in the channel that may be longest."""
+        return float(np.max(np.count_nonzero(self.weight, axis=1), initial=0)) * self.band.spacing
+
+    @property
     def free_mass(self) -> bool:
         """Whether the model's mass is fitted, too."""
         return self.heaviest > 0.0

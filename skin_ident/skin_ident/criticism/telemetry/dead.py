@@ -184,7 +184,9 @@ def _silent_under_load(load: np.ndarray, row: np.ndarray, span: np.ndarray, slop
 def _last_sign_of_life(row: np.ndarray, load: np.ndarray, pieces: list, last: int, dead: int) -> int:
     """The change point, by least squares: a live line before, silence after."""
     a, b = int(pieces[last][0]), int(pieces[dead][0])
-    slope = _slope(load[pieces[last][0] - pieces[last].size : b], row[pieces[last][0] - pieces[last].size : b]) if last else 1.0
+    # From the piece before the last live one on; the first has none before it and speaks for itself.
+    before = slice(a - pieces[last].size, b) if last else slice(0, int(pieces[last][-1]) + 1)
+    slope = _slope(load[before], row[before])
     slope = max(slope, _slope(load[:a], row[:a]) if a > 10 else slope)
     silent = float(np.median(row[b:]))
     lived = slice(0, pieces[last][-1] + 1)

@@ -22,6 +22,7 @@ FEWEST = 2  # frozen runs that make a finding by themselves
 DROPPED = 3  # excursions that must end at one reading
 BESIDE = 20  # samples to either side of a run, that tell where it should be
 STANDS = 3  # samples at one value, far off: noise of single samples does not do that
+UNLIKELY = 1e-3  # chance that so many excursions stand still
 FROZEN = 5  # samples at one value
 MISSED = 10.0  # noise widths of change that a frozen run must have missed
 SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
@@ -110,15 +111,23 @@ def _bounced(away: list[list[np.ndarray]], jumps: list[np.ndarray]) -> list[np.n
 
 
 def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np.ndarray] | None:
-    """The excursions beyond a limit in which the reading stands still, or None where these are too few and too short: noise of whatever
-    tail is somewhere else at the next sample, and where it wanders in jumps, it does not come back by one soon after."""
-    out, lengths = [], []
+    """The excursions beyond a limit in which the reading stands still, or None where these are too few and too short, or chance may bring
+    them: white noise of whatever tail is somewhere else at the next sample, but noise that wanders in jumps comes back by one now and then,
+    and repeats a reading meanwhile as often as elsewhere."""
+    out, lengths, by_chance = [], [], 0.0
     for rest, row in zip(e, y, strict=True):
-        away = zip(*runs(excursions(rest, row, limit)), strict=True)
-        stands = [(a, b) for a, b in away if b - a >= STANDS and np.ptp(row[a:b]) == 0.0 and _far_off(rest, a, b, limit)]
+        away = [(a, b) for a, b in zip(*runs(excursions(rest, row, limit)), strict=True) if b - a >= STANDS]
+        stands = [(a, b) for a, b in away if np.ptp(row[a:b]) == 0.0 and _far_off(rest, a, b, limit)]
         lengths += [b - a for a, b in stands]
+        by_chance += sum(_repeats(rest, row) ** (b - a - 1) for a, b in away)
         out.append(np.isin(np.arange(row.size), [i for a, b in stands for i in range(a, b)]))
-    return out if len(lengths) >= FEWEST or max(lengths, default=0) > STANDS else None
+    enough = len(lengths) >= FEWEST or max(lengths, default=0) > STANDS
+    return out if enough and poisson.sf(len(lengths) - 1, by_chance) < UNLIKELY else None
+
+
+def _repeats(e: np.ndarray, y: np.ndarray) -> float:
+    """How likely a reading is to be far off once more and the same: not at all in white noise."""
+    return max(float(np.corrcoef(e[1:], e[:-1])[0, 1]), 0.0) * float(np.mean(np.diff(y) == 0.0))
 
 
 def _far_off(e: np.ndarray, a: int, b: int, limit: float) -> bool:

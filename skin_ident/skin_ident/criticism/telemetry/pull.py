@@ -24,7 +24,7 @@ AGREE = 0.6  # of the leavings that must show it, in the sessions together
 FEWEST = 4  # leavings
 SHOWN = 0.3  # of what a model says, the least that readings must fall
 REACHES = (0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3)  # m
-SMOOTH = 3  # samples that a pull must last
+SMOOTH, SMOOTH_S = 3, 0.01  # samples, and time, that a pull must last: of many samples some are low by themselves
 IN = 0.3  # of the greatest speed in the air, from which the plunger is on its way in
 
 
@@ -102,18 +102,19 @@ def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
     moved = motion_under(s, model.dispersion)
     touched = model.dispersion.contact(moved)
     air = ~touched & (moved.x < 0.0)
-    before, after, near = (round(seconds / moved.dt) for seconds in (BEFORE_S, AFTER_S, NEAR_S))
+    before, after, near, lasts = (round(seconds / moved.dt) for seconds in (BEFORE_S, AFTER_S, NEAR_S, SMOOTH_S))
+    lasts = max(lasts, SMOOTH)
     for i in np.flatnonzero(touched[:-1] & ~touched[1:]):
         window = np.arange(max(i - before, 0), min(i + after, moved.x.size))
         window = window[moved.v[window] < 0.0]
         around = np.arange(max(i - near, 0), min(i + near, moved.x.size))
         around = around[air[around] & ~np.isin(around, window)]
-        if window.size < SMOOTH or around.size < 2 * SMOOTH or moved.x[window].min() > 0.0:
+        if window.size < lasts or around.size < 2 * SMOOTH or moved.x[window].min() > 0.0:
             continue
         below = np.maximum(s.raw[:, window] - _zero(s.raw[:, around], moved.v[around]), rest[:, window])
-        even = np.apply_along_axis(np.convolve, 1, below, np.ones(SMOOTH) / SMOOTH, "valid")
+        even = np.apply_along_axis(np.convolve, 1, below, np.ones(lasts) / lasts, "valid")
         lowest = np.argmin(even, axis=1)
-        yield Leaving(even[:, lowest].T, float(moved.x[window[lowest[0] + SMOOTH // 2]]))
+        yield Leaving(even[:, lowest].T, float(moved.x[window[lowest[0] + lasts // 2]]))
 
 
 def _zero(air: np.ndarray, speed: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
-from skin_ident.criticism.search.bounds import excluded_and_untestable
+from skin_ident.criticism.search.bounds import excluded_and_untestable, place
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named, Seen
 from skin_ident.criticism.sessions.session import Session
@@ -24,11 +24,6 @@ from skin_models.parameter import parameters_of
 SCHEMA = 1
 NOT_MEASURED = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": None, "unit": "N"}
 Experiments = Mapping[tuple[str, str], tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
-
-
-def place(where: str) -> str:
-    """The word of the vocabulary for a place of the catalogue: every clock is `clock`."""
-    return "clock" if where.startswith("clock") else where
 
 
 def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], train: list[Session], held: list[Session]) -> dict[str, Any]:
@@ -98,10 +93,13 @@ def _of_each_session(named: Named) -> dict[str, Any]:
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:
-    """Every other name once: different clocks of the catalogue are one `clock` to the reader."""
-    unique = {(a.cause, place(a.where)): float(a.short_by) for a in reversed(named.alternatives)}
-    unique.pop((named.cause, place(named.where)), None)
-    return [{"cause": c, "where": w, "explains_less_by": short} for (c, w), short in reversed(unique.items())]
+    """Every other name once, in the order of the search and as near as it comes: the clocks of the catalogue are one to the reader."""
+    nearest: dict[tuple[str, str], float] = {}
+    for a in named.alternatives:
+        key = a.cause, place(a.where)
+        nearest[key] = min(float(a.short_by), nearest.get(key, np.inf))
+    nearest.pop((named.cause, place(named.where)), None)
+    return [{"cause": c, "where": w, "explains_less_by": short} for (c, w), short in nearest.items()]
 
 
 def _refitted(model: Model, std: dict[str, float]) -> dict[str, Any]:
@@ -170,8 +168,9 @@ def _not_findings(c: Criticism, recordings: list, named: set[tuple[str, str]]) -
     """By cause and place: what is in the record and is no finding, since nobody declared it or good hardware does as much; nothing of what
     is `named`."""
     seen = {"quantization": _steps_seen(recordings), "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)}}
-    for (cause, where), usual in ((key, s) for key, s in c.usual.items() if key not in named):
-        seen.setdefault(cause, {}).setdefault(where, usual)
+    for (cause, where), usual in c.usual.items():
+        if (cause, place(where)) not in named:
+            seen.setdefault(cause, {}).setdefault(where, usual)
     return seen
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit, noise_of
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
-from skin_ident.criticism.gates.gate import FOLD_ITERATIONS, rmse_fall
+from skin_ident.criticism.gates.gate import EACH_IN_TURN, FOLD_ITERATIONS, rmse_fall
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import Session, with_reference
@@ -23,7 +23,6 @@ from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.model import Model
 
 MOST_FOLDS = 5
-IN_TURN = "each session in turn"
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def _tested(
     if len(c.train) == 1 or c.baseline.model == c.extended.model:
         said = "the sessions it was fitted to"
         return said, [_pair(c.baseline.model, c.extended.model, *p) for p in zip(c.train, whole[0], strict=True)]
-    return IN_TURN, [pair for fold in _folds(len(c.train)) for pair in _fold(c, whole[0], fold, given)]
+    return EACH_IN_TURN, [pair for fold in _folds(len(c.train)) for pair in _fold(c, whole[0], fold, given)]
 
 
 def _folds(count: int) -> Iterator[list[int]]:

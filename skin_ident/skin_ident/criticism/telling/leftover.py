@@ -63,4 +63,4 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
     unread = np.sqrt(AT_FEW_DEPTHS) * unread_force(last.model, held[0].channels[c], held, encoder_step)
     open_to = np.hypot(RESOLVED * max(s.steps[c] for s in held), unread)
-    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to), sum(float(np.ptp(s.t)) for s in held))
+    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to), sum(s.seconds for s in held))
