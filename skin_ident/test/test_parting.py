@@ -8,13 +8,14 @@ import pytest
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.sessions.band import Band
-from skin_ident.criticism.sessions.parting import beside_partings
+from skin_ident.criticism.sessions.parting import beside_partings, meeting
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.telemetry.quantization import depth_resolution, white_noise
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
+from skin_models.signals import motion as moved
 
 SKIN = Dispersion(m=0.0, b1=843.0, k1=8529.0, b2=639.0, k2=2623.0)  # thesis Table 4-5: it recovers in 0.13 s
 DT, KEPT, LASTS = 1e-3, 10, 24.0
@@ -120,3 +121,10 @@ def test_a_whole_movement_between_two_jumps_is_mixed_with_them(seconds, mixed):
     moving = (x > 0.1e-3) & (x < 1.4e-3)
     assert beside[moving].all() if mixed else beside[moving].mean() < 0.1
     assert not beside[t > 1.5 + seconds].any()
+
+
+def test_skin_as_slow_as_a_fit_may_find_it_meets_the_plunger_all_the_same():
+    """A test from force to force knows damping by its ratio alone, which may run to its bound: twice of that is no skin."""
+    t = np.arange(2000) / 100.0
+    frozen = Dispersion(m=0.0, b1=1e9, k1=1e3, b2=0.9e9, k2=1e3)
+    assert meeting(moved(t, 1e-3 * np.sin(t)), frozen).any()

@@ -122,5 +122,15 @@ def test_readings_that_are_alike_between_two_spikes_of_heavy_tailed_noise_are_no
     assert found_in(y)[0].evidence["count"] == 4
 
 
+@pytest.mark.parametrize("pole", [0.0, 0.95])
+def test_noise_that_wanders_in_jumps_comes_back_now_and_then(pole):
+    """And repeats one reading meanwhile, in steps of a converter; white noise does not stand still far away."""
+    rng = np.random.default_rng(4)
+    noise = lfilter([1.0], [1.0, -pole], 0.02 * rng.standard_normal(4000))
+    noise[2000:2005] += np.sign(noise[2000]) * 0.45 - noise[2000:2005] + noise[2000]
+    y = 0.048 * np.round((2.45 + noise) / 0.048)
+    assert np.ptp(y[2000:2005]) == 0.0 and bool(found_in(y)) is not bool(pole)
+
+
 def found_in(y):
     return find_outliers(["a"], ("force",), [y[None] - 2.45], [y[None]], [np.zeros(y.size, bool)], 0, 0.01)

@@ -100,9 +100,7 @@ class Search:
                 continue
             own, shared = self.choose(trials, runs)
             taken = own or shared
-            if taken and take_tare(self, taken[1]):
-                continue
-            if shared and unstuck(self, *shared):
+            if (taken and take_tare(self, taken[1])) or (shared and unstuck(self, *shared)):
                 continue
             if not (taken or self.zeroed or self.doubts or set(self.usual) - zeros) and take_zeros(self):
                 self.zeroed = True
@@ -333,8 +331,9 @@ class Search:
         return other if other.passed else first
 
     def eliminate(self) -> None:
-        """Take out causes, the last first, without which the rest predicts as well. The present model's own was just asked."""
-        for finding in reversed([n for n in self.named if not n.courses and n.model is not self.present.model]):
+        """Take out causes, last found first, without which the rest predicts as well. The last was just asked, if nothing came after it."""
+        asked = self.named[:-1] if self.named and self.named[-1].model is self.present.model else self.named
+        for finding in reversed([n for n in asked if not n.courses]):
             without = fit(lacking(self.present.model, *finding.key), self.train, self.noise)
             gain = self.gain(without.model, self.present.model, finding.where)
             if not (gain.passed or self.second_opinion(without.model, self.present.model, finding.where, gain).passed):

@@ -11,6 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.sessions.session import NOMINAL, Session, motion_under
 from skin_models.dispersion import Dispersion
+from skin_models.parameter import clipped
 from skin_models.signals import Motion
 
 JUMP = 0.03  # of the greatest force
@@ -95,7 +96,7 @@ def _taxels(session: Session) -> np.ndarray:
 
 
 def _slower(skin: Dispersion, times: float) -> Dispersion:
-    return replace(skin, b1=times * max(skin.b1, 0.0), b2=times * max(skin.b2, 0.0))
+    return replace(skin, **clipped(Dispersion, b1=times * max(skin.b1, 0.0), b2=times * max(skin.b2, 0.0)))
 
 
 def parted(s: Motion, skin: Dispersion) -> np.ndarray:
