@@ -119,7 +119,8 @@ def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np
         away = [(a, b) for a, b in zip(*runs(excursions(rest, row, limit)), strict=True) if b - a >= STANDS]
         stands = [(a, b) for a, b in away if np.ptp(row[a:b]) == 0.0 and _far_off(rest, a, b, limit)]
         lengths += [b - a for a, b in stands]
-        by_chance += sum(_repeats(rest, row) ** (b - a - 1) for a, b in away)
+        again = _repeats(rest, row) if away else 0.0
+        by_chance += sum(again ** (b - a - 1) for a, b in away)
         out.append(np.isin(np.arange(row.size), [i for a, b in stands for i in range(a, b)]))
     enough = len(lengths) >= FEWEST or max(lengths, default=0) > STANDS
     return out if enough and poisson.sf(len(lengths) - 1, by_chance) < UNLIKELY else None
