@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
+from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
@@ -91,7 +92,7 @@ def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ..
     rest = lacking(search.present.model, *finding.key)
     ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
     alone = ahead.present
-    shared = ahead.first_believed(ahead.trials(ahead.look()), [])
+    shared = first_believed(ahead, ahead.trials(ahead.look()), [])
     if shared is None or shared[1].cause in (finding.cause, rival.cause):
         return False
     _, gain = beside(ahead, rival.key, shared[0].model)

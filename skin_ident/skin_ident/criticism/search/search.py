@@ -12,26 +12,25 @@ from skin_ident.criticism.courses.carriers import DELAY, SLOPE
 from skin_ident.criticism.courses.course import BEHIND, MARGIN, worthwhile
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import Run
-from skin_ident.criticism.gates.description import description_length
-from skin_ident.criticism.gates.gate import MATERIAL, MUCH, Gain, deaf, held_out_gain
-from skin_ident.criticism.gates.second_opinion import all_in_turn, at_any_scale, halves_in_turn
+from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
+from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
 from skin_ident.criticism.noise.whitening import Whitener
-from skin_ident.criticism.search.doubt import shadowed, unproven
-from skin_ident.criticism.search.growing import grow, instances, lacking, negligible
-from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_does, stage_is_off, steps_do, too_short
+from skin_ident.criticism.search.believing import first_believed
+from skin_ident.criticism.search.growing import grow, lacking
+from skin_ident.criticism.search.hardware import stage_does, steps_do
 from skin_ident.criticism.search.named import Named, Seen
 from skin_ident.criticism.search.own import own_course, refitted, take_alone, take_course
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
-from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, plainest_first, reach
+from skin_ident.criticism.search.rivals import plainest_first
 from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
-from skin_ident.criticism.search.tared import SHIFT, take_tare, take_zeros
+from skin_ident.criticism.search.tared import take_tare, take_zeros
 from skin_ident.criticism.search.together import lasts, two_at_once
-from skin_ident.criticism.search.trial import OFFSET, Trial, plausible, same_by_nature, sized
+from skin_ident.criticism.search.trial import Trial, plausible
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
-from skin_ident.criticism.search.weighing import held_again, lighter, may_be_skin, weigh, weighed, weighs, with_mass
+from skin_ident.criticism.search.weighing import held_again, may_wait, weigh, weighed, weighs, with_mass
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -40,11 +39,7 @@ MOST_FINDINGS = 5
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
 SENSORS = ("taxel", "load_cell")
-SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
-SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
-DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
 BESIDE = 0.6  # of what a course explains that predicts nothing, the least that a shared cause must explain to be asked beside it
-WIDE, NEARLY = 0.2, 0.95  # nor one explaining all but this share, where it predicts held-out data as well but for so little
 
 Progress = Callable[[str], None]
 
@@ -86,41 +81,57 @@ class Search:
     def run(self, fitted: Fit) -> None:
         """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
         self.present = fitted
-        while len(self.rounds) < self.most:
-            self.usual, self.doubts = {}, {}
-            last = self.look()
-            trials = self.trials(last)
-            runs = self.own_courses()
-            zeros = set(self.usual)
-            best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
-            free = with_mass(self.present, self.train, self.noise) if self.weighable else None
-            light = free is not None and (lighter(self.present.model, free.model) or may_be_skin(self, free))
-            if free and weighs(self, free, best):
-                weigh(self, free)
-                continue
-            own, shared = self.choose(trials, runs)
-            taken = own or shared
-            if (taken and take_tare(self, taken[1])) or (shared and unstuck(self, *shared)):
-                continue
-            if not (taken or self.zeroed or self.doubts or set(self.usual) - zeros) and take_zeros(self):
-                self.zeroed = True
-                continue
-            alone = not taken and take_alone(self)
-            if light and not (taken or alone or self.named):
-                weigh(self, free)
-                continue
-            pair = () if taken or self.named or self.usual else two_at_once(self, trials, runs)
-            alone = alone or (not (taken or pair) and take_wave(self))
-            new = taken or (pair[0] if pair else None)
-            self.refused = 0.0 if new or alone else max((t.score for t in trials), default=0.0)
-            self.rounds.append((last, new[1].cause if new else self.named[-1].cause if alone else None))
-            if own:
-                take_course(self, *own)
-            elif shared or pair:
-                for after, finding in pair or (shared,):
-                    self.accept(after, finding)
-            elif not alone:
-                return
+        while len(self.rounds) < self.most and self._round():
+            pass
+
+    def _round(self) -> bool:
+        """Take what explains most of what the present model leaves, and is believed; return whether to look again."""
+        self.usual, self.doubts = {}, {}
+        last = self.look()
+        trials, runs = self.trials(last), self.own_courses()
+        before = set(self.usual)
+        mass = with_mass(self.present, self.train, self.noise) if self.weighable else None
+        if mass and weighs(self, mass, max([0.0, *(t.score for t in trials), *(r.score for r in runs)])):
+            weigh(self, mass)
+            return True
+        last_resort = mass if mass and may_wait(self, mass) else None
+        own, shared = self.choose(trials, runs)
+        if own and not take_tare(self, own[1]):
+            self._end_round(last, own[1].cause)
+            take_course(self, *own)
+        elif shared and not (take_tare(self, shared[1]) or unstuck(self, *shared)):
+            self._end_round(last, shared[1].cause)
+            self.accept(*shared)
+        return bool(own or shared) or self._believing_none(last, trials, runs, last_resort, bool(set(self.usual) - before))
+
+    def _believing_none(self, last: Survey, trials: list[Trial], runs: list[Run], mass: Fit | None, usual: bool) -> bool:
+        """Take what else may be there where no cause is believed, the plainest first: zeros as tares leave them, if nothing `usual` was
+        seen in place of a cause; what is wrong in held-out sessions alone; another `mass`; two causes that hide each other; a wave.
+        Return whether to look again."""
+        if not (self.zeroed or self.doubts or usual) and take_zeros(self):
+            self.zeroed = True
+            return True
+        if take_alone(self):
+            self._end_round(last, self.named[-1].cause)
+            return True
+        if mass and not self.named:
+            weigh(self, mass)
+            return True
+        pair = () if self.named or self.usual else two_at_once(self, trials, runs)
+        if pair:
+            self._end_round(last, pair[0][1].cause)
+            for after, finding in pair:
+                self.accept(after, finding)
+            return True
+        if take_wave(self):
+            self._end_round(last, self.named[-1].cause)
+            return True
+        self._end_round(last, None, refused=max((t.score for t in trials), default=0.0))
+        return False
+
+    def _end_round(self, last: Survey, cause: str | None, refused: float = 0.0) -> None:
+        self.rounds.append((last, cause))
+        self.refused = refused
 
     def go_on(self) -> None:
         """From here on as many rounds again."""
@@ -150,7 +161,7 @@ class Search:
         if first and not own and runs[0].course.carrier == DELAY:
             return self.choose(trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
         asked = not own and (not first or best > BESIDE * runs[0].score)
-        shared = self.first_believed(trials, runs) if asked else None
+        shared = first_believed(self, trials, runs) if asked else None
         if not (own or shared or first) and runs and score > BEHIND * best:
             own = own_course(self, runs, trials)
         return own, shared
@@ -208,61 +219,6 @@ class Search:
         charge = np.log(after.count) * (len(after.unknowns) - len(self.present.unknowns))
         return Trial(r, after, float(self.present.cost - after.cost - charge))
 
-    def first_believed(self, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
-        """The best trial that held-out data support. What is small beside the largest effect so far in a channel may be its imperfect
-        form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
-        for trial in (form for t in trials for form in t.forms if form.score > 0.0):
-            effects = instances(trial.fit.model, *trial.key)
-            gain, little = self._gain_of(trial, trials[0].score), all(map(negligible, effects))
-            usual = stage_is_off(effects, gain) if little else converter_does(trial.key[0], gain, self.train)
-            if usual:
-                self.usual[trial.key] = usual
-            if usual or little:
-                return None
-            rivals = [t for t in trials if t.key != trial.key and self._rivals(t, trial, gain)]
-            shared = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
-            alternatives = shared + own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
-            for same in (trial, *(t for t in rivals if t.key == OFFSET)):  # what swallows a force is told from neither
-                alternatives += same_by_nature(same, trials, {trial.key, *(a.key for a in alternatives)}, self.train)
-            finding = Named(*trial.key, gain, trial.score, alternatives, self.present.model, trial.fit.model)
-            told = trial.score > self.least(trial.fit.count) * gain.breadth and sized(trial)  # what it was fitted to must gain by it, too
-            told = told and (trial in trials or gain.lower > SURELY * gain.relative)
-            much = not self.shadows(gain) and trial.score > self.form_of_others(*trial.key)
-            if much and self._in_doubt(trial, trials[0], gain):
-                self.doubts[trial.key] = too_short(trial.key, trial.fit.model, self.encoder_step) or unproven()
-            believed = told and gain.passed and gain.shows_at(trial.key[1]) and self._shorter(trial.fit)
-            if believed and not much and trial.score > reach(trials[0].score):
-                self.doubts[trial.key] = shadowed(gain, self.named)
-            if not (believed and much):
-                continue
-            encoder = encoder_does(trial.key, gain, self.present.model, trial.fit.model, self.train, self.encoder_step)
-            unread = self._unread([t for t in rivals if t.score > trial.score - CHANCE])
-            if encoder is None and not unread:
-                return trial.fit, finding
-            self.usual |= {trial.key: encoder} if encoder else unread
-        return None
-
-    def _unread(self, as_good: list[Trial]) -> dict[tuple[str, str], Seen]:
-        """Those of trials that explain `as_good` as the best which are zeros of depth that the encoder does not read, and so leaves."""
-        seen = {t.key: too_short(t.key, t.fit.model, self.encoder_step) for t in as_good if t.key[0] == SHIFT}
-        return {key: s for key, s in seen.items() if s is not None}
-
-    def _in_doubt(self, trial: Trial, best: Trial, gain: Gain) -> bool:
-        """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""
-        able = trial.score > max(reach(best.score), DOUBTLESS * self.least(trial.fit.count) * gain.breadth) and sized(trial)
-        several = bool(self.held) or len(self.train) > 1
-        return bool(able and several and not gain.passed and not gain.spoilt and gain.relative > 0.0 and self._shorter(trial.fit))
-
-    def _gain_of(self, trial: Trial, best: float) -> Gain:
-        """What a trial gains; of one as good as the `best` that explains very much of training a second opinion is asked."""
-        models = self.present.model, trial.fit.model, trial.key[1]
-        gain = self.gain(*models)
-        if gain.spoilt and gain.lower > MUCH:
-            gain = at_any_scale(*models[:2], self.train, [] if self.deaf(*models) else self.held, self.noise)
-        if gain.passed or self.doubting or trial.score <= max(reach(best), DOUBTLESS * self.least(trial.fit.count)):
-            return gain
-        return self.second_opinion(*models, gain)
-
     def least(self, count: int) -> float:
         """The likelihood gain below which a cause is not worth naming, where so many whitened samples count; slow causes gain as much of a
         band that was narrowed, and its noise no less."""
@@ -282,28 +238,11 @@ class Search:
         """Whether what has been named explains so much more that what gains so may be its imperfect form."""
         return gain.squares <= SHADOW * self.fallen(gain.channel)
 
-    def _shorter(self, after: Fit) -> bool:
-        """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
-        before, behind = (description_length(f, self.train, self.noise.growth) for f in (self.present, after))
-        return before - behind > SHORTER
-
     def resolved(self, key: tuple[str, str], gain: Gain, after: Model) -> bool:
         """Whether a gain is more than what steps of encoder and converters leave open. What else is believed, and is not, is said."""
         seen = steps_do(key[0], gain, self.present.model, after, self.train, self.encoder_step)
         self.usual |= {key: seen} if seen else {}
         return seen is None
-
-    def _rivals(self, other: Trial, best: Trial, gain: Gain) -> bool:
-        """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out. Of the
-        same cause at two places one instance each is compared, where one explains most: a second mends its form, wherever it is."""
-        one = best.forms[-1].score
-        if other.key[0] == best.key[0] and one > (1.0 - WIDE) * best.score and other.forms[-1].score > reach(one):
-            return True
-        if other.score > reach(best.score):
-            return True
-        if other.score <= (1.0 - WIDE) * best.score:
-            return False
-        return self.gain(self.present.model, other.fit.model, other.key[1]).relative >= NEARLY * gain.relative
 
     def accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""

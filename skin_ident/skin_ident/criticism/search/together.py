@@ -12,6 +12,7 @@ from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import MATERIAL, MUCH, Gain
 from skin_ident.criticism.gates.resolution import resolved
+from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
@@ -63,7 +64,7 @@ def _explained(pair: Pair) -> float:
 def _beside(search: "Search", first: Trial) -> Pair | None:
     """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together."""
     ahead = search.ahead(first.fit)
-    second = ahead.first_believed(ahead.trials(ahead.look()), [])
+    second = first_believed(ahead, ahead.trials(ahead.look()), [])
     causes = {first.key[0], second[1].cause} if second else set()
     if second is None or (second[1].cause, second[1].where) == first.key or causes <= set(FILTERS):
         return None

@@ -71,6 +71,11 @@ def weighs(search: "Search", free: Fit, best: float) -> bool:
     return tells_more(free, present, best, may_be_skin(search, free)) or settles(search, free, best)
 
 
+def may_wait(search: "Search", free: Fit) -> bool:
+    """Whether the `free` mass is taken where no cause is found, for it takes from what was set or may be the skin's."""
+    return lighter(search.present.model, free.model) or may_be_skin(search, free)
+
+
 def may_be_skin(search: "Search", free: Fit) -> bool:
     """Whether the `free` mass, which nobody declared, is one that skin may have, and several channels know it from a cause."""
     return not search.declared and len(search.train[0].channels) > 1 and free.model.dispersion.m < OF_SKIN

@@ -112,22 +112,23 @@ def beyond_noise(
     Not so where a fault of the record is in the channel that nothing predicts, where the excess is one accident, within the steps of
     converter or encoder, or beside the named causes so small that it may be their own imperfect form.
     """
-    random = {channel for s in symptoms if s.cause not in PREDICTS for channel in s.channels}
-    shadow = SHADOW * max((n.gain.squares for n in c.named), default=0.0)
+    tested, train = list(c.held or c.train), list(c.train)
+    limit = WELL_ABOVE * (1.0 + UNSURE * _doubt(c.last.noise, tested))
+    most = _loudest(c) / limit
     fitted, least_fitted = _fitted(c, floor)
-    loudest, louder, doubt = _loudest(c), _louder(c), _doubt(c.last.noise, list(c.held or c.train))
-    lasting = {part: _but_for_the_worst(c, sessions) for part, sessions in (("held", list(c.held or c.train)), ("train", list(c.train)))}
-    above = {}
-    for i, (channel, rms) in enumerate(left.items()):
-        limit = WELL_ABOVE * (1.0 + UNSURE * float(doubt[i]))
-        low = min(floor[channel]["rms"], float(fitted[i]) * louder[i] * TWICE / WELL_ABOVE)
-        ends = (("held", rms, low), ("train", float(fitted[i]), least_fitted[i]))
-        pairs = [(more * lasting[part][i], min(few, loudest[i] / limit)) for part, more, few in ends]
-        least = max(shadow, _resolution(c, i, channel, encoder_step) ** 2)
-        times = [more / max(few, ROUNDING) for more, few in pairs if more > limit * max(few, ROUNDING) and more**2 - few**2 > least]
-        if times and channel not in random:
-            above[channel] = max(times)
-    return above
+    least_held = np.minimum([floor[channel]["rms"] for channel in left], fitted * _louder(c) * TWICE / WELL_ABOVE)
+    open_to_steps = np.array([_resolution(c, i, channel, encoder_step) for i, channel in enumerate(left)])
+    unnamed = np.maximum(SHADOW * max((n.gain.squares for n in c.named), default=0.0), open_to_steps**2)
+
+    def times(rms: np.ndarray, sessions: list[Session], least: np.ndarray) -> np.ndarray:
+        """How many times (C,) what is left of sessions is the least that noise leaves of them; 0 where that is not well above it."""
+        rms, least = rms * _but_for_the_worst(c, sessions), np.minimum(least, most)
+        much = (rms > limit * np.maximum(least, ROUNDING)) & (rms**2 - least**2 > unnamed)
+        return np.where(much, rms / np.maximum(least, ROUNDING), 0.0)
+
+    above = np.maximum(times(np.array([*left.values()]), tested, least_held), times(fitted, train, least_fitted))
+    random = {channel for s in symptoms if s.cause not in PREDICTS for channel in s.channels}
+    return {channel: float(x) for channel, x in zip(left, above, strict=True) if x > 0.0 and channel not in random}
 
 
 def _doubt(noise: Whitener, sessions: list[Session]) -> np.ndarray:
