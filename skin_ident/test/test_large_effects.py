@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rows import rows
 
 from skin_ident.criticism.telemetry.excursions import excursions
 from skin_ident.criticism.telemetry.outliers import find_outliers
@@ -13,7 +14,7 @@ LARGE = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("cause", "size"), LARGE)
+@pytest.mark.parametrize(("cause", "size"), rows(LARGE, 6))
 def test_a_large_effect_is_named_alone(cause, size):
     r = result(Case(cause, size, 0))
     assert r["named"] == [(cause, r["where"])] and r["verdict"] == "explained"
