@@ -94,8 +94,9 @@ def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Dir
         for p in amplitudes:
             if p.name.endswith("_sensed") and session.n_taxels == 0:
                 continue
-            size = abs(p.typical) * (times if p.unit == "N" and not cls.linear else 1.0)
-            yield from (Direction(absent, p.name, size, _sign(p), at / size) for at in scan_of(cls, p.name) or (PROBE * size,))
+            usual = abs(p.typical)
+            size = usual * (times if p.unit == "N" and not cls.linear else 1.0)
+            yield from (Direction(absent, p.name, size, _sign(p), at / usual) for at in scan_of(cls, p.name) or (PROBE * usual,))
 
 
 def _shapes(cls: type[Effect], session: Session, times: float) -> Iterator[dict[str, float]]:
