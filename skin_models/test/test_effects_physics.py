@@ -11,10 +11,10 @@ from scipy.special import gamma
 from skin_models.catalogue import effects
 from skin_models.effect import Place
 from skin_models.effects.adhesion import Adhesion
-from skin_models.effects.backlash import Backlash, TouchedBacklash, WindUp
+from skin_models.effects.backlash import Backlash, WindUp, ZeroedBacklash
 from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.cyclic_softening import CyclicSoftening
-from skin_models.effects.dead_zone import GatedTaxel, HardDeadZone, SkinDeadZone, TaxelDeadZone
+from skin_models.effects.dead_zone import GatedTaxel, GradualTaxel, HardDeadZone, SkinDeadZone, TaxelDeadZone
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.friction import Friction, StribeckFriction
 from skin_models.effects.gain_error import GainStep
@@ -155,6 +155,8 @@ def test_dead_zones_above_and_below_their_threshold():
     assert TaxelDeadZone(where="taxel", threshold=0.5).apply(y, None)[0, 2:] == pytest.approx([4.5, -4.5], abs=1e-6)
     assert HardDeadZone(where="taxel", threshold=0.5).apply(y, None)[0] == pytest.approx([0.0, 0.0, 4.5, -4.5])
     assert GatedTaxel(where="taxel", threshold=0.5).apply(y, None)[0] == pytest.approx([0.0, 0.0, 5.0, -5.0])
+    gradual = GradualTaxel(where="taxel", threshold=0.5, sharpness=2.0).apply(y, None)[0]
+    assert gradual == pytest.approx([0.1 * (1.0 - np.exp(-0.04)), 0.5 * (1.0 - np.exp(-1.0)), 5.0, -5.0])
     both = np.array([[0.1, 5.0], [1.0, 2.0]])
     out = SkinDeadZone(where="skin", threshold=0.5).apply(both, None)
     assert out.sum(axis=0) == pytest.approx(both.sum(axis=0)) and out[0, 1] == pytest.approx(4.5, abs=1e-6)
@@ -295,7 +297,7 @@ def test_lubricated_friction_falls_with_speed_to_what_coulombs_law_says():
 
 def test_a_rig_that_was_zeroed_by_touching_loses_depth_on_the_way_out_alone():
     x = 1e-3 * triangle([0, 1, 0, 1])
-    tip = TouchedBacklash(where="rig", gap=0.1e-3).batch(x, at_times(x))
+    tip = ZeroedBacklash(where="rig", gap=0.1e-3, zero=1.0).batch(x, at_times(x))
     way = np.sign(np.diff(x, prepend=-1.0))
     settled = np.abs(x - 0.5e-3) < 0.3e-3
     assert (tip - x)[settled & (way > 0)] == pytest.approx(0.0, abs=1e-12)

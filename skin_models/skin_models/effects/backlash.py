@@ -1,11 +1,12 @@
 """Backlash: depth is lost at every reversal of the drive.
 
     plain       tip depth = P[x],  the play operator of half width gap / 2 (`skin_models.operators.play`)
-    touched     tip depth = P[x] + gap / 2,  of a rig that was zeroed by touching the skin, with the gap taken up
-    wind-up     tip depth = x - (gap / 2) z,  z Dahl's bristles over a distance (`skin_models.operators.bristles`)
+    zeroed      tip depth = P[x] + (gap / 2) zero
+    wind-up     tip depth = x + (gap / 2) (zero - z),  z Dahl's bristles over a distance (`skin_models.operators.bristles`)
 
-The drive starts in the middle of its gap, and so its zero is there, unless it was found by touching. A drive that rubs winds up at every
-reversal until it slips: the same depth is lost, but with a rounded corner. All are exact for any path that is monotone between samples.
+The drive starts in the middle of its gap. So the zero of depth is there, unless it was found by touching (`zero` = 1: on the way in,
+-1: on the way out). A drive that rubs winds up at every reversal until it slips: the same depth is lost, but with a rounded corner. All are
+exact for any path that is monotone between samples.
 
 Sources: M. Nordin and P.-O. Gutman, Controlling mechanical systems with backlash: a survey, Automatica 38 (2002) 1633-1649; P. Dahl, A
 Solid Friction Model, TOR-0158, 1968.
@@ -48,21 +49,23 @@ class Backlash(Dynamic):
 
 
 @dataclass(frozen=True)
-class TouchedBacklash(Backlash):
-    """The same gap of a rig whose zero was found on the way in: depth is right on the way in, and lost on the way out."""
+class ZeroedBacklash(Backlash):
+    """The same gap where the zero of depth is not in the middle of it: on the way in depth is right, or on the way out."""
 
-    form: ClassVar[str] = "touched"
+    form: ClassVar[str] = "zeroed"
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = Backlash
 
+    zero: float = quantity("1", 0.0, lower=-1.0, upper=1.0, role=SHAPE, typical=1.0, doc="where in its gap depth is right: 1 on the way in")
+
     def step(self, state, y, s: Sample, dt: float):
-        """The tip in its gap, and gap / 2 more."""
+        """The tip in its gap, and (gap / 2) zero more."""
         state, tip = super().step(state, y, s, dt)
-        return state, tip + 0.5 * self.gap
+        return state, tip + 0.5 * self.gap * self.zero
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """The play operator over the whole recording, and gap / 2 more."""
-        return super().batch(y, s) + 0.5 * self.gap
+        """The play operator over the whole recording, and (gap / 2) zero more."""
+        return super().batch(y, s) + 0.5 * self.gap * self.zero
 
 
 @dataclass(frozen=True)
@@ -78,16 +81,17 @@ class WindUp(Dynamic):
 
     gap: float = quantity("m", 0.0, lower=0.0, upper=5e-3, typical=0.1e-3, doc="whole depth that is lost")
     distance: float = quantity("m", 1e-5, lower=1e-7, upper=1e-2, role=SHAPE, typical=1e-5, doc="way over which the drive winds up")
+    zero: float = quantity("1", 0.0, lower=-1.0, upper=1.0, role=SHAPE, typical=1.0, doc="where in its gap depth is right: 1 on the way in")
 
     def initial(self, rng=None) -> tuple[float, None]:
         """Not wound up, before the first sample."""
         return 0.0, None
 
     def step(self, state, y, s: Sample, dt: float):
-        """x - (gap / 2) z."""
+        """x + (gap / 2) (zero - z)."""
         state = bristles_step(state, y, self.distance)
-        return state, y - 0.5 * self.gap * state[0]
+        return state, y + 0.5 * self.gap * (self.zero - state[0])
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same over the whole recording."""
-        return y - 0.5 * self.gap * bristles(y, self.distance)
+        return y + 0.5 * self.gap * (self.zero - bristles(y, self.distance))
