@@ -18,7 +18,7 @@ from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
-from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.together import beside, lasts
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from skin_ident.criticism.search.search import Search
 
 MUCH = 4.0  # times what makes a cause worth naming, which one must explain that is not believed, for rivals to be asked
+FEWER = 3  # parameters, by which an account is clearly plainer
 PROMISING = 0.8  # of what a cause explains, or seems to at first glance, from which another one may explain more once it is fitted
 
 
@@ -66,7 +67,8 @@ def _exchanged(search: "Search", finding: Named) -> bool:
         known = {key, *(n.key for n in ahead.named)}
         again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
         search.named = [again if n is finding else n for n in search.named]
-    if other.cause == finding.cause or other.explained <= explained:
+    numbers = len(shared[0].unknowns) - len(search.present.unknowns) if shared else 0
+    if other.cause == finding.cause or not _better(other.explained, explained, numbers):
         return False
     _become(search, ahead, finding)
     if own:
@@ -74,6 +76,14 @@ def _exchanged(search: "Search", finding: Named) -> bool:
     else:
         search.accept(*shared)
     return True
+
+
+def _better(other: float, than: float, numbers: int) -> bool:
+    """Whether one account explains more than another; as much is enough for one with clearly fewer `numbers`, and not for one with clearly
+    more."""
+    if numbers <= -FEWER:
+        return other > reach(than)
+    return reach(other) > than if numbers >= FEWER else other > than
 
 
 def _for_rival(search: "Search", finding: Named) -> bool:
@@ -91,8 +101,11 @@ def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ..
     search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
     rest = lacking(search.present.model, *finding.key)
     ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
-    alone = ahead.present
-    shared = first_believed(ahead, ahead.trials(ahead.look()), [])
+    last, alone = ahead.look(), ahead.present
+    lacks = alone.cost - cost_of(search.present.model, ahead.train, ahead.noise)
+    if last.ranked[0].gain < PROMISING * lacks:
+        return False
+    shared = first_believed(ahead, ahead.trials(last), [])
     if shared is None or shared[1].cause in (finding.cause, rival.cause):
         return False
     _, gain = beside(ahead, rival.key, shared[0].model)
