@@ -15,12 +15,14 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.pull import is_pulled
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.mount_compliance import DampedMount, JointedMount, YieldingMount
+from skin_models.effects.rate_dependence import OneSidedDamping
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 CLOSES = 0.05  # of the greatest depth, within which a joint is closed
 AT_ONCE_S = 1.0  # within which a drift that begins so fast is there: what follows is hardly more than a constant
 SENSED = 0.95  # of an arm that relaxes, under the taxels: nearly all of it
 UNTOLD = 0.97  # of the squares that the load cell leaves without an effect, left with it: it does not tell
+ALONE = 0.1  # of what one kind of sensor feels of damping, the most that the other feels where it is told by the first alone
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 SAME = ((("dead_zone", "taxel"), ("dead_zone", "skin")), (("dead_zone", "skin"), ("dead_zone", "taxel")))
 HYSTERESIS, RELAXATION = ("hysteresis", "skin"), ("stress_relaxation", "skin")
@@ -103,7 +105,8 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
     joint, makes of a linear skin one whose spring stiffens as g and whose damping grows as g' with depth; one that follows late makes of it
     one with an arm that relaxes fast; an arm that the load cell does not tell is what taxels would hear of their neighbours' changes; what
     skin or mount have done within a sample, a late depth does as well; at one speed memory of time is memory of the path, of a skin that
-    relaxes as of a sensor that creeps; and what drifts as log t from the first second on is nearly there from the start."""
+    relaxes as of a sensor that creeps; damping of one way that one kind of sensor feels is its lag then; and what drifts as log t from
+    the first second on is nearly there from the start."""
     at_one, (cause, where) = at_one_rate(sessions), trial.key
     others = [other for one, other in (SAME + MEMORY if at_one else SAME) if one == trial.key]
     if trial.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in instances(trial.fit.model, *OFFSET)):
@@ -124,10 +127,19 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
         others.append(RELAXATION)
     if trial.key == RELAXATION and len(sessions[0].channels) > 2 and _told_by_taxels_alone(trial, sessions):
         others.append(LEAKS)
+    if trial.key == DAMPING and all(isinstance(e, OneSidedDamping) for e in mine):
+        others += _late_one_way(sum(e.c_sensed for e in mine), sum(e.c_dispersed for e in mine))
     if where in ("skin", "rig") and any(getattr(e, name, np.inf) < sessions[0].period for e in mine for name in ("tau", "late")):
         others.append(LATE_DEPTH)
     tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
     return tuple(tried.get(other) or Rival(*other, 0.0) for other in others if other not in said)
+
+
+def _late_one_way(sensed: float, dispersed: float) -> list[tuple[str, str]]:
+    """The sensor whose lag is longer on one way than on the other, where damping of one way is told by the load cell or by taxels alone."""
+    if abs(sensed) < ALONE * abs(dispersed):
+        return [("lag", "load_cell")]
+    return [("lag", "taxel")] if abs(sensed + dispersed) < ALONE * abs(sensed) else []
 
 
 def _told_by_taxels_alone(t: Trial, sessions: list[Session]) -> bool:
