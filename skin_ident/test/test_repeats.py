@@ -1,14 +1,17 @@
 """A block that one channel repeats digit for digit was copied; what a coarse converter reads twice of the same motion was not."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from making import write_bag
 from test_faults import session
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.copied import find_copies
 from skin_ident.criticism.telemetry.repeats import repeats_of
+from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 
 STEP = 0.002
@@ -41,6 +44,37 @@ def test_every_sample_of_the_block_is_left_out():
     (symptom,) = find_copies(recordings)
     assert list(symptom.bad) == [(recordings[1].name, "force")]
     assert np.array_equal(np.flatnonzero(symptom.bad[recordings[1].name, "force"]), np.arange(1500, 1800))
+
+
+def tabled(folder, r, late) -> Path:
+    """A table of the recording, each stamp as `late` as it says, s."""
+    rows = np.array([r.t + late, 1e3 * r.depth, r.force, *r.taxels]).T
+    names = ",".join(f"taxel_{i}_n" for i in range(len(r.taxels)))
+    np.savetxt(folder / f"{r.name}.csv", rows, "%.9g", ",", header=f"t_s,x_mm,force_n,{names}", comments="")
+    return folder / f"{r.name}.csv"
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.03, 0.2])
+def test_a_block_is_found_though_stamps_are_uneven(tmp_path, jitter):
+    """Samples are interpolated there, and repeat no longer: their digits are kept beside them."""
+    rng, made = np.random.default_rng(1), [read(session(i)) for i in range(2)]
+    made[1] = with_block(made[1], "taxel_1", 1500, 300, 350)
+    late = [jitter * r.dt * rng.uniform(-1.0, 1.0, len(r)) for r in made]
+    recordings = [one for r, off in zip(made, late, strict=True) for one in load(tabled(tmp_path, r, off))]
+    assert [bool(r.digits) for r in recordings] == [jitter > 0.0] * 2
+    (symptom,) = find_copies(recordings)
+    assert symptom.where == "taxel_1" and np.flatnonzero(symptom.bad[recordings[1].name, "taxel_1"]) == pytest.approx(np.arange(1500, 1800))
+
+
+def test_a_block_is_found_in_a_topic_that_has_stamps_of_its_own(tmp_path):
+    def late(store, i, message):
+        if "TaxelArray" in type(message).__name__:
+            message.header.stamp.nanosec += 3_000_000  # of a hundred samples a second the last begins at 990 ms
+        return message
+
+    (r,) = load(write_bag(tmp_path / "bag", with_block(read(session(0)), "taxel_1", 1500, 300, 350), change=late))
+    (symptom,) = find_copies([r])
+    assert symptom.where == "taxel_1" and "300 samples" in symptom.evidence["why"]
 
 
 @pytest.mark.parametrize("seed", range(5))

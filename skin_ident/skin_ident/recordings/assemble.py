@@ -1,8 +1,9 @@
 """From named channels on one clock to a `Recording`: calibration, dead taxels, signs and sizes that cannot be right."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress, count
+from typing import Any
 
 import numpy as np
 
@@ -23,18 +24,20 @@ PROBES = 1000  # samples in which a dead taxel shows
 @dataclass(frozen=True)
 class Channels:
     """Measured rows of one kind (depth, force, taxel) and unit (m, N or V): names, samples (R, N), and where these were interpolated the
-    steps between the levels on which they were read before, 0 where there were none."""
+    steps between the levels on which they were read before, 0 where there were none, and the `digits` (R, N) that were read."""
 
     kind: str
     names: tuple[str, ...]
     unit: str
     rows: np.ndarray
     steps: tuple[float, ...] | None = None
+    digits: np.ndarray | None = None
 
     def only(self, keep: Sequence[bool]) -> "Channels":
         """Some of the rows."""
-        steps = self.steps and tuple(compress(self.steps, keep))
-        return replace(self, names=tuple(compress(self.names, keep)), rows=self.rows[np.asarray(keep, bool)], steps=steps)
+        mine, steps = np.asarray(keep, bool), self.steps and tuple(compress(self.steps, keep))
+        digits = None if self.digits is None else self.digits[mine]
+        return replace(self, names=tuple(compress(self.names, keep)), rows=self.rows[mine], steps=steps, digits=digits)
 
 
 def assemble(
@@ -52,14 +55,14 @@ def assemble(
     if not parts:
         raise RecordingError(f"{name} has neither depth nor force nor taxels")
     whole = all(all_finite(p.rows) for p in parts)
-    track, uneven = Track(t, tuple(p.rows for p in parts), whole=whole), False
+    track, uneven = Track(t, tuple(p.rows for p in parts), whole=whole, digits=tuple(p.digits for p in parts)), False
     if keep:
         track, uneven = kept(track, name, declared.sample_rate_hz)
     else:
         track = even(track, name, declared.sample_rate_hz)
     if track.interpolated:
         parts = [p if p.steps else replace(p, steps=steps_of(p.rows)) for p in parts]
-    parts = [replace(p, rows=rows) for p, rows in zip(parts, track.blocks, strict=True)]
+    parts = [replace(p, rows=rows, digits=digits) for p, rows, digits in zip(parts, track.blocks, track.digits, strict=True)]
     taxels = [p for p in parts if p.kind == "taxel"]
     _fits(name, declared, sum(len(p.names) for p in taxels), next((p.rows[0] for p in parts if p.kind == "depth"), None))
     recording = Recording(
@@ -73,7 +76,8 @@ def assemble(
         declared=declared,
         warnings=(*notes, *track.warnings),
         uneven=uneven,
-        steps=_steps(parts),
+        steps=_named(parts, lambda p: p.steps or (0.0,) * len(p.names)),
+        digits=_named(parts, lambda p: (None,) * len(p.names) if p.digits is None else p.digits),
     )
     return _plausible(recording)
 
@@ -90,11 +94,11 @@ def _fits(name: str, declared: Declared, taxels: int, depth: np.ndarray | None) 
         raise RecordingError(f"{name}: {step}; mend encoder_step_um in rig.yaml")
 
 
-def _steps(parts: list[Channels]) -> dict[str, float]:
-    """The steps of rows that were interpolated, by the names that a recording gives its channels."""
+def _named(parts: list[Channels], of: Callable[[Channels], Iterable]) -> dict[str, Any]:
+    """What there is `of` rows that were interpolated, by the names that a recording gives its channels; nothing where it is None or 0."""
     numbers = count()
-    named = ((p.kind if p.kind != "taxel" else f"taxel_{next(numbers)}", step) for p in parts for step in p.steps or (0.0,) * len(p.names))
-    return {name: step for name, step in named if step}
+    named = ((p.kind if p.kind != "taxel" else f"taxel_{next(numbers)}", value) for p in parts for value in of(p))
+    return {name: value for name, value in named if np.any(value)}
 
 
 def _single(name: str, parts: list[Channels], kind: str) -> np.ndarray | None:
@@ -150,7 +154,7 @@ def _in_newtons(t: np.ndarray, one: Channels, c: Calibration, notes: list[str]) 
         zero = float(np.nanmedian(volts[0, t <= t[0] + 1.0]))
         notes.append(f"{meaning}: zero taken as {zero:.6g} V, the median of the first second; declare zero_v to be sure")
     kind, steps = "force" if meaning == "force" else "taxel", one.steps and (abs(c.slope_n_per_v) * one.steps[0],)
-    return Channels(kind, (meaning,), "N", c.slope_n_per_v * (volts - zero), steps)
+    return Channels(kind, (meaning,), "N", c.slope_n_per_v * (volts - zero), steps, one.digits)
 
 
 def _note_unused(declared: Declared, parts: list[Channels], notes: list[str]) -> None:

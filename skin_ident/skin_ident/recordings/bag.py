@@ -9,6 +9,7 @@ from skin_ident.recordings import decode
 from skin_ident.recordings.assemble import Channels, assemble
 from skin_ident.recordings.declared import FILE_NAME, Declared, declared_from
 from skin_ident.recordings.decode import Decoded, Topic
+from skin_ident.recordings.digits import digits_of, nearest
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.levels import steps_of
 from skin_ident.recordings.recording import Recording
@@ -30,7 +31,7 @@ EDGES = 0.02  # of the samples: what may lie before the first or after the last 
 NOTHING = "holds no message"
 STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
-Aligned = tuple[np.ndarray, tuple[float, ...] | None]
+Aligned = tuple[np.ndarray, tuple[float, ...] | None, np.ndarray | None]
 
 
 def read_bag(
@@ -58,8 +59,8 @@ def read_bag(
     tracks = {role: _track(d, log_time, warnings) for role, d in found.items()}
     t, aligned = _on_one_clock(tracks, warnings)
     channels = [
-        Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows, steps)
-        for role, (rows, steps) in aligned.items()
+        Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows, *read)
+        for role, (rows, *read) in aligned.items()
     ]
     return assemble(path.name, t, channels, declared, tuple(warnings), keep)
 
@@ -204,22 +205,22 @@ def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.nda
 
 def _aligned(role: str, track: Track, base: np.ndarray, warnings: list[str]) -> Aligned:
     """The rows of a track at the stamps `base` (ns): its own samples where stamps agree, else linear in between, and then with the steps
-    between the levels on which they were read."""
+    between the levels on which they were read, and the digits that were."""
     rows = track.blocks[0]
     if np.array_equal(track.t, base):
-        return rows, None
+        return rows, None, None
     at = np.clip(np.searchsorted(track.t, base), 0, track.t.size - 1)
     same = track.t[at] == base
     if same.mean() > 0.9:
         picked = rows[:, at]
         picked[:, ~same] = np.nan
-        return picked, None
+        return picked, None, None
     period = float(np.median(np.diff(track.t)))
     far = track.t[at] - track.t[np.clip(at - 1, 0, None)] > (BRIDGED + 1.5) * period
     warnings.append(f"{role}: interpolated to the instants of the first channel (its own samples come every {period * 1e-6:.4g} ms)")
     out = interpolated((base - base[0]).astype(float), (track.t - base[0]).astype(float), rows)
     out[:, far] = np.nan
-    return out, steps_of(rows)
+    return out, steps_of(rows), digits_of(rows[:, nearest(base, track.t)])
 
 
 def _named(role: str, rows: np.ndarray, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.digits import digits_of
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.levels import step_of
 from skin_ident.recordings.rows import all_finite
@@ -27,6 +28,7 @@ class Recording:
     taxels   (T, N)  N, compression positive; T may be 0. A row whose unit is "V" is uncalibrated and holds volts
     spread   (T,)    share of the sensed force on every taxel, where the sessions of a diagnosis press at different places; or None
     steps            of channels that were interpolated, by name (`depth`, `force`, `taxel_0`, …): between their levels before that, m or N
+    digits           of the same, (N,) each: of the reading nearest to every sample (`skin_ident.recordings.digits`)
 
     `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
     do not fit together, are not finite, or not spaced as they should be.
@@ -44,6 +46,7 @@ class Recording:
     uneven: bool = False
     spread: np.ndarray | None = None
     steps: Mapping[str, float] = field(default_factory=dict)
+    digits: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = np.size(self.t)
@@ -82,13 +85,19 @@ class Recording:
         """Spacing of the levels on which `depth`, `force`, `taxel_0`, … is read, m or N; None where it is not seen."""
         return step_of(self.depth if channel == "depth" else self.channels[channel]) or self.steps.get(channel) or None
 
+    def read(self, channel: str) -> np.ndarray:
+        """What tells the readings of `depth`, `force`, `taxel_0`, … from each other digit for digit, (N,)."""
+        known = self.digits.get(channel)
+        return digits_of(self.depth if channel == "depth" else self.channels[channel]) if known is None else known
+
     def part(self, start: int, stop: int) -> "Recording":
         """The samples from `start` up to `stop`."""
 
         def cut(row: np.ndarray | None) -> np.ndarray | None:
             return None if row is None else row[..., start:stop]
 
-        return replace(self, t=cut(self.t), depth=cut(self.depth), force=cut(self.force), taxels=cut(self.taxels))
+        digits = {name: cut(row) for name, row in self.digits.items()}
+        return replace(self, t=cut(self.t), depth=cut(self.depth), force=cut(self.force), taxels=cut(self.taxels), digits=digits)
 
     def warned(self, *warnings: str) -> "Recording":
         """The same with more warnings."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skin_ident.recordings.digits import digits_of, nearest
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.rows import all_finite, finite, interpolated
 from skin_ident.stretches import runs
@@ -23,18 +24,21 @@ BRIDGED = 10  # samples: the longest loss that is interpolated
 
 @dataclass(frozen=True)
 class Track:
-    """Samples with their stamps: t (N,) s (or ns, as long as it is not yet even), blocks of rows (R_i, N)."""
+    """Samples with their stamps: t (N,) s (or ns, as long as it is not yet even), blocks of rows (R_i, N), and the `digits` (R_i, N) of
+    blocks that were interpolated, None of others."""
 
     t: np.ndarray
     blocks: tuple[np.ndarray, ...]
     warnings: tuple[str, ...] = ()
     whole: bool = False  # known to hold nothing but numbers
     interpolated: bool = False
+    digits: tuple[np.ndarray | None, ...] = ()
 
     def kept(self, index: np.ndarray | slice, *warnings: str) -> "Track":
         """A selection of the samples, with more warnings."""
         blocks, warnings = tuple(rows[:, index] for rows in self.blocks), (*self.warnings, *warnings)
-        return replace(self, t=self.t[index], blocks=blocks, warnings=warnings)
+        digits = tuple(None if d is None else d[:, index] for d in self.digits)
+        return replace(self, t=self.t[index], blocks=blocks, warnings=warnings, digits=digits)
 
     def warned(self, *warnings: str) -> "Track":
         """The same with more warnings."""
@@ -108,7 +112,11 @@ def _resampled(track: Track, dt: float) -> Track:
     why = [f"jitter {1e3 * jitter:.3g} ms"] if jitter > SNAP * dt or not lost else []
     why += [f"{counted(lost, 'lost sample')} interpolated"] if lost else []
     note = f"resampled evenly at {1 / dt:.6g} Hz ({', '.join(why)})"
-    return Track(t, tuple(interpolated(t, track.t, rows) for rows in track.blocks), (*track.warnings, note), interpolated=True)
+    read = np.arange(count) if count == track.t.size else nearest(t, track.t)
+    known = track.digits or (None,) * len(track.blocks)
+    digits = tuple(digits_of(rows[:, read]) if d is None else d[:, read] for rows, d in zip(track.blocks, known, strict=True))
+    blocks = tuple(interpolated(t, track.t, rows) for rows in track.blocks)
+    return Track(t, blocks, (*track.warnings, note), interpolated=True, digits=digits)
 
 
 def longest_stretch(track: Track, name: str) -> Track:
@@ -146,7 +154,7 @@ def _bridged(track: Track, name: str) -> Track:
         mended = [np.where(b, np.interp(track.t, track.t[~b], row[~b]), row) if b.any() else row for row, b in zip(rows, bad, strict=True)]
         blocks.append(np.array(mended))
     note = (f"{counted(filled, 'missing number')} interpolated",) if filled else ()
-    return Track(track.t, tuple(blocks), (*track.warnings, *note), interpolated=filled > 0)
+    return Track(track.t, tuple(blocks), (*track.warnings, *note), interpolated=filled > 0, digits=track.digits)
 
 
 def _rate_warning(dt: float, rate_hz: float | None) -> tuple[str, ...]:

@@ -33,7 +33,7 @@ def find_copies(recordings: list) -> list[Symptom]:
 
 def _blocks(recordings: list) -> list[Symptom]:
     """The stretches that have been there before in all channels, and in the depth unless that was another."""
-    again = repeats_of([np.array(list(r.channels.values())).T for r in recordings])
+    again = repeats_of([np.array([r.read(c) for c in r.channels]).T for r in recordings])
     first = next(iter(recordings[0].channels))
     again = [r for r in again if _with_its_depth(recordings, r) or _moved_otherwise(recordings, r, first)]
     return [_copy(recordings, again, tuple(recordings[again[0].at].channels))] if again else []
@@ -42,7 +42,7 @@ def _blocks(recordings: list) -> list[Symptom]:
 def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[Symptom]:
     """The same in one channel alone, beside what is `known` to repeat in all."""
     for channel in recordings[0].channels:
-        again = repeats_of([r.channels[channel][~known[r.name]][:, None] for r in recordings])
+        again = repeats_of([r.read(channel)[~known[r.name]][:, None] for r in recordings])
         again = [r for r in _within(recordings, again, known) if _moved_otherwise(recordings, r, channel)]
         if again:
             yield _copy(recordings, again, (channel,))
@@ -56,9 +56,10 @@ def _within(recordings: list, again: list[Repeat], known: dict[str, np.ndarray])
 
 def _with_its_depth(recordings: list, again: Repeat) -> bool:
     """Whether the depth, where there is one, is the same digit for digit, too; one that is nearly the same is the same motion once more."""
-    at, source = recordings[again.at].depth, recordings[again.source].depth
-    if at is None or source is None:
+    at, source = recordings[again.at], recordings[again.source]
+    if at.depth is None or source.depth is None:
         return True
+    at, source = at.read("depth"), source.read("depth")
     return np.array_equal(at[again.start : again.start + again.length], source[again.origin : again.origin + again.length])
 
 
@@ -69,8 +70,8 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
     others = [c for c in at.channels if c != channel]
     pairs = [(at.depth, source.depth)] if at.depth is not None else [(at.channels[c], source.channels[c]) for c in others]
     here, there = (slice(start, start + again.length) for start in (again.start, again.origin))
-    y = at.channels[channel][here]
-    changed = np.diff(y, prepend=y[:1]) != 0.0
+    digits = at.read(channel)[here]
+    changed = np.append(False, digits[1:] != digits[:-1])
     apart = [(one[here] - other[there])[changed] / max(np.ptp(one), 1e-300) for one, other in pairs]
     return any(2.0 * np.std(d) + abs(np.mean(d)) > ELSEWHERE for d in apart)
 
@@ -107,7 +108,7 @@ def _columns(recordings: list) -> list[Symptom]:
     """Groups of channels that hold the same numbers, each group one symptom at the first channel that repeats."""
     groups: list[tuple[np.ndarray, dict[str, float]]] = []
     for channel in recordings[0].channels:
-        y = np.concatenate([r.channels[channel] for r in recordings])
+        y = np.concatenate([r.read(channel) for r in recordings])
         if np.unique(y).size < VALUES:
             continue
         equal = next(((names, share) for first, names in groups if (share := _equal(y, first)) > EQUAL), None)
