@@ -27,6 +27,9 @@ FOUND = [
     ("position_offset", "rig", "warming"),
     ("force_offset", "taxel_0", "constant"),
     ("lag", "taxel_0", "two_pole"),
+    ("backlash", "rig", "zeroed"),
+    ("dead_zone", "taxel_0", "gradual"),
+    ("outliers", "load_cell", "discharges"),
 ]
 
 

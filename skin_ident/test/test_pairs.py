@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from rows import rows
 from scipy.signal import lfilter
 from world import make_sessions, write_case
 from world.hidden import Hide
 
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.search.exchange import _better
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 
@@ -25,6 +28,12 @@ def test_both_are_named(tmp_path, one, other, taxels):
     found = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     named = [{f["cause"], *(a["cause"] for a in f["alternatives"])} for f in found]
     assert len(found) == 2 and all(any(h.cause in names for names in named) for h in (one, other)), named
+
+
+@given(st.floats(10.0, 1e6), st.floats(10.0, 1e6), st.integers(-9, 9))
+def test_of_two_accounts_at_most_one_takes_the_place_of_the_other(one, other, more_numbers):
+    """Else the search would go to and fro."""
+    assert not (_better(one, other, more_numbers) and _better(other, one, -more_numbers))
 
 
 RATE = 125.0

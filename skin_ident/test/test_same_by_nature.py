@@ -9,6 +9,7 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.search.trial import _late_one_way
 from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
@@ -83,6 +84,14 @@ def test_skin_with_a_fast_arm_and_a_mount_that_yields_are_named_together():
     (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     names = {(found["cause"], found["where"]), *((a["cause"], a["where"]) for a in found["alternatives"])}
     assert ("mount_compliance", "rig") in names, names
+
+
+@pytest.mark.parametrize(
+    ("sensed", "dispersed", "late"), [(0.01, 1.0, ["load_cell"]), (-0.5, 0.5, ["taxel"]), (0.5, 0.5, []), (1.0, 0.0, [])]
+)
+def test_damping_of_one_way_that_one_kind_of_sensor_feels_may_be_its_lag(sensed, dispersed, late):
+    """What the load cell alone feels is dispersed; what taxels alone feel is taken from there."""
+    assert _late_one_way(sensed, dispersed) == [("lag", where) for where in late]
 
 
 def test_a_tone_is_looked_for_at_full_rate_alone():

@@ -129,6 +129,10 @@ def _dead_smooth(c):
     return Sensor(c, lambda y, fine, a, rng: y - 0.05 * a * c.load * np.tanh(y / (0.05 * a * c.load + 1e-12)))
 
 
+def _dead_gradual(c):
+    return Sensor(c, lambda y, fine, a, rng: y**3 / (y**2 + (0.05 * a * c.load) ** 2 + 1e-24))
+
+
 def _dead_gap(c):
     d = c.skin.depth_max
 
@@ -150,5 +154,5 @@ FORMS = {
         "pull_off": Adhesion, "jkr": lambda c: Adhesion(c, neck=c.rng.uniform(0.03, 0.1)),
         "tacky": lambda c: Adhesion(c, growth=c.rng.uniform(0.5, 2)),
     },
-    "dead_zone": {"threshold": _dead_threshold, "smooth": _dead_smooth, "gap": _dead_gap},
+    "dead_zone": {"threshold": _dead_threshold, "smooth": _dead_smooth, "gradual": _dead_gradual, "gap": _dead_gap},
 }  # fmt: skip

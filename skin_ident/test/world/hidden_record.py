@@ -17,6 +17,17 @@ def _spikes(c):
     return Sampled(c, spike)
 
 
+def _discharges(c):
+    """Static electricity: away at once, and back within a few samples."""
+    tail = np.array([1.0, *np.cumprod(c.rng.uniform(0.2, 0.42, 7))])
+
+    def spark(y, t, a, rng):
+        hit = (rng.random(y.size) < 0.002) * rng.choice([-1, 1], y.size) * rng.uniform(10, 25, y.size)
+        return y + a * _unit(c) * np.convolve(hit, tail)[: y.size]
+
+    return Sampled(c, spark)
+
+
 def _unit(c):
     return 2e-6 if c.where == "rig" else c.force_step
 
@@ -127,7 +138,7 @@ class Nothing(Effect):
 
 
 FORMS = {
-    "outliers": {"spikes": _spikes, "dropouts": _dropouts, "frozen": _frozen, "bursts": _bursts},
+    "outliers": {"spikes": _spikes, "discharges": _discharges, "dropouts": _dropouts, "frozen": _frozen, "bursts": _bursts},
     "dead_taxel": {"stuck": _silent("stuck"), "open": _silent("open"), "dies": _silent("dies")},
     "noise": {k: (lambda c, k=k: OtherNoise(c, k)) for k in ("level", "colour", "growth")},
     "data_error": {

@@ -11,13 +11,15 @@ HEAVIEST = 3.0  # kg, of a plunger that a stage still moves
 
 
 class Play(Effect):
-    """Depth lost at reversals: the tip follows once a gap is used up. `soft` rounds it, a wind-up spring as a fraction of the gap."""
+    """Depth lost at reversals: the tip follows once a gap is used up. `soft` rounds it, a wind-up spring as a fraction of the gap; depth is
+    right in the middle of it, or `zeroed` at one of its ends."""
 
-    def __init__(self, c, soft=0.0, count=1):
-        self.gap, self.soft, self.count = 0.01 * c.skin.depth_max, soft, count
+    def __init__(self, c, soft=0.0, count=1, zeroed=0):
+        self.gap, self.soft, self.count, self.zeroed = 0.01 * c.skin.depth_max, soft, count, zeroed
 
     def tip(self, x, dt, a, rng):
         gap = a * self.gap
+        x = x + self.zeroed * gap / 2
         if self.soft:
             return x - _dahl(x, gap / 2, self.soft * gap)
         weights = np.full(self.count, 1 / self.count)
@@ -138,7 +140,10 @@ def _loaded(c):
 
 
 FORMS = {
-    "backlash": {"play": Play, "rounded": lambda c: Play(c, soft=c.rng.uniform(0.15, 0.4)), "several": lambda c: Play(c, count=3)},
+    "backlash": {
+        "play": Play, "rounded": lambda c: Play(c, soft=c.rng.uniform(0.15, 0.4)), "several": lambda c: Play(c, count=3),
+        "zeroed": lambda c: Play(c, zeroed=c.rng.choice([-1, 1])),
+    },
     "mount_compliance": {
         "spring": Mount, "hardening": lambda c: Mount(c, harden=c.rng.uniform(3, 15)),
         "seating": lambda c: Mount(c, seat=c.rng.uniform(0.02, 0.1)),
