@@ -26,16 +26,17 @@ The method, in the order in which `diagnose` runs it:
     reported beside it (`search.rivals`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
     Where none is believed alone, and hardware does nothing of the kind, two that hide each other are asked (`search.together`).
     What only led the fit out of a false minimum is left out again (`search.unstuck`).
-8.  `gates` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves uncertain, by more than steps
-    of encoder and converters, or a depth as noisy, leave open, and that noise of another colour is no shorter account of the record. What
-    is there, and such as good hardware does, is said and not named (`search.hardware`), as is what training speaks for while others leave
-    it in doubt (`search.doubt`): neither is called excluded.
+8.  `gates` and `search.believing` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves
+    uncertain, by more than steps of encoder and converters, or a depth as noisy, leave open, and that noise of another colour is no shorter
+    account of the record. What is there, and such as good hardware does, is said and not named (`search.hardware`), as is what training
+    speaks for while others leave it in doubt (`search.doubt`): neither is called excluded.
 9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
     during it. Zeros as tares leave them (`courses.left_by_tare`) belong to the baseline, and those of all channels and sessions together
     go before any cause that explains no more than they do, or where none is believed (`search.tared`). Where such courses explain most by
     far and predict nothing, the noise wanders more than its model knows, and nothing is named. Last, what is wrong in held-out sessions
     alone.
-10. `search.criticise` repeats this; each cause is then asked for again beside the others, and where much is left that none is believed for,
+10. `search.criticise` repeats this; each cause is then asked for again beside the others, of two accounts that explain as much the one
+    with clearly fewer numbers is kept, and where much is left that none is believed for,
     its rivals in its place (`search.exchange`); what nothing needs is eliminated. `telling` asks whether a general model still predicts
     something of the residual on held-out data, and whether more is left than where every cause may bend every session by itself, or many
     times more than in the air; it measures every gain beside what noise alone leaves, and writes findings.json. `telemetry.pull` looks at

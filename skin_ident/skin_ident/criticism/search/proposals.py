@@ -7,10 +7,11 @@ Ranking with the whole span of a cause, not with one textbook form of it, is wha
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from skin_ident.criticism.baseline.own_shares import beside_shares
+from skin_ident.criticism.baseline.own_shares import beside_shares, has_own
 from skin_ident.criticism.baseline.residual import at_place, placed, rows
 from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.sessions.session import Session, motion_under
@@ -50,6 +51,16 @@ class Direction:
     def key(self) -> tuple[str, str]:
         """Cause and place."""
         return self.cause, self.where
+
+    @cached_property
+    def probed(self) -> Effect:
+        """The effect at the amount by which the model is bent."""
+        return self.switched_on(self.amount)
+
+    @property
+    def amount(self) -> float:
+        """By how much the model is bent, of the typical size, to the side that physics allows."""
+        return self.probe if self.sign >= 0 else -self.probe
 
     def switched_on(self, amount: float) -> Effect:
         """The effect with its amplitude at `amount` of its typical size."""
@@ -124,18 +135,25 @@ def _sign(p) -> int:
 def bank(model: Model, which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
     """The change of every channel per unit of typical size, (directions, C, n) for each session, in the common band, beside what shares of
     the session's own can follow."""
-    return [_bank(model, which, s) for s in sessions]
+    return [between(np.zeros((0, *s.measured.shape)), model, which, s, np.zeros((0, *s.measured.shape))) for s in sessions]
 
 
-def _bank(model: Model, which: tuple[Direction, ...], session: Session) -> np.ndarray:
+def between(before: np.ndarray, model: Model, which: tuple[Direction, ...], session: Session, after: np.ndarray) -> np.ndarray:
+    """The same of one session, laid out between other rows (M, C, n): all of them are large, and laid out once."""
+    out = np.zeros((len(before) + len(which) + len(after), *session.measured.shape))
+    out[: len(before)], out[len(before) + len(which) :] = before, after
+    _lay_out(out[len(before) : len(before) + len(which)], model, which, session)
+    return out
+
+
+def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], session: Session) -> None:
     model = placed(model, session)
     run = model.trace(motion_under(session, model.dispersion))
     base = rows(run.response, session)
-    out = np.zeros((len(which), *session.measured.shape))
     for i, d in enumerate(which):
-        amount = d.probe if d.sign >= 0 else -d.probe
-        change = rows(model.bent(run, at_place(d.switched_on(amount), session)), session) - base
+        change = rows(model.bent(run, at_place(d.probed, session)), session) - base
         for c, row in enumerate(change):
             if row.any():
-                out[i, c] = session.band.thin(row) / amount
-    return beside_shares(out, base, session)
+                out[i, c] = session.band.thin(row) / d.amount
+    if has_own(session):
+        out[:] = beside_shares(out, base, session)

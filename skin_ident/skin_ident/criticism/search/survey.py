@@ -10,7 +10,7 @@ from skin_ident.criticism.baseline.unknowns import scales, unknowns, values
 from skin_ident.criticism.courses.course import bends_of_each_session
 from skin_ident.criticism.noise.estimate import less, noise_model
 from skin_ident.criticism.noise.whitening import Stacked, Whitener, stack
-from skin_ident.criticism.search.proposals import Direction, bank
+from skin_ident.criticism.search.proposals import Direction, between
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, Projected, Ranked, project, rank
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
@@ -35,7 +35,7 @@ class Survey:
         of, rows = self.kept.get(session.name, (None, np.zeros(0)))
         if of is not session:
             own = tangents(self.model, [session], mine)[0]
-            rows = np.concatenate([own, bank(self.model, self.projected.which, [session])[0]])
+            rows = between(own, self.model, self.projected.which, session, own[:0])
             self.kept[session.name] = session, rows
         return rows, len(mine)
 
@@ -68,8 +68,9 @@ def noise_beside(model: Model, sessions: list[Session], which: tuple[Direction, 
 
 def _everything(model: Model, sessions: list[Session], which: tuple[Direction, ...]) -> Stacked:
     """All that may bend the model: its own unknowns, every direction, and what belongs to one session alone."""
-    parts = tangents(model, sessions, unknowns(model, sessions[0])), bank(model, which, sessions), bends_of_each_session(model, sessions)
-    return Stacked([np.concatenate(rows) for rows in zip(*parts, strict=True)], sessions)
+    own, bends = tangents(model, sessions, unknowns(model, sessions[0])), bends_of_each_session(model, sessions)
+    rows = [between(before, model, which, s, after) for before, s, after in zip(own, sessions, bends, strict=True)]
+    return Stacked(rows, sessions)
 
 
 def _beside(every: Stacked, residuals: list[np.ndarray], own: int, which: tuple[Direction, ...]) -> Whitener:
