@@ -11,6 +11,7 @@ from test_faults import session
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.copied import find_copies
 from skin_ident.criticism.telemetry.repeats import repeats_of
+from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 
@@ -66,15 +67,32 @@ def test_a_block_is_found_though_stamps_are_uneven(tmp_path, jitter):
     assert symptom.where == "taxel_1" and np.flatnonzero(symptom.bad[recordings[1].name, "taxel_1"]) == pytest.approx(np.arange(1500, 1800))
 
 
-def test_a_block_is_found_in_a_topic_that_has_stamps_of_its_own(tmp_path):
+@pytest.mark.parametrize("periods", [0.3, 0.5])
+def test_a_block_is_found_in_a_topic_that_has_stamps_of_its_own(tmp_path, periods):
+    """Half a period late either neighbour is as near, and stamps tremble."""
+    rng = np.random.default_rng(1)
+
     def late(store, i, message):
         if "TaxelArray" in type(message).__name__:
-            message.header.stamp.nanosec += 3_000_000  # of a hundred samples a second the last begins at 990 ms
+            stamp = message.header.stamp
+            stamp.nanosec += round(1e7 * (periods + 0.05 * rng.uniform(-1.0, 1.0)))
+            stamp.sec, stamp.nanosec = stamp.sec + stamp.nanosec // 10**9, stamp.nanosec % 10**9
         return message
 
     (r,) = load(write_bag(tmp_path / "bag", with_block(read(session(0)), "taxel_1", 1500, 300, 350), change=late))
     (symptom,) = find_copies([r])
     assert symptom.where == "taxel_1" and "300 samples" in symptom.evidence["why"]
+
+
+def test_digits_go_with_their_taxels(tmp_path):
+    """Chosen, or in another order: of a table with uneven stamps, and of steps that the others do not have."""
+    made, rng = with_block(read(session(0)), "taxel_1", 1500, 300, 350), np.random.default_rng(1)
+    table = tabled(tmp_path, replace(made, taxels=made.taxels * [[1.0], [1.0], [3.0]]), 0.03 * made.dt * rng.uniform(-1.0, 1.0, len(made)))
+    (chosen,) = only_taxels(load(table), ["2", "1"])
+    assert [chosen.step(c) for c in ("taxel_0", "taxel_1")] == pytest.approx([3.0 * STEP, STEP])
+    (symptom,) = find_copies([chosen])
+    assert symptom.where == "taxel_1"
+    assert find_copies(only_taxels(load(table), ["0", "2"])) == []
 
 
 @pytest.mark.parametrize("seed", range(5))

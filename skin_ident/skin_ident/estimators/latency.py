@@ -65,7 +65,7 @@ def _strongest(recordings: Sequence[Recording]) -> list[int]:
 def _only(r: Recording, felt: list[int]) -> Recording:
     """The recording with these taxels alone."""
     names, units = (tuple(row[i] for i in felt) for row in (r.taxel_names, r.taxel_units))
-    return replace(r, taxels=r.taxels[felt], taxel_names=names, taxel_units=units, spread=None)
+    return r.with_taxels(felt, taxel_names=names, taxel_units=units, spread=None)
 
 
 def _of_channel(sessions: list[Session], shape: Shape, c: int, recovery: float) -> Latency:

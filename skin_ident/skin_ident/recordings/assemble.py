@@ -114,7 +114,8 @@ def _live(part: Channels, notes: list[str]) -> Channels:
         return part
     keep = np.isfinite(part.rows).mean(axis=1) >= 0.5
     notes += [f"{n}: {DEAD}; it is taken for dead" for n, k in zip(part.names, keep, strict=True) if not k]
-    return replace(part, rows=np.where(keep[:, None], part.rows, 0.0)) if not keep.all() else part
+    digits = None if part.digits is None else part.digits * keep[:, None].astype(np.uint32)
+    return replace(part, rows=np.where(keep[:, None], part.rows, 0.0), digits=digits) if not keep.all() else part
 
 
 def _some_alive(name: str, parts: Sequence[Channels], notes: list[str]) -> None:

@@ -9,7 +9,7 @@ from skin_ident.recordings import decode
 from skin_ident.recordings.assemble import Channels, assemble
 from skin_ident.recordings.declared import FILE_NAME, Declared, declared_from
 from skin_ident.recordings.decode import Decoded, Topic
-from skin_ident.recordings.digits import digits_of, nearest
+from skin_ident.recordings.digits import digits_at
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.levels import steps_of
 from skin_ident.recordings.recording import Recording
@@ -220,7 +220,7 @@ def _aligned(role: str, track: Track, base: np.ndarray, warnings: list[str]) -> 
     warnings.append(f"{role}: interpolated to the instants of the first channel (its own samples come every {period * 1e-6:.4g} ms)")
     out = interpolated((base - base[0]).astype(float), (track.t - base[0]).astype(float), rows)
     out[:, far] = np.nan
-    return out, steps_of(rows), digits_of(rows[:, nearest(base, track.t)])
+    return out, steps_of(rows), digits_at((base - base[0]).astype(float), (track.t - base[0]).astype(float), rows)
 
 
 def _named(role: str, rows: np.ndarray, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -1,7 +1,8 @@
 """One session of measurement: arrays in SI units, checked once, when they are made."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -85,10 +86,21 @@ class Recording:
         """Spacing of the levels on which `depth`, `force`, `taxel_0`, … is read, m or N; None where it is not seen."""
         return step_of(self.depth if channel == "depth" else self.channels[channel]) or self.steps.get(channel) or None
 
-    def read(self, channel: str) -> np.ndarray:
-        """What tells the readings of `depth`, `force`, `taxel_0`, … from each other digit for digit, (N,)."""
-        known = self.digits.get(channel)
-        return digits_of(self.depth if channel == "depth" else self.channels[channel]) if known is None else known
+    def read(self, channel: str, part: slice = slice(None)) -> np.ndarray:
+        """What tells the readings of `depth`, `force`, `taxel_0`, … from each other digit for digit, (N,), or of a part of them."""
+        if channel in self.digits:
+            return self.digits[channel][part]
+        return digits_of((self.depth if channel == "depth" else self.channels[channel])[part])
+
+    def with_taxels(self, rows: Sequence[int], **more: Any) -> "Recording":
+        """The recording with these of its taxels, in this order, and with all that is known of how they were read; with `more` changed."""
+        keys = {f"taxel_{i}": f"taxel_{new}" for new, i in enumerate(rows)}
+
+        def moved(known: Mapping[str, Any]) -> dict[str, Any]:
+            kept = {name: value for name, value in known.items() if not name.startswith("taxel_")}
+            return kept | {keys[name]: value for name, value in known.items() if name in keys}
+
+        return replace(self, taxels=self.taxels[list(rows)], steps=moved(self.steps), digits=moved(self.digits), **more)
 
     def part(self, start: int, stop: int) -> "Recording":
         """The samples from `start` up to `stop`."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.recordings.digits import digits_of, nearest
+from skin_ident.recordings.digits import digits_at
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.rows import all_finite, finite, interpolated
 from skin_ident.stretches import runs
@@ -112,9 +112,8 @@ def _resampled(track: Track, dt: float) -> Track:
     why = [f"jitter {1e3 * jitter:.3g} ms"] if jitter > SNAP * dt or not lost else []
     why += [f"{counted(lost, 'lost sample')} interpolated"] if lost else []
     note = f"resampled evenly at {1 / dt:.6g} Hz ({', '.join(why)})"
-    read = np.arange(count) if count == track.t.size else nearest(t, track.t)
     known = track.digits or (None,) * len(track.blocks)
-    digits = tuple(digits_of(rows[:, read]) if d is None else d[:, read] for rows, d in zip(track.blocks, known, strict=True))
+    digits = tuple(digits_at(t, track.t, rows if d is None else d) for rows, d in zip(track.blocks, known, strict=True))
     blocks = tuple(interpolated(t, track.t, rows) for rows in track.blocks)
     return Track(t, blocks, (*track.warnings, note), interpolated=True, digits=digits)
 

@@ -95,7 +95,8 @@ class GradualTaxel(Memoryless):
         if self.threshold == 0.0:
             return y
         mine = self.mine(y)
-        return self.put_back(y, -mine * np.expm1(-((np.abs(mine) / self.threshold) ** self.sharpness)))
+        with np.errstate(over="ignore"):  # far above the threshold
+            return self.put_back(y, -mine * np.expm1(-((np.abs(mine) / self.threshold) ** self.sharpness)))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ exchange is believed where the analysis of the ratios, with it, is more probable
 leaves little of what that leaves. Columns are then put right, so that everything else is judged as it was meant.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -72,7 +72,7 @@ def put_right(recordings: list, layout: Layout | str) -> tuple[list, tuple[Sympt
     if odds < SURE or plain.left < SEEN or best.left > MENDS * plain.left:
         return recordings, ()
     where = None if found.session is None else recordings[found.session].name
-    right = [replace(r, taxels=r.taxels[found.of(n, i)]) for i, r in enumerate(recordings)]
+    right = [r.with_taxels(found.of(n, i)) for i, r in enumerate(recordings)]
     return right, (_symptom(found.pair, where, plain, best, float(odds)),)
 
 

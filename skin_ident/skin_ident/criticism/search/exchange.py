@@ -68,8 +68,9 @@ def _exchanged(search: "Search", finding: Named) -> bool:
         again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
         search.named = [again if n is finding else n for n in search.named]
     numbers = len(shared[0].unknowns) - len(search.present.unknowns) if shared else 0
-    if other.cause == finding.cause or not _better(other.explained, explained, numbers):
+    if other.cause == finding.cause or other.key in search.put_out or not _better(other.explained, explained, numbers):
         return False
+    search.put_out.add(key)
     _become(search, ahead, finding)
     if own:
         take_course(search, *own)
@@ -103,7 +104,7 @@ def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ..
     ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
     last, alone = ahead.look(), ahead.present
     lacks = alone.cost - cost_of(search.present.model, ahead.train, ahead.noise)
-    if last.ranked[0].gain < PROMISING * lacks:
+    if max((r.gain for r in last.ranked if r.cause not in (finding.cause, rival.cause)), default=0.0) < PROMISING * lacks:
         return False
     shared = first_believed(ahead, ahead.trials(last), [])
     if shared is None or shared[1].cause in (finding.cause, rival.cause):

@@ -66,6 +66,7 @@ class Search:
         self.runs: list[Run] = []
         self.doubting = False  # whether held-out sessions alone decide, for a cause was taken for granted
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
+        self.put_out: set[tuple[str, str]] = set()  # causes in whose place another was put: they do not come back into its
         self.suspected: set[tuple[str, str]] = set()
         self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
         self.tared: dict[tuple[str, str], Seen] = {}  # zeros of sessions that were taken into the baseline

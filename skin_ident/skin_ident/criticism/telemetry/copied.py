@@ -59,8 +59,8 @@ def _with_its_depth(recordings: list, again: Repeat) -> bool:
     at, source = recordings[again.at], recordings[again.source]
     if at.depth is None or source.depth is None:
         return True
-    at, source = at.read("depth"), source.read("depth")
-    return np.array_equal(at[again.start : again.start + again.length], source[again.origin : again.origin + again.length])
+    here, there = _places(again)
+    return np.array_equal(at.read("depth", here), source.read("depth", there))
 
 
 def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
@@ -69,11 +69,16 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
     at, source = recordings[again.at], recordings[again.source]
     others = [c for c in at.channels if c != channel]
     pairs = [(at.depth, source.depth)] if at.depth is not None else [(at.channels[c], source.channels[c]) for c in others]
-    here, there = (slice(start, start + again.length) for start in (again.start, again.origin))
-    digits = at.read(channel)[here]
+    here, there = _places(again)
+    digits = at.read(channel, here)
     changed = np.append(False, digits[1:] != digits[:-1])
     apart = [(one[here] - other[there])[changed] / max(np.ptp(one), 1e-300) for one, other in pairs]
     return any(2.0 * np.std(d) + abs(np.mean(d)) > ELSEWHERE for d in apart)
+
+
+def _places(again: Repeat) -> tuple[slice, slice]:
+    """Where it is, and where it was."""
+    return tuple(slice(start, start + again.length) for start in (again.start, again.origin))
 
 
 def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> Symptom:
