@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from making import write_bag
 from test_faults import session
+from world import make_sessions, write_case
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telemetry.copied import find_copies
@@ -106,6 +107,13 @@ def test_the_same_motion_read_in_coarse_steps_is_no_copy():
     rng = np.random.default_rng(0)
     again = [replace(once, name=f"again_{i}", taxels=once.taxels + 0.03 * rng.standard_normal(once.taxels.shape)) for i in range(2)]
     assert find_copies([once, *again]) == []
+
+
+def test_a_rest_makes_no_longer_copy_of_a_quick_movement_after_it(tmp_path):
+    """Noise far below the steps of converters and encoder: half a second of rest, and a dozen samples of one and the same way out."""
+    sessions, _ = make_sessions(None, n_sessions=3, n_taxels=1, seed=796685523, protocol="full", encoder_step_um=10.0)
+    write_case(sessions, tmp_path)
+    assert find_copies(load(tmp_path)) == []
 
 
 def test_a_repeat_is_told_by_where_it_is_and_where_it_was():

@@ -20,13 +20,15 @@ MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)  # odd, of the windows' polynomial ha
 
 @dataclass(frozen=True)
 class Repeat:
-    """`length` samples from `start` of recording `at` on that were there before: from `origin` of recording `source` on."""
+    """`length` samples from `start` of recording `at` on that were there before: from `origin` of recording `source` on. So many of these
+    are `lively`: while a coarse reading rests it repeats itself, and says nothing."""
 
     at: int
     start: int
     source: int
     origin: int
     length: int
+    lively: int
 
 
 def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
@@ -36,7 +38,7 @@ def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
     if not every:
         return []
     expected = _by_chance(codes, every)
-    return [r for r in every if expected(r.length) < CHANCE]
+    return [r for r in every if expected(r.lively) < CHANCE]
 
 
 def _codes(rows: list[np.ndarray]) -> list[np.ndarray]:
@@ -60,7 +62,8 @@ def _repeats(codes: list[np.ndarray]) -> Iterator[Repeat]:
             if length >= WINDOW:
                 before = _common(codes[j][:o][::-1], codes[k][told[k] : s][::-1])
                 told[k] = s + length
-                yield Repeat(k, s - before, j, o - before, length + before)
+                mine = start[(at == k) & (start >= s - before) & (start <= s + length - WINDOW)]
+                yield Repeat(k, s - before, j, o - before, length + before, WINDOW + int(np.minimum(np.diff(mine), WINDOW).sum()))
 
 
 def _recurring(codes: list[np.ndarray], size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
