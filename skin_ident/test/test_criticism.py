@@ -29,7 +29,6 @@ FOUND = [
     ("force_offset", "taxel_0", "constant"),
     ("lag", "taxel_0", "two_pole"),
     ("backlash", "rig", "zeroed"),
-    ("outliers", "load_cell", "discharges"),
 ]
 
 

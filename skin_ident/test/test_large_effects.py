@@ -49,17 +49,6 @@ def test_jumps_at_landings_alone_are_no_outliers(at_landings):
     assert bool(found(wrong, np.zeros(4000), jumps)) is not at_landings
 
 
-@pytest.mark.parametrize("decay", [0.2, 0.4])
-def test_a_discharge_is_an_outlier_to_its_end_and_a_step_that_stays_is_none(decay):
-    tail = 20.0 * decay ** np.arange(12.0)
-    wrong = np.zeros(4000)
-    for i in range(310, 4000, 400):
-        wrong[i : i + 12] += tail
-    mask = excursions(wrong + noisy(), wrong + noisy(), 7.0)
-    assert mask[wrong > 2.5].all() and not mask[wrong < 0.1].any()
-    assert not excursions(np.cumsum(wrong > 19.0) * 20.0 + noisy(), np.cumsum(wrong > 19.0) * 20.0 + noisy(), 7.0).any()
-
-
 @pytest.mark.parametrize("at_landing", [True, False])
 def test_what_all_channels_feel_at_a_landing_is_no_outlier_of_one(at_landing):
     """Two quick touches of stiff skin at 60 Hz: too few to say that they are where the plunger lands, but all sensors feel them."""

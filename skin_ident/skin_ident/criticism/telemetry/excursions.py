@@ -1,4 +1,4 @@
-"""Excursions: a channel jumps away between two samples and jumps back soon after, or decays within a few, as a discharge does.
+"""Excursions: a channel jumps away between two samples and jumps back soon after.
 
 A skin pressed by a plunger of finite acceleration does not do that, whatever else is wrong with it: a jump must be in the measurement, not
 in the model (which may place a contact wrongly), and one jump alone may be a contact made or lost.
@@ -11,7 +11,6 @@ from skin_ident.stretches import runs, without
 
 LONGEST = 8  # samples of one excursion
 BACK = 0.45  # of the smaller jump, within which it must come back
-DECAYED, TAIL = 3, 0.1  # samples in which a discharge must come so far back, and share of it that is its end
 OWN = 0.6  # of a jump in the residual that must be in the measurement itself
 SLOPE = 0.35  # of a jump that the change beside it may be
 STILL = 0.5  # of a jump that the model itself may move by
@@ -50,27 +49,19 @@ def _of_their_own(mask: np.ndarray, e: np.ndarray, model: np.ndarray) -> np.ndar
 
 
 def paired(e: np.ndarray, d: np.ndarray, sharp: np.ndarray) -> np.ndarray:
-    """Mask (N,) of the samples between a jump and the next one back to where it came from, or until a discharge has died away."""
+    """Mask (N,) of the samples between a jump and the next one back to where it came from."""
     mask = np.zeros(e.size, bool)
     k = 0
     while k < sharp.size:
         i = sharp[k]
         later = sharp[k + 1 : k + 1 + LONGEST]
         back = [j for j in later if j - i <= LONGEST and d[i] * d[j] < 0.0 and abs(e[j + 1] - e[i]) <= BACK * min(abs(d[i]), abs(d[j]))]
-        back = back or [j for j in range(i + 1, min(i + 1 + DECAYED, d.size)) if abs(e[j + 1] - e[i]) <= BACK * abs(d[i])]
         if back:
-            mask[i + 1 : back[0] + 1 + _tail(e, i, back[0])] = True
-            k = int(np.searchsorted(sharp, back[0], side="right"))
+            mask[i + 1 : back[0] + 1] = True
+            k = int(np.searchsorted(sharp, back[0])) + 1
         else:
             k += 1
     return mask
-
-
-def _tail(e: np.ndarray, i: int, back: int) -> int:
-    """How many samples an excursion that began after `i` and is nearly `back` still falls towards where it came from, as a discharge."""
-    far = (e[back : i + 2 + LONGEST] - e[i]) / (e[i + 1] - e[i])
-    falls = (far[1:] > TAIL) & (far[1:] < far[:-1])
-    return int(np.argmin(np.append(falls, False)))
 
 
 def fill_clusters(mask: np.ndarray) -> np.ndarray:
