@@ -42,7 +42,7 @@ def made(seed: int) -> Recording:
 def obvious(model: Model, which, session) -> np.ndarray:
     """The directions, each by a simulation of its own."""
     base, kernel = simulated(model, session), session.band.kernel[None, :]
-    changes = [simulated(model.extended(d.switched_on(0.1 if d.sign >= 0 else -0.1)), session) - base for d in which]
+    changes = [simulated(model.extended(d.probed), session) - base for d in which]
     return np.array([oaconvolve(c, kernel, mode="valid", axes=-1)[:, :: session.band.every] for c in changes])
 
 

@@ -35,12 +35,11 @@ The method, in the order in which `diagnose` runs it:
     go before any cause that explains no more than they do, or where none is believed (`search.tared`). Where such courses explain most by
     far and predict nothing, the noise wanders more than its model knows, and nothing is named. Last, what is wrong in held-out sessions
     alone.
-10. `search.criticise` repeats this; each cause is then asked for again beside the others, of two accounts that explain as much the one
-    with clearly fewer numbers is kept, and where much is left that none is believed for,
-    its rivals in its place (`search.exchange`); what nothing needs is eliminated. `telling` asks whether a general model still predicts
-    something of the residual on held-out data, and whether more is left than where every cause may bend every session by itself, or many
-    times more than in the air; it measures every gain beside what noise alone leaves, and writes findings.json. `telemetry.pull` looks at
-    the moments that were left out.
+10. `search.criticise` repeats this; each cause is then asked for again beside the others, and where much is left that none is believed for,
+    its rivals in its place; of two accounts that explain as much the one with clearly fewer numbers is kept (`search.exchange`). What
+    nothing needs is eliminated. `telling` asks whether a general model still predicts something of the residual on held-out data, and
+    whether more is left than where every cause may bend every session by itself, or many times more than in the air; it measures every
+    gain beside what noise alone leaves, and writes findings.json. `telemetry.pull` looks at the moments that were left out.
 
 `many` divides the search where taxels are many; `scan` is the same idea for static spread scans.
 

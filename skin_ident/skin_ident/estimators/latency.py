@@ -48,7 +48,7 @@ UNKNOWN = Latency(0.0, float("inf"))
 def latencies(recordings: Sequence[Recording], mass: float | str = 0.0) -> dict[str, Latency]:
     """The latency of every channel (of the few that feel most) over all sessions. Raises `FitError` as `fit_dispersion` does."""
     felt = _strongest(recordings)
-    sessions, _ = prepare([_only(r, felt) for r in recordings])
+    sessions, _ = prepare([r.with_taxels(felt, spread=None) for r in recordings])
     shape = shape_of(sessions, mass, False)
     regression, _ = settled(sessions, shape)
     recovery = recovery_of(regression)
@@ -60,12 +60,6 @@ def _strongest(recordings: Sequence[Recording]) -> list[int]:
     """The taxels that follow the depth most."""
     follow = sum((np.abs(r.taxels @ (r.depth - r.depth.mean())) for r in recordings if r.depth is not None), np.zeros(1))
     return sorted(np.argsort(-follow, kind="stable")[:MOST].tolist()) if follow.size > 1 else list(range(len(recordings[0].taxels)))
-
-
-def _only(r: Recording, felt: list[int]) -> Recording:
-    """The recording with these taxels alone."""
-    names, units = (tuple(row[i] for i in felt) for row in (r.taxel_names, r.taxel_units))
-    return r.with_taxels(felt, taxel_names=names, taxel_units=units, spread=None)
 
 
 def _of_channel(sessions: list[Session], shape: Shape, c: int, recovery: float) -> Latency:

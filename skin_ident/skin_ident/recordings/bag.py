@@ -218,9 +218,10 @@ def _aligned(role: str, track: Track, base: np.ndarray, warnings: list[str]) -> 
     period = float(np.median(np.diff(track.t)))
     far = track.t[at] - track.t[np.clip(at - 1, 0, None)] > (BRIDGED + 1.5) * period
     warnings.append(f"{role}: interpolated to the instants of the first channel (its own samples come every {period * 1e-6:.4g} ms)")
-    out = interpolated((base - base[0]).astype(float), (track.t - base[0]).astype(float), rows)
+    when, known = ((stamps - base[0]).astype(float) for stamps in (base, track.t))
+    out = interpolated(when, known, rows)
     out[:, far] = np.nan
-    return out, steps_of(rows), digits_at((base - base[0]).astype(float), (track.t - base[0]).astype(float), rows)
+    return out, steps_of(rows), digits_at(when, known, rows)
 
 
 def _named(role: str, rows: np.ndarray, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -26,12 +26,7 @@ def _only(r: Recording, names: Sequence[str]) -> Recording:
     if len(set(wanted)) < len(wanted):
         raise RecordingError("--taxels names a taxel twice")
     rows = [known[name] for name in wanted]
-    return r.with_taxels(
-        rows,
-        taxel_names=tuple(wanted),
-        taxel_units=tuple(r.taxel_units[i] for i in rows),
-        declared=_declared(r.declared, rows, len(known)),
-    )
+    return r.with_taxels(rows, declared=_declared(r.declared, rows, len(known)))
 
 
 def _declared(d: Declared, rows: list[int], count: int) -> Declared:

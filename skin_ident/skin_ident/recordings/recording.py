@@ -93,14 +93,17 @@ class Recording:
         return digits_of((self.depth if channel == "depth" else self.channels[channel])[part])
 
     def with_taxels(self, rows: Sequence[int], **more: Any) -> "Recording":
-        """The recording with these of its taxels, in this order, and with all that is known of how they were read; with `more` changed."""
+        """The recording with these of its taxels, in this order, their names and units, and with all that is known of how they were read;
+        with `more` changed."""
         keys = {f"taxel_{i}": f"taxel_{new}" for new, i in enumerate(rows)}
 
         def moved(known: Mapping[str, Any]) -> dict[str, Any]:
             kept = {name: value for name, value in known.items() if not name.startswith("taxel_")}
             return kept | {keys[name]: value for name, value in known.items() if name in keys}
 
-        return replace(self, taxels=self.taxels[list(rows)], steps=moved(self.steps), digits=moved(self.digits), **more)
+        names, units = (tuple(each[i] for i in rows) for each in (self.taxel_names, self.taxel_units))
+        known = dict(taxel_names=names, taxel_units=units, steps=moved(self.steps), digits=moved(self.digits))
+        return replace(self, taxels=self.taxels[list(rows)], **(known | more))
 
     def part(self, start: int, stop: int) -> "Recording":
         """The samples from `start` up to `stop`."""

@@ -153,7 +153,7 @@ def _bridged(track: Track, name: str) -> Track:
         mended = [np.where(b, np.interp(track.t, track.t[~b], row[~b]), row) if b.any() else row for row, b in zip(rows, bad, strict=True)]
         blocks.append(np.array(mended))
     note = (f"{counted(filled, 'missing number')} interpolated",) if filled else ()
-    return Track(track.t, tuple(blocks), (*track.warnings, *note), interpolated=filled > 0, digits=track.digits)
+    return replace(track, blocks=tuple(blocks), warnings=(*track.warnings, *note), interpolated=filled > 0)
 
 
 def _rate_warning(dt: float, rate_hz: float | None) -> tuple[str, ...]:

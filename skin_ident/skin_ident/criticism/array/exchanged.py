@@ -72,7 +72,8 @@ def put_right(recordings: list, layout: Layout | str) -> tuple[list, tuple[Sympt
     if odds < SURE or plain.left < SEEN or best.left > MENDS * plain.left:
         return recordings, ()
     where = None if found.session is None else recordings[found.session].name
-    right = [r.with_taxels(found.of(n, i)) for i, r in enumerate(recordings)]
+    named = ({"taxel_names": r.taxel_names, "taxel_units": r.taxel_units} for r in recordings)
+    right = [r.with_taxels(found.of(n, i), **as_before) for i, (r, as_before) in enumerate(zip(recordings, named, strict=True))]
     return right, (_symptom(found.pair, where, plain, best, float(odds)),)
 
 

@@ -28,16 +28,14 @@ def own_shares(y: np.ndarray, session: Session) -> np.ndarray:
     return np.where(kept(session), 1.0, np.clip(factor, *SHARE))
 
 
-def beside_shares(changes: np.ndarray, y: np.ndarray, session: Session) -> np.ndarray:
-    """Changes (K, C, n) of a simulation `y` (C, N), less what shares of the session's own can follow."""
+def take_shares(changes: np.ndarray, y: np.ndarray, session: Session) -> None:
+    """From changes (K, C, n) of a simulation `y` (C, N) take what shares of the session's own can follow. In place: they are large."""
     if not has_own(session):
-        return changes
+        return
     taxels = slice(-session.n_taxels, None)
     Y = session.band.thin(y[taxels])
     factors = np.where(kept(session), 0.0, regression(changes[:, taxels], Y, session.weight[taxels]))
-    out = changes.copy()
-    out[:, taxels] -= factors[..., None] * Y
-    return out
+    changes[:, taxels] -= factors[..., None] * Y
 
 
 def regression(rows: np.ndarray, Y: np.ndarray, w: np.ndarray) -> np.ndarray:

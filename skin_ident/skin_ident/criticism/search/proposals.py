@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from skin_ident.criticism.baseline.own_shares import beside_shares, has_own
+from skin_ident.criticism.baseline.own_shares import take_shares
 from skin_ident.criticism.baseline.residual import at_place, placed, rows
 from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.sessions.session import Session, motion_under
@@ -155,5 +155,4 @@ def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], sessio
         for c, row in enumerate(change):
             if row.any():
                 out[i, c] = session.band.thin(row) / d.amount
-    if has_own(session):
-        out[:] = beside_shares(out, base, session)
+    take_shares(out, base, session)

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from skin_ident.recordings.digits import MULTIPLIER
+
 WINDOW = 24  # samples, more than those that tell about chance
 LIVELY = 9  # different readings that a window must hold, so that a quiet hold is not taken for a copy
 SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
 CHANCE = 0.001  # recurrences of the length found that chance may bring at most
 PART = 100_000  # windows looked at in one go, which bounds the memory
-MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)  # odd, of the windows' polynomial hash
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def _repeats(codes: list[np.ndarray]) -> Iterator[Repeat]:
 
 def _recurring(codes: list[np.ndarray], size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Recording and start of every lively window of `size` samples, and which of them is the first that equals it."""
-    powers = np.cumprod(np.full(size, MULTIPLIER))
+    powers = np.cumprod(np.full(size, MULTIPLIER))  # of the windows' polynomial hash
     at, start, hashes = [], [], []
     for k, row in enumerate(codes):
         for begin in range(0, row.size - size + 1, PART):
