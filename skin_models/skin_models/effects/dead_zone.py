@@ -84,7 +84,7 @@ class GradualTaxel(Memoryless):
     source: ClassVar[str] = "Weibull 1951"
 
     threshold: float = quantity(
-        "N", 0.0, lower=0.0, upper=1e3, typical=0.05, scan=(0.05, 0.2, 0.8), doc="force t at which 63 % of the contacts answer"
+        "N", 0.0, lower=0.0, upper=1e3, typical=0.2, scan=(0.05, 0.2, 0.8), doc="force t at which 63 % of the contacts answer"
     )
     sharpness: float = quantity(
         "1", 2.0, lower=0.5, upper=10.0, role=SHAPE, typical=2.0, scan=(2.0,), doc="exponent p: how alike the contacts' thresholds are"

@@ -12,6 +12,7 @@ Sources: L. J. Gibson and M. F. Ashby, Cellular Solids, 2nd ed., Cambridge 1997,
 Int. J. Impact Engineering 34 (2007) 3-27 (plateau and densification as a sum); K. L. Johnson, Contact Mechanics, 1985, ch. 4 (p = 3/2).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -19,7 +20,8 @@ import numpy as np
 
 from skin_models.effect import Memoryless, Place
 from skin_models.operators.contact import branches, depth_in_contact
-from skin_models.parameter import SHAPE, quantity
+from skin_models.parameter import SHAPE, quantity, scan_of
+from skin_models.signals import Motion
 
 ONSETS = (0.2e-3, 0.4e-3, 0.6e-3, 0.9e-3, 1.3e-3, 1.8e-3, 2.5e-3, 3.5e-3)  # m
 
@@ -131,6 +133,12 @@ class Foam(Memoryless):
     closes: float = quantity(
         "m", 1.3e-3, lower=1e-4, upper=0.05, role=SHAPE, typical=1.3e-3, scan=ONSETS[3:], doc="depth x1 of densification"
     )
+
+    @classmethod
+    def shapes(cls, s: Motion) -> Iterator[dict[str, float]]:
+        """Every depth of each grid once: what is lost on the plateau is the same wherever cells close, and the other way round."""
+        for yields, closes in zip(scan_of(cls, "yields"), scan_of(cls, "closes"), strict=True):
+            yield {"yields": yields, "closes": closes}
 
     def apply(self, y, s):
         """y - k (x - x0 (1 - exp(-x / x0))) + d max(x - x1, 0)^2 / x1 on each branch."""

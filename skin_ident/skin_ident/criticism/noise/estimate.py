@@ -24,6 +24,7 @@ from skin_ident.criticism.noise.whitening import Stacked, Whitener, fit_whitener
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
+NEXT = 8  # columns that may be chosen next
 AS_FEW = 12.0  # words by which passes do not differ: then the first of them, which explains more
 
 
@@ -72,17 +73,18 @@ def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0, offered: np
     """Orthogonal matching pursuit: coefficients of at most `most` columns of A, the first `forced` always used, until nothing gains; of the
     others only those `offered`, where that is given.
 
-    Inner products are taken with the chosen columns alone: of hundreds, two dozen are chosen.
+    Inner products are taken with the columns alone that may be chosen next, the best few at once: of hundreds, two dozen are chosen, and to
+    read all columns takes longer than to multiply them.
     """
     product, size = A.T @ r, np.sqrt(np.einsum("ij,ij->j", A, A))
     able = size > 0 if offered is None else (size > 0) & offered
     chosen = [i for i in range(forced) if size[i] > 0]
-    grams = list((A.T @ A[:, chosen]).T)
+    grams = dict(zip(chosen, A.T[chosen] @ A, strict=True))
     z, charge = np.zeros(A.shape[1]), np.log(max(len(r), 2))
     while True:
         left = product
         if chosen:
-            gram = np.array(grams)
+            gram = np.array([grams[i] for i in chosen])
             z[chosen] = np.linalg.lstsq(gram[:, chosen], product[chosen], rcond=1e-10)[0]
             left = product - z[chosen] @ gram
         gains = np.where(able, (left / np.where(able, size, 1.0)) ** 2, 0.0)
@@ -90,5 +92,7 @@ def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0, offered: np
         best = int(np.argmax(gains))
         if len(chosen) >= most or gains[best] < charge:
             return z
+        if best not in grams:
+            few = np.argsort(-gains, kind="stable")[:NEXT]
+            grams.update(zip(few.tolist(), A.T[few] @ A, strict=True))
         chosen.append(best)
-        grams.append(A.T @ A[:, best])
