@@ -58,7 +58,8 @@ class Whitener:
         e = self.steady(e, s)
         if not self.filters[:, 1:].any():  # white: one product does it all
             return np.matmul(to_unit @ mix, e) * believed
-        mixed = np.matmul(mix, e * (s.weight.min(axis=0) > 0.0))
+        good = s.weight.min(axis=0) > 0.0
+        mixed = np.matmul(mix, e if good.all() else e * good)
         for c in range(len(mix)):
             mixed[..., c, :] = lfilter(*self.predictor(c), mixed[..., c, :], axis=-1)
         mixed *= believed
