@@ -43,6 +43,16 @@ def test_contacts_and_reversals_are_no_outliers(tmp_path, cause):
     assert not looked(tmp_path, cause, size=2.0, seed=102).symptoms
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_an_encoder_whose_noise_is_wider_than_its_step_has_no_outliers(tmp_path, seed):
+    """Forces know nothing of its noise, and in forty thousand samples some of it is far out. Spikes are told beside it."""
+    write_case(make_sessions([], seed=seed, n_taxels=2, noise="white", encoder_noise_um=8.0)[0], tmp_path / "sound")
+    assert not inspect(load(tmp_path / "sound")).symptoms
+    spiky, _ = make_sessions("outliers", "rig", "spikes", 6.0, seed, n_taxels=2, noise="white", encoder_noise_um=8.0)
+    write_case(spiky, tmp_path / "spiky")
+    assert [(s.cause, s.where) for s in inspect(load(tmp_path / "spiky")).symptoms] == [("outliers", "rig")]
+
+
 def test_bad_samples_have_no_weight_and_are_bridged(tmp_path):
     found = looked(tmp_path, "outliers", "load_cell", "spikes", 2.0, 41)
     bad = {k: m for s in found.symptoms for k, m in s.bad.items()}

@@ -15,7 +15,8 @@ OVER = 10  # integration steps per sample
 
 @dataclass
 class Rig:
-    """What all sessions of a case share. `between`: log-normal change of the skin from session to session; `wobble` of the servo in m."""
+    """What all sessions of a case share. `between`: log-normal change of the skin from session to session; `wobble` of the servo in m,
+    `jitter` of what the encoder says, white, in m."""
 
     seed: int
     protocol: str
@@ -26,6 +27,7 @@ class Rig:
     taxel_steps: np.ndarray
     between: float = 0.0
     wobble: float = 0.0
+    jitter: float = 0.0
     cache: dict = field(default_factory=dict)
 
     def stream(self, *where):
@@ -116,6 +118,8 @@ class Rig:
         return out
 
     def _add_noise(self, out, number, effects):
+        if out.x is not None:
+            out.x += self.jitter * self.stream(6, number).standard_normal(out.x.size)
         for c in ["force", *range(out.taxels.shape[1])]:
             noise = self.noise
             for effect, a in effects:

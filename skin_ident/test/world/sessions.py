@@ -76,6 +76,7 @@ class Truth:
 def make_sessions(
     cause=None, where=None, form=None, size=1.0, seed=0, protocol="full", n_sessions=3, n_taxels=1, noise="any",
     thickness_mm=None, layout=None, encoder_step_um=1.0, rate=100.0, between=0.0, wobble_um=0.3,
+    encoder_noise_um=0.0,
 ):  # fmt: skip
     """Sessions that hide `cause` (a name, a `Hide`, a list of `Hide`, or None), and the `Truth`.
 
@@ -88,7 +89,9 @@ def make_sessions(
     hides = [complete(h, np.random.default_rng([seed, 7, i])) for i, h in enumerate(_listed(cause, where, form, size))]
     skin = draw_specimen(rng, thickness_mm, n_taxels, layout)
     steps = 4.88e-3 * skin.slopes
-    rig = Rig(seed, protocol, skin, as_noise(noise, rng), rate, 1e-6 * encoder_step_um, steps, between, 1e-6 * wobble_um)
+    micrometres = {"encoder_step": encoder_step_um, "wobble": wobble_um, "jitter": encoder_noise_um}
+    lengths = {name: 1e-6 * size for name, size in micrometres.items()}
+    rig = Rig(seed, protocol, skin, as_noise(noise, rng), rate, taxel_steps=steps, between=between, **lengths)
     effects = [build(h, Context(rig.stream(4, i), skin, h.where, FORCE_STEP, steps, rate)) for i, h in enumerate(hides)]
     scaled = [(e, _amplitude(rig, e, h)) for e, h in zip(effects, hides, strict=True)]
     cleans = [rig.clean(i, scaled) for i in range(n_sessions)]

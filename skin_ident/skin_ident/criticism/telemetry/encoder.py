@@ -1,7 +1,8 @@
 """Faults of the encoder: depth jumps, or stands still, and the force does not know of it.
 
 A step of dx presses the skin with k dx at least, and with more by damping. Where the depth departs from its own trend within one sample by
-more than its noise, and no channel shows a third of k dx nearby, the encoder was wrong and not the plunger.
+more than its steps and its noise, and no channel shows a third of k dx nearby, the encoder was wrong and not the plunger. Of noise that is
+wider than a step some samples are far out, and no force knows of them: there must be more of these than its tail would leave.
 """
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 
 from skin_ident.criticism.telemetry.excursions import fill_clusters, held, paired
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
-from skin_ident.criticism.telemetry.tails import smallest_step
+from skin_ident.criticism.telemetry.tails import reach, smallest_step, stands_apart
 from skin_ident.estimators.scale import normal_scale
 from skin_ident.stretches import runs
 
@@ -31,7 +32,8 @@ def find_encoder_faults(recordings: list) -> list[Symptom]:
     levels = [r.step("depth") or 0.0 for r in recordings]
     step = max(1e-6 * declared, *levels) if declared else max(*levels, smallest_step(np.concatenate([r.depth for r in recordings])))
     departed = [_detrended(r.depth) for r in recordings]
-    masks = [_faults(r, d, STEPS * step, stiffness) for r, d in zip(recordings, departed, strict=True)]
+    limits = _limits(departed, STEPS * step)
+    masks = [_faults(r, d, *limits, stiffness) for r, d in zip(recordings, departed, strict=True)]
     count = int(sum(m.sum() for m in masks))
     if sum(runs(m)[0].size for m in masks) < FEWEST:
         return []
@@ -43,6 +45,15 @@ def find_encoder_faults(recordings: list) -> list[Symptom]:
     rate = sum(runs(m)[0].size for m in masks) / (total * recordings[0].dt)
     parameters = {"rate": quantity(rate, "1/s"), "size": quantity(largest, "m")}
     return [Symptom("outliers", "rig", ("depth",), parameters, {"why": why, "count": count}, bad)]
+
+
+def _limits(departed: list[np.ndarray], least: float) -> tuple[float, float]:
+    """Beyond which a departure is more than steps, of which `least` is a few, and than noise; and beyond which there are more of them than
+    the tail of noise would leave, where that reaches further than steps: infinite where there are not."""
+    noise = reach(np.concatenate(departed))
+    if noise <= least:
+        return least, least
+    return noise, stands_apart(noise, lambda level: sum(np.count_nonzero(np.abs(d) > level) for d in departed)) or np.inf
 
 
 def _stiffness(recordings: list, channel: str) -> float:
@@ -62,13 +73,14 @@ def _detrended(y: np.ndarray) -> np.ndarray:
     return d - median_filter(d, TREND)
 
 
-def _faults(recording, departed: np.ndarray, limit: float, stiffness: dict[str, float]) -> np.ndarray:
+def _faults(recording, departed: np.ndarray, limit: float, apart: float, stiffness: dict[str, float]) -> np.ndarray:
+    """Mask (N,) of what jumps away and back beyond `apart`, and of what stands still and then jumps beyond `limit`."""
     x = recording.depth
     large = np.abs(departed) > limit
     if not large.any():
         return np.zeros(x.size, bool)
     silent = large & _unseen(recording, departed, stiffness)
-    mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent))
+    mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent & (np.abs(departed) > apart)))
     for a, b in zip(*held(x, FROZEN), strict=True):
         if silent[b - 1] and not mask[b]:
             mask[a:b] = True
