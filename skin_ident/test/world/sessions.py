@@ -90,7 +90,7 @@ def make_sessions(
     skin = draw_specimen(rng, thickness_mm, n_taxels, layout)
     steps = 4.88e-3 * skin.slopes
     micrometres = {"encoder_step": encoder_step_um, "wobble": wobble_um, "jitter": encoder_noise_um}
-    lengths = {name: 1e-6 * size for name, size in micrometres.items()}
+    lengths = {name: 1e-6 * um for name, um in micrometres.items()}
     rig = Rig(seed, protocol, skin, as_noise(noise, rng), rate, taxel_steps=steps, between=between, **lengths)
     effects = [build(h, Context(rig.stream(4, i), skin, h.where, FORCE_STEP, steps, rate)) for i, h in enumerate(hides)]
     scaled = [(e, _amplitude(rig, e, h)) for e, h in zip(effects, hides, strict=True)]

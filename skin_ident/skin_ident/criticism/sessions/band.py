@@ -129,7 +129,12 @@ class Band:
 
     def white(self, y: np.ndarray) -> float:
         """RMS in the band of the white noise of `y` (N,): its third differences hold nothing else, where samples are dense."""
-        return float(white_scale(y, 3) * np.sqrt(np.sum(self.kernel**2)))
+        return float(white_scale(y, 3) * self.passes)
+
+    @property
+    def passes(self) -> float:
+        """Of white noise, by RMS."""
+        return float(np.sqrt(np.sum(self.kernel**2)))
 
     def times(self, t: np.ndarray) -> np.ndarray:
         """The instants of what `thin` returns."""

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import declared_step
 from skin_ident.estimators.scale import white_scale
@@ -107,10 +108,11 @@ def _steps(recordings: list, channel: str) -> list[float | None]:
     return [r.step(channel) for r in recordings if channel in r.channels or (channel == "depth" and r.depth is not None)]
 
 
-def depth_resolution(recordings: list) -> float:
-    """How finely the depth is read, m: its steps, or those which would be as loud as its white noise, sqrt(12) standard deviations."""
+def depth_resolution(recordings: list, band: Band) -> float:
+    """How finely the depth is read, m: its steps, or those which would be as loud as what passes the common band of its white noise, for
+    which they are sqrt(12) standard deviations."""
     noises = [white_noise(r.depth) for r in recordings if r.depth is not None]
-    return max(depth_step(recordings), np.sqrt(12.0) * max(noises, default=0.0))
+    return max(depth_step(recordings), np.sqrt(12.0) * band.passes * max(noises, default=0.0))
 
 
 def white_noise(y: np.ndarray) -> float:
