@@ -65,6 +65,20 @@ def test_beside_a_taxel_that_feels_nothing_the_pull_is_what_does_not_reach_it():
     assert found.parameters["pull_dispersed"]["value"] == pytest.approx(0.8, abs=0.3)
 
 
+@pytest.mark.parametrize(("damping", "mass", "follows"), [(200.0, 0.0, True), (20.0, 5e-3, True), (20.0, 20e-3, False)])
+def test_equations_that_are_simulated_as_they_stand_pull_at_nothing(damping, mass, follows):
+    """Above depth zero dashpots pull, where nobody has told them of contact, and the moving skin hangs on the load cell."""
+    rng, t = np.random.default_rng(0), np.arange(12000) / 250.0
+    x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
+    v = np.gradient(x, t)
+    sensed, whole = (c * (1e3 * x + damping * v) for c in (0.6, 1.0))
+    sensed, whole = ((y if follows else np.maximum(y, 0.0)) * (x > 0.0) for y in (sensed, whole))
+    whole += mass * (np.gradient(v, t) - 9.81) * (x > 0.0)
+    force, taxel = whole + rng.normal(0.0, 5e-3, t.size), sensed + rng.normal(0.0, 5e-3, t.size)
+    skin = Dispersion(m=mass, b1=0.6 * damping, k1=600.0, b2=0.4 * damping, k2=400.0)
+    assert find_pull(Model(skin, shares=(1.0,)), [prepare(Recording("a", t, x, force, taxel[None]))]) == []
+
+
 def test_a_rig_that_drags_in_the_air_too_pulls_at_nothing():
     """Friction takes from the load cell on the way out, and adds as much on the way in: only skin that holds on does the one alone."""
     rng, t = np.random.default_rng(0), np.arange(12000) / 250.0
