@@ -24,7 +24,7 @@ NEAR_S = 8.0  # of air around it, by which the sensor's zero is judged
 CLEAR = 2.5  # widths of what the model leaves, at each of most leavings
 AGREE = 0.6  # of the leavings that must show it, in the sessions together
 FEWEST = 4  # leavings
-SHOWN = 0.3  # of what a model says, the least that readings must fall
+SHOWN = 0.3  # of what a model says, or of what was found, the least that readings must fall
 REACHES = (0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3)  # m
 SMOOTH, SMOOTH_S = 3, 0.01  # samples, and time, that a pull must last: of many samples some are low by themselves
 IN = 0.3  # of the greatest speed in the air, from which the plunger is on its way in
@@ -68,7 +68,8 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     depths = [one.depth for one, yes in zip(leavings, shown, strict=True) if yes]
     found = _symptom(model, sessions[0], dips[shown], carried, depths, len(leavings))
     found, least = _as_simulated(found, model, sessions, rest)
-    return [] if _follows(model, sessions, width, least) else [found]
+    clear = np.minimum(-CLEAR * width, SHOWN * np.median(dips[shown], axis=0))
+    return [] if _follows(model, sessions, clear, least) else [found]
 
 
 def is_pulled(pulling: Model, without: Model, sessions: list[Session]) -> bool:
@@ -85,12 +86,12 @@ def is_pulled(pulling: Model, without: Model, sessions: list[Session]) -> bool:
     return len(read) < FEWEST or bool(np.median(read) <= SHOWN * np.median(said))
 
 
-def _follows(model: Model, sessions: list[Session], width: np.ndarray, least: float) -> bool:
+def _follows(model: Model, sessions: list[Session], clear: np.ndarray, least: float) -> bool:
     """Whether skin that follows the plunger wherever it goes above depth zero, pulling as it does, leaves fewer squares than the `least` of
-    any pull, and nothing below."""
+    any pull, and at most leavings nothing that falls below `clear` (C,)."""
     rest = [s.raw - simulated(model, replace(s, motion=replace(s.motion, pressed=True))) for s in sessions]
     dips = np.array([one.dips for one in _all_leavings(model, sessions, rest)])
-    return _squares(rest) <= least and _agreed(dips < -CLEAR * width).size == 0
+    return _squares(rest) <= least and _agreed(dips < clear).size == 0
 
 
 def _agreed(pulled: np.ndarray) -> np.ndarray:
