@@ -126,7 +126,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
         every[0] = every[0].warned(*twin.warnings) if twin.warnings else every[0]
     every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
     train, held = _split(looked.sessions, training)
-    step = depth_resolution(every, looked.sessions[0].band)
+    step = depth_resolution(every)
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
     if c.train[0].free_mass:
@@ -175,7 +175,7 @@ def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model
         return _split(sessions, training)
 
     c = part.criticism
-    rest = rest_of(c, every, chosen, layout, split, depth_resolution(every, c.train[0].band), progress)
+    rest = rest_of(c, every, chosen, layout, split, depth_resolution(every), progress)
     seen = (*(symptom_of_all(s, chosen) for s in part.seen), *rest.symptoms)
     extended = model_of_all(c.extended.model, chosen, rest.shares, rest.effects, layout)
     progress("judging the ratios of all taxels")

@@ -4,6 +4,7 @@ from math import comb
 
 import numpy as np
 
+ORDERS = (3, 5, 7)  # of differences that motion of a few hertz hardly passes
 NORMAL = 1.4826  # standard deviation over median of |r|, normal distribution: 1 / Phi^-1(3 / 4)
 
 
@@ -25,3 +26,8 @@ def white_scale(y: np.ndarray, order: int) -> float:
     """Standard deviation of the white noise of `y` (N,), in its unit, by differences of `order` m: of motion that is sampled densely they
     hold next to nothing, of such noise sqrt(2 m over m) times as much, for the squares of binomials add up so. 0 for N <= m."""
     return normal_scale(np.diff(y, order)) / np.sqrt(comb(2 * order, order)) if y.size > order else 0.0
+
+
+def white_noise(y: np.ndarray) -> float:
+    """Standard deviation of the white noise of `y` (N,), in its unit: by its differences of the order at which that is least."""
+    return min((white_scale(y, m) for m in ORDERS if y.size > 2 * m), default=0.0)

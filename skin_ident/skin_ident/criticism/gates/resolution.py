@@ -51,15 +51,17 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     fitted to; those of the converter are uneven where noise does not carry the readings across them. And damping feels speeds that nobody
     reads: what depends on speed, or smooths the depth, must exceed what steps beat against samples in any session, and those speeds, too,
     unless the likelihood gains much by it and nobody is `strict`. A stage that trembles at rest does so no more while it moves: a fall
-    there may be smaller."""
+    there may be smaller. White noise of the encoder averages out within the band; what smooths the depth, or leaves some of the damping to
+    something else, spares the forces what is left of it, and explains no more than that."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
-    moves = partial(_moves, encoder_step)
-    chance = AT_FEW_DEPTHS if held_depths(train, encoder_step) < FEW else OPEN
-    bent = (k * UNZEROED * encoder_step) ** 2 if cause in OF_READING else 0.0
-    still, moving = (chance * (k * unread_depth(train, encoder_step, part)) ** 2 + uneven + bent for part in (None, moves))
+    moves, step = partial(_moves, encoder_step), _without_noise(encoder_step, train)
+    chance = AT_FEW_DEPTHS if held_depths(train, step) < FEW else OPEN
+    bent = (k * UNZEROED * step) ** 2 if cause in OF_READING else 0.0
+    trembling = OPEN * _trembling(train, k, damping(before, gain.channel) if cause in SMOOTHING else 0.0) ** 2
+    still, moving = (chance * (k * unread_depth(train, step, part)) ** 2 + uneven + bent + trembling for part in (None, moves))
     if cause in OF_SPEED:
-        beats = OPEN * max((damping(before, gain.channel) * _beat([s], encoder_step)) ** 2 for s in train)
+        beats = OPEN * max((damping(before, gain.channel) * _beat([s], step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
         if strict or gain.relative < MUCH:
             resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
@@ -113,12 +115,27 @@ def held_depths(sessions: list[Session], encoder_step: float) -> float:
 
 
 def unread_force(model: Model, channel: str, sessions: list[Session], encoder_step: float) -> float:
-    """What nobody reads of what drives a test leaves open of a channel, N rms: stiffness times what steps leave of the depth, and damping
-    times what they leave of its speed; of a force that drives, its noise, as much as the channel takes of one that is held."""
-    depth, speed = unread_depth(sessions, encoder_step), _beat(sessions, encoder_step)
-    steps = np.hypot(stiffness(model, channel) * depth, damping(model, channel) * speed)
-    taken = stiffness(model, channel) / max(stiffness(model, "force"), 1e-9)
-    return float(np.hypot(steps, taken * max(s.drive_noise for s in sessions)))
+    """What nobody reads of what drives a test leaves open of a channel, N rms: stiffness times what steps and noise leave of the depth, and
+    damping times what they leave of its speed; of a force that drives, its noise, as much as the channel takes of one that is held."""
+    step, (k, b) = _without_noise(encoder_step, sessions), (of(model, channel) for of in (stiffness, damping))
+    steps = np.hypot(k * unread_depth(sessions, step), b * _beat(sessions, step))
+    driving = k / max(stiffness(model, "force"), 1e-9) * max(s.drive_noise for s in sessions)
+    return float(np.linalg.norm([steps, _trembling(sessions, k, b), driving]))
+
+
+def _without_noise(encoder_step: float, sessions: list[Session]) -> float:
+    """The steps of an encoder, m, of what would be as loud as they and its white noise together."""
+    return float(np.sqrt(max(encoder_step**2 - 12.0 * max(s.depth_noise for s in sessions) ** 2, 0.0)))
+
+
+def _trembling(sessions: list[Session], k: float, b: float) -> float:
+    """What the white noise of the encoder makes of a force k x + b v in the common band, N rms: it is even up to the band's edge w, and its
+    speed is w / sqrt(3) times as much."""
+
+    def force(s: Session) -> float:
+        return s.depth_noise * s.band.passes * float(np.hypot(k, b * 2.0 * np.pi * s.band.edge / np.sqrt(3.0)))
+
+    return max(force(s) for s in sessions)
 
 
 def _beat(sessions: list[Session], encoder_step: float) -> float:

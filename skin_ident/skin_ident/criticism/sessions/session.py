@@ -9,6 +9,7 @@ import numpy as np
 from skin_ident.criticism.noise.growth import load_of
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import ALONE, Common
+from skin_ident.estimators.scale import white_noise
 from skin_ident.recordings.staircase import drawn_again
 from skin_models.dispersion import Dispersion
 from skin_models.operators.lagging import lagged
@@ -49,6 +50,7 @@ class Session:
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
     reference: int | None = None  # the taxel whose share is so in any case
     steps: tuple[float, ...] = ()  # N, between the levels on which each channel is read, 0 where none are seen
+    depth_noise: float = 0.0  # m rms, white, of the encoder, beside what rounding to its steps does
 
     @property
     def n_taxels(self) -> int:
@@ -85,7 +87,12 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
     rows, kept, driven = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight, recording.dt), (drive, drive_noise)
     steps = tuple(recording.step(c) or 0.0 for c in channels)
-    return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact, steps=steps)
+    depth_noise = _trembling(recording) if drive is None else 0.0
+    return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact, steps=steps, depth_noise=depth_noise)
+
+
+def _trembling(recording) -> float:
+    return float(np.sqrt(max(white_noise(recording.depth) ** 2 - (recording.step("depth") or 0.0) ** 2 / 12.0, 0.0)))
 
 
 def with_reference(sessions: list[Session]) -> list[Session]:

@@ -10,10 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import declared_step
-from skin_ident.estimators.scale import white_scale
+from skin_ident.estimators.scale import white_noise
 from skin_ident.recordings.levels import FEWEST_LEVELS
 
 COARSER = 1.5  # times the declared step
@@ -24,7 +23,6 @@ OFTEN = 0.9  # of the times that a level is come to, those of levels to which it
 AGAIN = 5
 NARROW = 40.0  # percent of the spacings, which may be as narrow as was declared: at a hold noise comes to two levels side by side
 BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
-ORDERS = (3, 5, 7)  # of differences that motion of a few hertz hardly passes
 
 
 def uneven_step(y: np.ndarray, declared: float) -> float | None:
@@ -108,16 +106,10 @@ def _steps(recordings: list, channel: str) -> list[float | None]:
     return [r.step(channel) for r in recordings if channel in r.channels or (channel == "depth" and r.depth is not None)]
 
 
-def depth_resolution(recordings: list, band: Band) -> float:
-    """How finely the depth is read, m: its steps, or those which would be as loud as what passes the common band of its white noise, for
-    which they are sqrt(12) standard deviations."""
+def depth_resolution(recordings: list) -> float:
+    """How finely the depth is read, m: its steps, or those which would be as loud as its white noise, sqrt(12) standard deviations."""
     noises = [white_noise(r.depth) for r in recordings if r.depth is not None]
-    return max(depth_step(recordings), np.sqrt(12.0) * band.passes * max(noises, default=0.0))
-
-
-def white_noise(y: np.ndarray) -> float:
-    """Standard deviation of the white noise of `y` (N,), in its unit: by its differences of the order at which that is least."""
-    return min((white_scale(y, m) for m in ORDERS if y.size > 2 * m), default=0.0)
+    return max(depth_step(recordings), np.sqrt(12.0) * max(noises, default=0.0))
 
 
 def depth_step(recordings: list) -> float:
