@@ -25,7 +25,7 @@ from skin_ident.criticism.telemetry.more_than_applied import find_more_than_appl
 from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pile_up import find_saturation
-from skin_ident.criticism.telemetry.quantization import depth_step, find_quantization
+from skin_ident.criticism.telemetry.quantization import depth_resolution, depth_step, find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.stretches import runs
@@ -146,7 +146,8 @@ def _in_residuals(
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
     steps = tuple(np.max([s.steps for s in sessions], axis=0))
-    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt, steps)
+    paths = [r.depth for r in recordings if r.depth is not None]
+    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt, steps, paths, depth_resolution(recordings))
     believed = _beside(raw, recordings, outliers)
     clipped = find_saturation(names, channels, believed, predicted, n, steps)
     clipped += [s for s in find_ceilings(names, channels, believed, predicted, jumps, n) if s.channels not in {c.channels for c in clipped}]

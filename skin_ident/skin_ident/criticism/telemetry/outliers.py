@@ -5,6 +5,7 @@ simulation then runs ahead of it, its depth being smoothed. A frozen run misses 
 """
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from scipy.stats import binom, poisson
@@ -42,11 +43,14 @@ def find_outliers(
     n_taxels: int,
     dt: float,
     steps: Sequence[float] = (),
+    paths: Sequence[np.ndarray] = (),
+    reads: float = 0.0,
 ) -> list[Symptom]:
     """Excursions and frozen runs per channel.
 
     `residuals` (measured less simulated) and `raw` are (C, N) at full rate for each session; `jumps` (N,) marks samples where a force may
-    really jump out of a rest; `steps` of converters are looked for in `raw` where they are not given.
+    really jump out of a rest; `steps` of converters are looked for in `raw` where they are not given. `paths` (N,) m are what an encoder
+    that `reads` so finely says: what stands still while it does misses nothing.
     """
     steps = steps or [0.0] * len(channels)
     every = [_of_channel([r[c] for r in residuals], [r[c] for r in raw], jumps, steps[c]) for c in range(len(channels))]
@@ -56,10 +60,10 @@ def find_outliers(
         away = [a & ~b for a, b in zip(away, bounced, strict=True)]
         others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
         own = [_alone(s, o) for s, o in zip(still, others, strict=True)]
+        own, lost = (_under_way(masks, paths, reads) for masks in (own, [_alone(u, o) for u, o in zip(unlikely, others, strict=True)]))
         sure = sum(_sure(s, r, y, c) for s, r, y in zip(own, residuals, raw, strict=True))
         if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
             own = [np.zeros_like(s) for s in own]
-        lost = [_alone(u, o) for u, o in zip(unlikely, others, strict=True)]
         if sum(runs(m)[0].size for m in lost) >= FEWEST:
             own = [s | m for s, m in zip(own, lost, strict=True)]
         found.append(_symptom(names, channels[c], away, own, [r[c] for r in residuals], n_taxels, dt))
@@ -171,6 +175,17 @@ def _sure(still: np.ndarray, e: np.ndarray, y: np.ndarray, c: int) -> int:
     """How many runs of `still`, a mask of channel `c` of `y` (C, N), miss a movement from their beginning on, which no channel denies."""
     noise = [reach(np.diff(row)) / LEAST for row in e]
     return sum(_from_the_start((y - e)[c, a : b + 1]) and not _denied(e, y, noise, c, a, b) for a, b in zip(*runs(still), strict=True))
+
+
+def _under_way(masks: list[np.ndarray], paths: Sequence[np.ndarray], reads: float) -> list[np.ndarray]:
+    """The runs of each session in which the plunger does not rest, as far as an encoder tells."""
+    return [without(m, partial(_rests, path, reads)) for m, path in zip(masks, paths, strict=True)] if paths else masks
+
+
+def _rests(path: np.ndarray, reads: float, a: int, b: int) -> bool:
+    """Whether an encoder that `reads` so finely says that the second half of the samples a..b is where the first is."""
+    middle = (a + b) // 2
+    return abs(float(np.median(path[middle:b]) - np.median(path[a:middle]))) <= reads
 
 
 def _from_the_start(should: np.ndarray) -> bool:
