@@ -15,7 +15,7 @@ from skin_ident.stretches import runs
 
 NEAR = 0.06  # relative, how close the factor of every piece must come to one of units
 EVEN_S = 1.0  # over which most samples tell which unit they are written in
-FOLLOWS = 0.3  # of what is left of a piece, the most that the factor may leave
+FOLLOWS = 0.3  # of a piece, and of what is left of it, the most that the factor may leave
 
 
 def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> Symptom | None:
@@ -37,12 +37,13 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
 
 
 def _times(s: Session, y: np.ndarray, model: np.ndarray, piece: Piece) -> float:
-    """Times what the `model` says (N,) N the channel reads in a piece, `y` (N,) N; not a number where it does not follow that."""
+    """Times what the `model` says (N,) N the channel reads in a piece, `y` (N,) N; not a number where it does not follow that: what reads
+    nothing is near any small part of it."""
     inside = (s.motion.t >= piece.start) & (s.motion.t < piece.start + piece.seconds)
     y, model = y[inside], model[inside]
     times, off = slope(y, model), y - model
     left = y - times * model
-    return times if float(left @ left) < FOLLOWS**2 * float(off @ off) else np.nan
+    return times if float(left @ left) < FOLLOWS**2 * float(min(off @ off, y @ y)) else np.nan
 
 
 def _whole(own: list[Piece], s: Session, y: np.ndarray, model: np.ndarray, factor: float) -> Iterator[Piece]:

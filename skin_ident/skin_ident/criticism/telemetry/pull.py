@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import minimum_filter1d
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.session import Session, motion_under
@@ -123,10 +124,13 @@ def _all_leavings(model: Model, sessions: list[Session], rest: list[np.ndarray])
 
 def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
     moved = motion_under(s, model.dispersion)
-    touched, inertial = model.dispersion.contact(moved), model.dispersion.inertial(moved)
+    touched = model.dispersion.contact(moved)
     air = ~touched & (moved.x < 0.0)
     before, after, near, lasts = (round(seconds / moved.dt) for seconds in (BEFORE_S, AFTER_S, NEAR_S, SMOOTH_S))
     lasts = max(lasts, SMOOTH)
+    hangs = np.zeros_like(s.raw)
+    if s.channels[0] == "force":  # the skin's weight, as near as anybody can say where its surface is
+        hangs[0] = minimum_filter1d(np.minimum(model.dispersion.inertial(moved), 0.0), 2 * lasts + 1)
     for i in np.flatnonzero(touched[:-1] & ~touched[1:]):
         window = np.arange(max(i - before, 0), min(i + after, moved.x.size))
         window = window[moved.v[window] < 0.0]
@@ -134,10 +138,7 @@ def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
         around = around[air[around] & ~np.isin(around, window)]
         if window.size < lasts or around.size < 2 * SMOOTH or moved.x[window].min() > 0.0:
             continue
-        hangs = np.zeros((len(s.channels), window.size))
-        if s.channels[0] == "force":
-            hangs[0] = np.minimum(inertial[window], 0.0)
-        below = np.maximum(s.raw[:, window] - _zero(s.raw[:, around], moved.v[around]) - hangs, rest[:, window])
+        below = np.maximum(s.raw[:, window] - _zero(s.raw[:, around], moved.v[around]) - hangs[:, window], rest[:, window])
         even = np.apply_along_axis(np.convolve, 1, below, np.ones(lasts) / lasts, "valid")
         lowest = np.argmin(even, axis=1)
         yield Leaving(even[:, lowest].T, float(moved.x[window[lowest[0] + lasts // 2]]))
