@@ -8,8 +8,12 @@ from world import make_sessions, write_table
 from world.noise import Noise
 
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.telemetry.other_units import in_other_units
+from skin_ident.criticism.telemetry.peaks import Piece
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.load import load
+from skin_ident.recordings.recording import Recording
 
 
 def record(folder, spoil, seed: int, **how) -> list:
@@ -92,6 +96,18 @@ def test_a_stretch_in_other_units_is_told_however_long_it_is(tmp_path, factor, s
 def test_a_stretch_of_another_gain_is_no_matter_of_units(tmp_path):
     looked = inspect(record(tmp_path, slipped(0.45, 0.1), 3, noise="white"))
     assert not [s for s in looked.symptoms if s.cause == "data_error"]
+
+
+@pytest.mark.parametrize("felt", [0.0, 1.0])
+def test_a_stretch_in_which_nothing_is_read_is_in_no_other_unit(felt):
+    """Of skin that is left a model may say a little where a taxel reads nothing, give or take a step; or it feels nothing by the model."""
+    t = np.arange(4000) * 0.01
+    x = 0.5e-3 + 0.5e-3 * np.sin(t)
+    model = felt * 2.0 * np.exp(-((t - 20.0) ** 2))
+    taxel = np.where(np.abs(t - 20.0) < 2.0, 2e-3 * (np.arange(t.size) % 7 == 0), model)
+    session = prepare(Recording("a", t, x, 1e3 * x, taxel[None]))
+    rest = [np.array([np.zeros(t.size), taxel - model])]
+    assert in_other_units([Piece("a", "taxel_0", 18.5, 3.0, 1.0, True)], [session], rest) is None
 
 
 @pytest.mark.parametrize(("begin", "end"), [(0.5, 1.0), (0.2, 0.35), (0.6, 0.75)])

@@ -24,6 +24,8 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
     told = {s.name: (s, s.raw[c], s.raw[c] - e[c]) for s, e in zip(sessions, rest, strict=True)}
     outside = [np.array([y, model])[:, ~samples_of(own, s)] for s, y, model in told.values()]
     usual = slope(*np.concatenate(outside, axis=1))  # the model was fitted to the pieces, too
+    if usual == 0.0:  # a taxel that feels nothing follows nothing, in whatever units
+        return None
     factors = [_times(*told[p.session], p) / usual for p in own]
     factor = next((f for f in FACTORS if all(abs(found / f - 1.0) < NEAR for found in factors)), None)
     if factor is None:
