@@ -22,6 +22,7 @@ from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.weighing import heaviest_of, held_again, lighter, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.session import prepare
+from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effects.backlash import Backlash
@@ -154,6 +155,15 @@ def test_noise_of_the_encoder_averages_out_but_what_smooths_it_away_is_no_findin
             assert resolved(gain, cause, PLAIN, PLAIN, noisy, np.sqrt(12.0) * 3e-6) is (times > 1.0)
     read = DEPTH + 3e-6 * np.random.default_rng(0).standard_normal(T.size)
     assert prepare(replace(recorded(PLAIN, noise=0.01), depth=read)).depth_noise == pytest.approx(3e-6, rel=0.1)
+
+
+def test_a_search_that_looks_at_fewer_samples_sees_as_much_noise_of_the_encoder():
+    rng, t = np.random.default_rng(0), np.arange(8000) / 1000.0
+    x = 0.5e-3 + 0.3e-3 * np.sin(2.0 * t)
+    every = prepare(Recording("fast", t, x + 3e-6 * rng.standard_normal(t.size), 12e3 * x, 9e3 * x[None]))
+    (fewer,) = thinner([every])
+    seen, of_fewer = (unread_force(PLAIN, "force", [s], np.sqrt(12.0) * 3e-6) for s in (every, fewer))
+    assert fewer.motion.dt > every.motion.dt and of_fewer == pytest.approx(seen, rel=0.01)
 
 
 def test_a_quick_effect_under_slow_noise_is_named(tmp_path):

@@ -1,6 +1,7 @@
 """What the steps of encoder and converters leave open, which a gain must exceed to be that of a cause."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import MUCH, Gain
+from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.estimators.scale import normal_scale
 from skin_models.effect import Effect, Place
@@ -53,15 +55,15 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     unless the likelihood gains much by it and nobody is `strict`. A stage that trembles at rest does so no more while it moves: a fall
     there may be smaller. White noise of the encoder averages out within the band; what smooths the depth, or leaves some of the damping to
     something else, spares the forces what is left of it, and explains no more than that."""
-    k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
+    k, drag, b = stiffness(before, gain.channel), damping(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     moves, step = partial(_moves, encoder_step), _without_noise(encoder_step, train)
     chance = AT_FEW_DEPTHS if held_depths(train, step) < FEW else OPEN
     bent = (k * UNZEROED * step) ** 2 if cause in OF_READING else 0.0
-    trembling = OPEN * _trembling(train, k, damping(before, gain.channel) if cause in SMOOTHING else 0.0) ** 2
+    trembling = OPEN * _trembling(train, k, drag if cause in SMOOTHING else 0.0) ** 2
     still, moving = (chance * (k * unread_depth(train, step, part)) ** 2 + uneven + bent + trembling for part in (None, moves))
     if cause in OF_SPEED:
-        beats = OPEN * max((damping(before, gain.channel) * _beat([s], step)) ** 2 for s in train)
+        beats = OPEN * max((drag * _beat([s], step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
         if strict or gain.relative < MUCH:
             resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
@@ -129,13 +131,18 @@ def _without_noise(encoder_step: float, sessions: list[Session]) -> float:
 
 
 def _trembling(sessions: list[Session], k: float, b: float) -> float:
-    """What the white noise of the encoder makes of a force k x + b v in the common band, N rms: it is even up to the band's edge w, and its
-    speed is w / sqrt(3) times as much."""
+    """What the white noise of the encoder makes of a force k x + b v in the common band, N rms, of the samples as they were recorded: a
+    search looks at fewer, of which each holds less."""
 
     def force(s: Session) -> float:
-        return s.depth_noise * s.band.passes * float(np.hypot(k, b * 2.0 * np.pi * s.band.edge / np.sqrt(3.0)))
+        return s.depth_noise * replace(s.band, dt=s.period).passes * float(np.hypot(k, b * _per_length(s.band)))
 
     return max(force(s) for s in sessions)
+
+
+def _per_length(band: Band) -> float:
+    """The speed, 1/s, of what is even up to the edge w of a band: w / sqrt(3) times as much as its depth, rms."""
+    return 2.0 * np.pi * band.edge / np.sqrt(3.0)
 
 
 def _beat(sessions: list[Session], encoder_step: float) -> float:
@@ -156,7 +163,7 @@ def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float,
     """What steps of the depth make of its speed within the band, m/s: a stage at rest trembles between them, evenly up to the band's edge;
     one that moves is rounded at every sample, evenly up to half the sampling rate."""
     band, period = sessions[0].band, sessions[0].period
-    per_length = 2.0 * np.pi * band.edge / np.sqrt(3.0) / np.sqrt(12.0)
+    per_length = _per_length(band) / np.sqrt(12.0)
     return per_length * min(encoder_step, TREMBLING), per_length * encoder_step * float(np.sqrt(2.0 * band.edge * period))
 
 
