@@ -72,9 +72,13 @@ def put_right(recordings: list, layout: Layout | str) -> tuple[list, tuple[Sympt
     if odds < SURE or plain.left < SEEN or best.left > MENDS * plain.left:
         return recordings, ()
     where = None if found.session is None else recordings[found.session].name
-    named = ({"taxel_names": r.taxel_names, "taxel_units": r.taxel_units} for r in recordings)
-    right = [r.with_taxels(found.of(n, i), **as_before) for i, (r, as_before) in enumerate(zip(recordings, named, strict=True))]
+    right = [_written_as(r, found.of(n, i)) for i, r in enumerate(recordings)]
     return right, (_symptom(found.pair, where, plain, best, float(odds)),)
+
+
+def _written_as(r, order: np.ndarray):
+    """The recording with its columns in this order, under the names that are written over them."""
+    return r.with_taxels(order, taxel_names=r.taxel_names, taxel_units=r.taxel_units)
 
 
 def _asked(s: np.ndarray, g: np.ndarray, one_by_one: bool) -> list[_Exchange]:

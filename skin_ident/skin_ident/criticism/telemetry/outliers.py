@@ -59,8 +59,8 @@ def find_outliers(
     for c, (away, still, unlikely) in enumerate(every):
         away = [a & ~b for a, b in zip(away, bounced, strict=True)]
         others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
-        own = [_alone(s, o) for s, o in zip(still, others, strict=True)]
-        own, lost = (_under_way(masks, paths, reads) for masks in (own, [_alone(u, o) for u, o in zip(unlikely, others, strict=True)]))
+        alone = ([_alone(m, o) for m, o in zip(masks, others, strict=True)] for masks in (still, unlikely))
+        own, lost = (_under_way(masks, paths, reads) for masks in alone)
         sure = sum(_sure(s, r, y, c) for s, r, y in zip(own, residuals, raw, strict=True))
         if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
             own = [np.zeros_like(s) for s in own]
