@@ -27,9 +27,9 @@ The method, in the order in which `diagnose` runs it:
     Where none is believed alone, and hardware does nothing of the kind, two that hide each other are asked (`search.together`).
     What only led the fit out of a false minimum is left out again (`search.unstuck`).
 8.  `gates` and `search.believing` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves
-    uncertain, by more than steps of encoder and converters and noise of the depth leave open, and that noise of another colour is no shorter
-    account of the record. What is there, and such as good hardware does, is said and not named (`search.hardware`), as is what training
-    speaks for while others leave it in doubt (`search.doubt`): neither is called excluded.
+    uncertain, by more than steps of encoder and converters and noise of the depth leave open, and that noise of another colour is no
+    shorter account of the record. What is there, and such as good hardware does, is said and not named (`search.hardware`), as is what
+    training speaks for while others leave it in doubt (`search.doubt`): neither is called excluded.
 9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
     during it. Zeros as tares leave them (`courses.left_by_tare`) belong to the baseline, and those of all channels and sessions together
     go before any cause that explains no more than they do, or where none is believed (`search.tared`). Where such courses explain most by
