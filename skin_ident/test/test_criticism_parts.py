@@ -15,7 +15,7 @@ from skin_ident.criticism.noise.whitening import fit_whitener, white
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import signed_pursuit
-from skin_ident.criticism.search.search import Search
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.weighing import weighed, with_mass
 from skin_ident.criticism.sessions.band import Band

@@ -17,7 +17,7 @@ from skin_ident.criticism.noise.whitening import fit_whitener
 from skin_ident.criticism.search.hardware import encoder_does, stage_is_off
 from skin_ident.criticism.search.own import own_course
 from skin_ident.criticism.search.proposals import directions
-from skin_ident.criticism.search.search import Search
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.weighing import heaviest_of, held_again, lighter, tells_more, weighed, with_mass
 from skin_ident.criticism.sessions.band import Band

@@ -20,8 +20,9 @@ from skin_ident.criticism.record import bad_samples, inspect, mended_depth
 from skin_ident.criticism.search.bounds import undecided
 from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.search.proposals import directions
-from skin_ident.criticism.search.search import Search
+from skin_ident.criticism.search.search import eliminate, run
 from skin_ident.criticism.search.size import affordable
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.parting import without_parting
@@ -158,8 +159,8 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
     start = replace(plain, shares=_shares(plain, train))
     which = tuple(d for d in directions(longest(train)) if d.where.startswith("taxel_"))
     search = Search(train, held, which, lambda stage: None, step)
-    search.run(fit(start, train, noise_beside(start, train, which)))
-    search.eliminate()
+    run(search, fit(start, train, noise_beside(start, train, which)))
+    eliminate(search)
     found_here = [n for n in search.named if n.where.startswith("taxel_")]
     usual = {key: s for key, s in search.seen.items() if key[1].startswith("taxel_")}
     model, std, names = search.present.model, search.present.std, [r.name for r in recordings]

@@ -1,7 +1,6 @@
 """Which of the trials is believed: it explains enough, predicts what was held out, shortens the description, and no hardware does it."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.courses.run import Run
@@ -13,11 +12,9 @@ from skin_ident.criticism.search.growing import instances, negligible
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_is_off, too_short
 from skin_ident.criticism.search.named import Named, Seen
 from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, reach
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import SHIFT
 from skin_ident.criticism.search.trial import OFFSET, Trial, same_by_nature, sized
-
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
 
 SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
@@ -25,7 +22,7 @@ DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one mus
 WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it predicts held-out data as well but for so little
 
 
-def first_believed(search: "Search", trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
+def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
     """The best trial that held-out data support, as a finding with its rivals. What is small beside the largest effect so far in a channel
     may be its imperfect form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
     for trial in _forms(trials):
@@ -53,31 +50,31 @@ def _forms(trials: list[Trial]) -> Iterator[Trial]:
     return (form for t in trials for form in t.forms if form.score > 0.0)
 
 
-def _is_believed(search: "Search", trial: Trial, gain: Gain, *, second_chance: bool) -> bool:
+def _is_believed(search: Search, trial: Trial, gain: Gain, *, second_chance: bool) -> bool:
     """Whether a trial explains enough of what it was fitted to, and of what was held out, to be named."""
     told = trial.score > search.least(trial.fit.count) * gain.breadth and sized(trial)
     surely = not second_chance or gain.lower > SURELY * gain.relative
     return bool(told and surely and gain.passed and gain.shows_at(trial.key[1]) and _is_shorter(search, trial.fit))
 
 
-def _in_doubt(search: "Search", trial: Trial, best: Trial, gain: Gain) -> bool:
+def _in_doubt(search: Search, trial: Trial, best: Trial, gain: Gain) -> bool:
     """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""
     able = trial.score > max(reach(best.score), _doubtless(search, trial) * gain.breadth) and sized(trial)
     several = bool(search.held) or len(search.train) > 1
     return bool(able and several and not gain.passed and not gain.spoilt and gain.relative > 0.0 and _is_shorter(search, trial.fit))
 
 
-def _doubtless(search: "Search", trial: Trial) -> float:
+def _doubtless(search: Search, trial: Trial) -> float:
     return DOUBTLESS * search.least(trial.fit.count)
 
 
-def _is_shorter(search: "Search", after: Fit) -> bool:
+def _is_shorter(search: Search, after: Fit) -> bool:
     """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
     before, behind = (description_length(f, search.train, search.noise.growth) for f in (search.present, after))
     return before - behind > SHORTER
 
 
-def _gain_of(search: "Search", trial: Trial, best: float) -> Gain:
+def _gain_of(search: Search, trial: Trial, best: float) -> Gain:
     """What a trial gains; of one as good as the `best` that explains very much of training a second opinion is asked."""
     models = search.present.model, trial.fit.model, trial.key[1]
     gain = search.gain(*models)
@@ -88,7 +85,7 @@ def _gain_of(search: "Search", trial: Trial, best: float) -> Gain:
     return search.second_opinion(*models, gain)
 
 
-def _is_hardware(search: "Search", trial: Trial, gain: Gain) -> bool:
+def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
     """Whether a trial is so little as a good stage or converter does; what is seen of it is said."""
     effects = instances(trial.fit.model, *trial.key)
     little = all(map(negligible, effects))
@@ -98,7 +95,7 @@ def _is_hardware(search: "Search", trial: Trial, gain: Gain) -> bool:
     return bool(usual) or little
 
 
-def _hardware_does(search: "Search", trial: Trial, rivals: list[Trial], gain: Gain) -> dict[tuple[str, str], Seen]:
+def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[tuple[str, str], Seen]:
     """What the steps of an encoder do in place of a trial: all of it, or of those that explain as much a zero of depth that they hide."""
     models = search.present.model, trial.fit.model
     encoder = encoder_does(trial.key, gain, *models, search.train, search.encoder_step)
@@ -109,7 +106,7 @@ def _hardware_does(search: "Search", trial: Trial, rivals: list[Trial], gain: Ga
     return {key: seen for key, seen in unread.items() if seen is not None}
 
 
-def _is_rival(search: "Search", other: Trial, best: Trial, gain: Gain) -> bool:
+def _is_rival(search: Search, other: Trial, best: Trial, gain: Gain) -> bool:
     """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out. Of the
     same cause at two places one instance each is compared, where one explains most: a second mends its form, wherever it is."""
     one = best.forms[-1].score
@@ -122,7 +119,7 @@ def _is_rival(search: "Search", other: Trial, best: Trial, gain: Gain) -> bool:
     return search.gain(search.present.model, other.fit.model, other.key[1]).relative >= NEARLY * gain.relative
 
 
-def _finding(search: "Search", trial: Trial, rivals: list[Trial], trials: list[Trial], runs: list[Run], gain: Gain) -> Named:
+def _finding(search: Search, trial: Trial, rivals: list[Trial], trials: list[Trial], runs: list[Run], gain: Gain) -> Named:
     """A trial by its name, and by all others that it may have."""
     alternatives = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
     alternatives += own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})

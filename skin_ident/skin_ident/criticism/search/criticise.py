@@ -8,9 +8,10 @@ from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.proposals import Direction, directions
-from skin_ident.criticism.search.search import Progress, Search
+from skin_ident.criticism.search.search import eliminate, run
+from skin_ident.criticism.search.state import Progress, Search
 from skin_ident.criticism.search.survey import noise_beside
-from skin_ident.criticism.search.weighing import weighed
+from skin_ident.criticism.search.weighing import unweigh, weighed
 from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import Session, longest
 from skin_ident.criticism.telemetry.pull import find_pull
@@ -40,11 +41,11 @@ def criticise(
     fitted = fit(start, train, noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
     search.baseline = fitted
-    search.run(fitted)
+    run(search, fitted)
     while len(search.rounds) < search.most and exchange(search):
-        search.run(search.present)
-    search.eliminate()
-    search.unweigh()
+        run(search, search.present)
+    eliminate(search)
+    unweigh(search)
     if given:
         check_numbers(search, given)
         baseline = fit(given, train, noise, 0)

@@ -9,44 +9,42 @@ So where much is left that is not believed, the rivals are asked, each in the pl
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.search.believing import first_believed
+from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
 from skin_ident.criticism.search.rivals import Rival, reach
-from skin_ident.criticism.search.together import beside, lasts
+from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.together import beside
 from skin_models.effect import Effect
 from skin_models.model import Model
-
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
 
 MUCH = 4.0  # times what makes a cause worth naming, which one must explain that is not believed, for rivals to be asked
 FEWER = 3  # parameters, by which an account is clearly plainer
 PROMISING = 0.8  # of what a cause explains, or seems to at first glance, from which another one may explain more once it is fitted
 
 
-def exchange(search: "Search") -> bool:
+def exchange(search: Search) -> bool:
     """Put the better account in the place of the first finding that has one, and say whether there was one; where the same cause is found
     again, its rivals are those it has now. Not asked of short records. `search` is the state of `criticise`."""
-    if not lasts(search):
+    if not search.lasts:
         return False
     if len(search.named) > 1 and any(_exchanged(search, finding) for finding in _shared(search)):
         return True
     return search.refused > MUCH * search.least(search.present.count) and any(_for_rival(search, finding) for finding in _shared(search))
 
 
-def _shared(search: "Search") -> list[Named]:
+def _shared(search: Search) -> list[Named]:
     """What was named that all sessions share."""
     return [n for n in search.named if not n.courses]
 
 
-def _exchanged(search: "Search", finding: Named) -> bool:
+def _exchanged(search: Search, finding: Named) -> bool:
     search.progress(f"asking again what {finding.cause} in the {finding.where} stands for")
     ahead, key = _without(search, finding), finding.key
     last = ahead.look()
@@ -58,7 +56,7 @@ def _exchanged(search: "Search", finding: Named) -> bool:
         return False
     trials = ahead.trials(last)
     explained = max([explained, *(t.score for t in trials if t.key == key)])
-    own, shared = ahead.choose(trials, runs)
+    own, shared = choose(ahead, trials, runs)
     if not (own or shared):
         return False
     other = (own or shared)[1]
@@ -87,7 +85,7 @@ def _better(other: float, than: float, numbers: int) -> bool:
     return reach(other) > than if numbers >= FEWER else other > than
 
 
-def _for_rival(search: "Search", finding: Named) -> bool:
+def _for_rival(search: Search, finding: Named) -> bool:
     """Put that rival in the place of `finding` beside which another cause is believed, where both explain more than there is now."""
     known = {n.key for n in search.named}
     for rival in (r for r in finding.alternatives if r.key not in known):
@@ -97,7 +95,7 @@ def _for_rival(search: "Search", finding: Named) -> bool:
     return False
 
 
-def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ...]) -> bool:
+def _taken(search: Search, finding: Named, rival: Rival, own: tuple[Effect, ...]) -> bool:
     """Whether the `own` effects of a rival were put in the place of `finding`: believed beside the cause that is believed beside them."""
     search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
     rest = lacking(search.present.model, *finding.key)
@@ -120,25 +118,25 @@ def _taken(search: "Search", finding: Named, rival: Rival, own: tuple[Effect, ..
     return True
 
 
-def _become(search: "Search", ahead: "Search", finding: Named) -> None:
+def _become(search: Search, ahead: Search, finding: Named) -> None:
     """The state of `search` is that of `ahead` now, without `finding`."""
     search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
     search.befores.pop(finding.key, None)
 
 
-def _without(search: "Search", finding: Named) -> "Search":
+def _without(search: Search, finding: Named) -> Search:
     """The state in which everything but `finding` has been named."""
     return _ahead(search, finding, lacking(search.present.model, *finding.key))
 
 
-def _ahead(search: "Search", finding: Named, model: Model) -> "Search":
+def _ahead(search: Search, finding: Named, model: Model) -> Search:
     """The state in which everything but `finding` has been named, and `model` is fitted."""
     ahead = search.ahead(fit(model, search.train, search.noise))
     ahead.named = [n for n in search.named if n is not finding]
     return ahead
 
 
-def _explained(present: Fit, without: "Search") -> float:
+def _explained(present: Fit, without: Search) -> float:
     """What `present` explains beyond the state `without`, as a trial's score is."""
     cost = cost_of(present.model, without.train, without.noise)
     charge = np.log(present.count) * (len(present.unknowns) - len(without.present.unknowns))

@@ -1,19 +1,16 @@
 """Whether the numbers of a given model are wrong."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from skin_ident.criticism.baseline.fitting import fit_effects
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.state import Search
 from skin_models.model import Model
-
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
 
 WRONG = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 
 
-def check_numbers(search: "Search", given: Model) -> None:
+def check_numbers(search: Search, given: Model) -> None:
     """Name `parameters` where the numbers of the given model are wrong once every named cause is in it; where they are not, they stay."""
     present = search.present.model
     as_given = replace(present, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)

@@ -1,7 +1,6 @@
 """What each session has of its own, as a finding of the search: a zero that steps, a gain that drifts, a clock that slips."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,11 +16,9 @@ from skin_ident.criticism.search.doubt import wandering
 from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import take_tare_of_held
 from skin_ident.criticism.search.trial import Trial
-
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
 
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
 SEARCHED = 1.5  # times what makes a cause worth naming, which one must explain whose moments are searched for
@@ -34,13 +31,13 @@ MOSTLY = 0.8  # of what a course explains, what it does if it is the same in all
 EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
 
 
-def refitted(search: "Search", run: Run) -> tuple[Fit, float]:
+def refitted(search: Search, run: Run) -> tuple[Fit, float]:
     """The model fitted again beside a course, and the score of the course with that, as a trial's is."""
     after = fit(search.present.model, added(search.train, run.values), search.noise)
     return after, search.present.cost - after.cost - run.charge
 
 
-def own_course(search: "Search", runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
+def own_course(search: Search, runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
     """A finding from the first course of each session's own, where the blocks between support it."""
     run = runs[0]
     search.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
@@ -70,7 +67,7 @@ def _of_wandering(run: Run, least: float) -> float:
     return least if run.course.carrier == ZERO else 0.0
 
 
-def _at_once(run: Run, search: "Search") -> float:
+def _at_once(run: Run, search: Search) -> float:
     """The most that a course of one channel explains within one short while, of the squared whitened error: noise that wanders and has
     heavy tails jumps for good, now and then, and that is a step of nothing. What jumps in all channels at once is no noise of theirs."""
     most = 0.0
@@ -92,7 +89,7 @@ def _alike_in_all(run: Run, trials: list[Trial], score: float) -> float:
     return shared if shared > MOSTLY * score else score
 
 
-def take_alone(search: "Search") -> bool:
+def take_alone(search: Search) -> bool:
     """Name one thing that is wrong in held-out sessions alone: an own course of theirs, where the blocks between support it."""
     if search.alone or not search.held:
         return False
@@ -128,14 +125,14 @@ def take_alone(search: "Search") -> bool:
     return True
 
 
-def _in_their_noise(search: "Search", run: Run) -> float:
+def _in_their_noise(search: Search, run: Run) -> float:
     """What a course of held-out sessions explains in the noise that is left there with it: theirs may wander further than the others'."""
     model = search.present.model
     noise = grown_noise_of(model, added(search.held, run.values))
     return fitted(run.course, model, search.held, noise, left_open(model, search.train, search.held, noise)).score
 
 
-def take_course(search: "Search", run: Run, finding: Named) -> None:
+def take_course(search: Search, run: Run, finding: Named) -> None:
     """Give every session its course, and name it, unless it is no more than a tare leaves; the rest of the search goes on with what is
     left. The course was found in noise that held it, too, and its moments may be off: so it is fitted once more in what is left with it,
     there and in held-out sessions."""

@@ -1,7 +1,5 @@
 """Zeros that tares leave, where they explain what was about to be named: they belong to the baseline."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import fit
@@ -15,18 +13,16 @@ from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.hardware import tare_does, zeros_do
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import place_of
 from skin_models.model import Model
-
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
 
 WORTH_SAYING = 0.2  # of what a tare leaves
 OFFSET, SHIFT = CAUSES[ZERO, CONSTANT], CAUSES[DEPTH, STEPS]
 
 
-def take_tare(search: "Search", finding: Named) -> bool:
+def take_tare(search: Search, finding: Named) -> bool:
     """Whether zeros as tares leave them explain in training what a `finding` has, and were taken for that, in all sessions. A zero of
     each session is judged by its own size; one that all share may be a tare's, as it may of a session that is alone."""
     if finding.courses and _is_zero(finding.cause):
@@ -38,7 +34,7 @@ def take_tare(search: "Search", finding: Named) -> bool:
     return bool(found)
 
 
-def take_zeros(search: "Search") -> bool:
+def take_zeros(search: Search) -> bool:
     """Whether zeros as good hardware leaves them explain something where no cause is believed, and were taken: they would be a riddle."""
     found, fall = zeros(search.present.model, search.train, search.noise, search.encoder_step, free=True)
     free = sum(np.count_nonzero(z) for z in found.values())
@@ -48,7 +44,7 @@ def take_zeros(search: "Search") -> bool:
     return True
 
 
-def _take(search: "Search", found: Zeros, shared: Zeros) -> None:
+def _take(search: Search, found: Zeros, shared: Zeros) -> None:
     """Put zeros into the sessions that were fitted, and into the held-out ones their own, or those that all have."""
     model = search.present.model
     search.train = added(search.train, added_by(found, model, search.train))
@@ -59,7 +55,7 @@ def _take(search: "Search", found: Zeros, shared: Zeros) -> None:
     _said(search, found | others)
 
 
-def _shared(search: "Search", finding: Named) -> Zeros:
+def _shared(search: Search, finding: Named) -> Zeros:
     """The zero that a finding gives to all sessions alike, where it is no larger than tares leave it: sessions that are tared each do not
     share more."""
     if finding.cause != OFFSET or finding.model is None:
@@ -79,7 +75,7 @@ def _offset_of(model: Model, finding: Named) -> float:
     return sum(e.offset for e in instances(model, finding.cause, finding.where))
 
 
-def take_tare_of_held(search: "Search", cause: str, explained: float) -> bool:
+def take_tare_of_held(search: Search, cause: str, explained: float) -> bool:
     """The same of what a `cause` has `explained` in held-out sessions alone."""
     found = {} if _is_zero(cause) else _instead(search, search.held, explained, free=False)
     if not found:
@@ -93,13 +89,13 @@ def _is_zero(cause: str) -> bool:
     return cause in (OFFSET, SHIFT)
 
 
-def _instead(search: "Search", sessions: list[Session], explained: float, *, free: bool) -> Zeros:
+def _instead(search: Search, sessions: list[Session], explained: float, *, free: bool) -> Zeros:
     """The zeros that explain as much as was explained otherwise."""
     found, fall = zeros(search.present.model, sessions, search.noise, search.encoder_step, free=free)
     return found if fall >= explained else {}
 
 
-def _said(search: "Search", found: Zeros) -> None:
+def _said(search: Search, found: Zeros) -> None:
     *channels, depth = np.max(np.abs([*found.values()]), axis=0).tolist()
     for channel, largest, tare in zip(search.train[0].channels, channels, tares(search.train, search.noise), strict=True):
         if largest > WORTH_SAYING * tare.leaves:

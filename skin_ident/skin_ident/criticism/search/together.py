@@ -6,7 +6,6 @@ first one then believed beside the second?
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
@@ -17,24 +16,21 @@ from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, reach
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial, sized
 from skin_models.model import Model
 
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
-
 FILTERS = ("time_shift", "lag", "mount_compliance", "rate_dependence")  # of which two make of the depth what smooths its steps
 ASKED = 3  # causes that are taken for granted
-LASTS_S = 30.0  # of training together: of less, two bent causes fit whatever is there
 
 Pair = tuple[tuple[Fit, Named], tuple[Fit, Named]]
 
 
-def two_at_once(search: "Search", trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
+def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
     """The two findings that explain most together, the first with its fit alone; `search` is the state of `criticise`. Nothing where the
     record is short, or what belongs to each session alone explains more than the causes, or no two are believed beside each other."""
     promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL * t.fit.count and sized(t.forms[-1])]
-    if not promising or not lasts(search) or (runs and runs[0].score > promising[0].score):
+    if not promising or not search.lasts or (runs and runs[0].score > promising[0].score):
         return ()
     pairs = sorted(filter(None, (_beside(search, t) for t in promising)), key=lambda pair: -_explained(pair))
     if not pairs:
@@ -45,23 +41,18 @@ def two_at_once(search: "Search", trials: list[Trial], runs: list[Run]) -> Pair 
     return (alone, replace(first, alternatives=rivals)), second
 
 
-def _no_steps(search: "Search", after: Model, both: Gain, causes: set[str]) -> bool:
+def _no_steps(search: Search, after: Model, both: Gain, causes: set[str]) -> bool:
     """Whether two causes gain more than the steps of an encoder leave open, and much where one of them may smooth those."""
     steps = search.encoder_step
     much = both.relative > MUCH or not (steps and causes & set(FILTERS))
     return much and all(resolved(both, cause, search.present.model, after, search.train, steps, strict=True) for cause in causes)
 
 
-def lasts(search: "Search") -> bool:
-    """Whether training sessions are long enough to speak of several causes beside each other."""
-    return sum(s.seconds for s in search.train) >= LASTS_S
-
-
 def _explained(pair: Pair) -> float:
     return sum(finding.explained for _, finding in pair)
 
 
-def _beside(search: "Search", first: Trial) -> Pair | None:
+def _beside(search: Search, first: Trial) -> Pair | None:
     """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together."""
     ahead = search.ahead(first.fit)
     second = first_believed(ahead, ahead.trials(ahead.look()), [])
@@ -77,7 +68,7 @@ def _beside(search: "Search", first: Trial) -> Pair | None:
     return (first.fit, finding), second
 
 
-def beside(ahead: "Search", key: tuple[str, str], after: Model) -> tuple[Model, Gain | None]:
+def beside(ahead: Search, key: tuple[str, str], after: Model) -> tuple[Model, Gain | None]:
     """The model `after` refitted without one cause and place `key`, and what that gains beside the rest; None where it is not believed."""
     without = fit(lacking(after, *key), ahead.train, ahead.noise).model
     gain = ahead.gain(without, after, key[1])

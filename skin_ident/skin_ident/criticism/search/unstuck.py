@@ -1,18 +1,14 @@
 """Whether a cause was only a way out of a minimum in which the fit without it was caught."""
 
-from typing import TYPE_CHECKING
-
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
-
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
+from skin_ident.criticism.search.state import Search
 
 CAUGHT = 0.5  # of what a cause explains, from which the minimum was the cause
 
 
-def unstuck(search: "Search", after: Fit, finding: Named) -> bool:
+def unstuck(search: Search, after: Fit, finding: Named) -> bool:
     """Whether the model so far comes closer than it had, begun where the fit `after` with a cause has taken it, by more than half of what
     that cause seemed to explain, and was taken from there."""
     if finding.key in search.led or instances(search.present.model, *finding.key):

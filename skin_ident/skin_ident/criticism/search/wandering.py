@@ -1,20 +1,16 @@
 """What wanders smoothly through every session, asked for where no other cause is believed: the noise model takes it for noise."""
 
-from typing import TYPE_CHECKING
-
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.gate import believed
 from skin_ident.criticism.courses.waves import find_wave, run_of
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
 
-
-def take_wave(search: "Search") -> bool:
+def take_wave(search: Search) -> bool:
     """Name one wave and give every session its own; `search` is the state of `criticise`."""
     model = search.present.model
     found = find_wave(model, search.train, search.held, search.noise)

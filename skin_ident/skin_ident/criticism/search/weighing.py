@@ -10,7 +10,6 @@ enough, whatever else is wrong, the mass is fitted between nothing and that, and
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,13 +17,11 @@ from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.gates.gate import MATERIAL, breadth_of
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.rivals import reach
+from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
 from skin_models.signals import GRAVITY
-
-if TYPE_CHECKING:
-    from skin_ident.criticism.search.search import Search
 
 LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
 COUNTS = 0.25  # of what the best of all causes explains, below which such a mass waits,
@@ -63,7 +60,7 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
     return held if _gained(held, present) < _least(held, sessions) else None
 
 
-def weighs(search: "Search", free: Fit, best: float) -> bool:
+def weighs(search: Search, free: Fit, best: float) -> bool:
     """Whether the mass is taken as it was fitted, `free`, beside the `best` that any cause explains."""
     present = search.present
     if lighter(present.model, free.model) and not search.declared and counts_beside(search, free, best):
@@ -71,12 +68,12 @@ def weighs(search: "Search", free: Fit, best: float) -> bool:
     return tells_more(free, present, best, may_be_skin(search, free)) or settles(search, free, best)
 
 
-def may_wait(search: "Search", free: Fit) -> bool:
+def may_wait(search: Search, free: Fit) -> bool:
     """Whether the `free` mass is taken where no cause is found, for it takes from what was set or may be the skin's."""
     return lighter(search.present.model, free.model) or may_be_skin(search, free)
 
 
-def may_be_skin(search: "Search", free: Fit) -> bool:
+def may_be_skin(search: Search, free: Fit) -> bool:
     """Whether the `free` mass, which nobody declared, is one that skin may have, and several channels know it from a cause."""
     return not search.declared and len(search.train[0].channels) > 1 and free.model.dispersion.m < OF_SKIN
 
@@ -90,14 +87,14 @@ def tells_more(free: Fit, present: Fit, best: float, may_be: bool = False) -> bo
     return m > present.model.dispersion.m and reach(gained) > best
 
 
-def counts_beside(search: "Search", free: Fit, best: float) -> bool:
+def counts_beside(search: Search, free: Fit, best: float) -> bool:
     """Whether the `free` mass explains enough to matter beside the `best` of all causes, and by itself, not by fitting once more: while
     newtons are unexplained, millinewtons of weight can wait."""
     again = fit(search.present.model, search.train, search.noise)
     return _gained(again, free) > max(COUNTS * best, _least(free, search.train))
 
 
-def settles(search: "Search", free: Fit, best: float) -> bool:
+def settles(search: Search, free: Fit, best: float) -> bool:
     """Whether the `free` mass explains more than the `best` of all causes does, though not clearly, and leaves none of them anything."""
     if _gained(search.present, free) <= best:
         return False
@@ -106,7 +103,7 @@ def settles(search: "Search", free: Fit, best: float) -> bool:
     return ahead.look().ranked[0].score < search.least(free.count)
 
 
-def weigh(search: "Search", free: Fit) -> None:
+def weigh(search: Search, free: Fit) -> None:
     """Take the fit with another mass: from now on it is fitted, and what has been named without it must be found again, unless it is no
     more than what was assumed of the skin's own."""
     search.progress("fitting the mass, too")
@@ -120,6 +117,13 @@ def weigh(search: "Search", free: Fit) -> None:
     if not kept:
         search.named, search.befores, search.wandering = [n for n in search.named if n.courses], {}, 0.0
     search.go_on()
+
+
+def unweigh(search: Search) -> None:
+    """Hold the mass again where that which was assumed does as well, now that causes are named."""
+    held = None if search.declared else held_again(search.present, search.train, search.noise)
+    if held:
+        search.present, search.train, search.held = held, weighed(search.train, 0.0), weighed(search.held, 0.0)
 
 
 def _gained(present: Fit, free: Fit) -> float:

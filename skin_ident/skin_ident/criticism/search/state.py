@@ -1,0 +1,197 @@
+"""What a search for causes knows at any moment, and what it can ask of it: surveys, trials, gains, and what makes a cause worth naming."""
+
+from collections.abc import Callable, Iterable, Iterator
+from copy import copy
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
+from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.courses.course import worthwhile
+from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
+from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
+from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.search.growing import grow
+from skin_ident.criticism.search.hardware import stage_does, steps_do
+from skin_ident.criticism.search.named import Named, Seen
+from skin_ident.criticism.search.proposals import Direction
+from skin_ident.criticism.search.ranking import Ranked
+from skin_ident.criticism.search.rivals import plainest_first
+from skin_ident.criticism.search.shortlist import shortlisted
+from skin_ident.criticism.search.survey import Survey, survey
+from skin_ident.criticism.search.trial import Trial, plausible
+from skin_ident.criticism.sessions.session import Session
+from skin_models.effect import Effect
+from skin_models.model import Model
+
+MOST_FINDINGS = 5
+SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
+FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
+SENSORS = ("taxel", "load_cell")
+LASTS_S = 30.0  # of training together: of less, two bent causes fit whatever is there
+
+Progress = Callable[[str], None]
+
+
+@dataclass
+class Search:
+    """The present fit, what was named, what held-out data refused, and the surveys of all rounds."""
+
+    train: list[Session]
+    held: list[Session]
+    which: tuple[Direction, ...]
+    progress: Progress
+    encoder_step: float = 0.0
+    weighable: bool = False  # whether the mass may be another than was assumed or declared,
+    declared: bool = False  # and somebody declared it
+
+    def __post_init__(self) -> None:
+        self.present: Fit  # the model so far, fitted, and the noise that was seen with it, both from the first round on
+        self.baseline: Fit  # what was fitted without any cause
+        self.led: set[tuple[str, str]] = set()  # causes that only led out of a false minimum
+        self.noise: Whitener
+        self.named: list[Named] = []
+        self.rounds: list[tuple[Survey, str | None]] = []
+        self.runs: list[Run] = []
+        self.doubting = False  # whether held-out sessions alone decide, for a cause was taken for granted
+        self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
+        self.put_out: set[tuple[str, str]] = set()  # causes in whose place another was put: they do not come back into its
+        self.suspected: set[tuple[str, str]] = set()
+        self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
+        self.tared: dict[tuple[str, str], Seen] = {}  # zeros of sessions that were taken into the baseline
+        self.doubts: dict[tuple[str, str], Seen] = {}  # what training speaks for, and others leave in doubt
+        self.most = MOST_FINDINGS  # rounds
+        self.zeroed = False  # whether zeros as good hardware leaves them were taken where no cause was believed
+        self.refused = 0.0  # what the best cause would explain that was not believed in the last round
+        self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
+        self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
+        self.befores: dict[tuple[str, str], Model] = {}
+        self._surveyed: tuple[Model, list[Session], Survey] | None = None
+
+    @property
+    def seen(self) -> dict[tuple[str, str], Seen]:
+        """What is in the record and no finding, by cause and place."""
+        return self.doubts | self.usual | self.tared
+
+    def ahead(self, present: Fit) -> "Search":
+        """The same state with another fit, from which to look further; what is found there is not found here."""
+        other = copy(self)
+        vars(other).update({name: copy(v) for name, v in vars(self).items() if isinstance(v, (list, dict, set))})
+        other.present, other.doubts, other.doubting, other._surveyed = present, {}, True, None
+        return other
+
+    def end_round(self, last: Survey, cause: str | None, refused: float = 0.0) -> None:
+        """Note which cause a round has named, or how much the best explains that was `refused`."""
+        self.rounds.append((last, cause))
+        self.refused = refused
+
+    def go_on(self) -> None:
+        """From here on as many rounds again."""
+        self.most = len(self.rounds) + MOST_FINDINGS
+
+    def look(self) -> Survey:
+        """Survey what the present model leaves, in the noise that the survey finds."""
+        self.progress("surveying every cause")
+        last = self.survey()
+        self.noise = last.noise
+        self.present = replace(self.present, cost=cost_of(self.present.model, self.train, self.noise))
+        return last
+
+    def survey(self) -> Survey:
+        """Every cause ranked against the present model; that of last time where neither model nor sessions have changed since."""
+        if self._surveyed is None or self._surveyed[0] is not self.present.model or self._surveyed[1] is not self.train:
+            if self._surveyed:
+                self._surveyed[2].kept.clear()
+            self._surveyed = self.present.model, self.train, survey(self.present.model, self.train, self.which)
+        return self._surveyed[2]
+
+    def trials(self, last: Survey) -> list[Trial]:
+        """The most promising causes, each grown and refitted, the best first."""
+
+        def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
+            return (t for t in map(self._trial, causes) if plausible(t, self.train))
+
+        return shortlisted(last.ranked, tried, {n.key for n in self.named}, self.suspected)
+
+    def _trial(self, r: Ranked) -> Trial:
+        self.progress(f"trying {r.cause} in the {r.where}")
+        grown, *plainer = (self._scored(r, after) for after in grow(self.present, r, self.train, self.which, self.noise))
+        return replace(grown, plainer=next(iter(plainer), None))
+
+    def _scored(self, r: Ranked, after: Fit) -> Trial:
+        charge = np.log(after.count) * (len(after.unknowns) - len(self.present.unknowns))
+        return Trial(r, after, float(self.present.cost - after.cost - charge))
+
+    def own_courses(self) -> list[Run]:
+        """What each session may have of its own and has not yet, the plainest first."""
+        had = {r.course for r in self.runs}
+        runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
+        good = [r for r in runs if not r.worth(self.encoder_step) and r.score > self.least(self.present.count)]
+        self.usual |= {r.course.key: stage_does(r, self.encoder_step) for r in good}
+        return plainest_first([r for r in runs if r.worth(self.encoder_step) and r.course not in had])
+
+    @property
+    def lasts(self) -> bool:
+        """Whether training sessions are long enough to speak of several causes beside each other."""
+        return sum(s.seconds for s in self.train) >= LASTS_S
+
+    def least(self, count: int) -> float:
+        """The likelihood gain below which a cause is not worth naming, where so many whitened samples count; slow causes gain as much of a
+        band that was narrowed, and its noise no less."""
+        return MATERIAL * count * self.train[0].band.narrowed
+
+    def form_of_others(self, cause: str, where: str) -> float:
+        """The likelihood gain that imperfect forms of other causes, named in the same sensor, may leave to this one."""
+        if not where.startswith(SENSORS):  # skin and rig have many causes, each in its own right
+            return 0.0
+        return max((FORM * n.explained for n in self.named if n.where == where and n.cause != cause), default=0.0)
+
+    def fallen(self, channel: str) -> float:
+        """The largest fall of the mean square, N^2, by what has been named and is carried by a channel."""
+        return max((n.gain.squares for n in self.named if channel in n.gain.carried), default=0.0)
+
+    def shadows(self, gain: Gain) -> bool:
+        """Whether what has been named explains so much more that what gains so may be its imperfect form."""
+        return gain.squares <= SHADOW * self.fallen(gain.channel)
+
+    def resolved(self, key: tuple[str, str], gain: Gain, after: Model) -> bool:
+        """Whether a gain is more than what steps of encoder and converters leave open. What else is believed, and is not, is said."""
+        seen = steps_do(key[0], gain, self.present.model, after, self.train, self.encoder_step)
+        self.usual |= {key: seen} if seen else {}
+        return seen is None
+
+    def gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
+        """What `after` gains over `before` in held-out data; in training sessions by turns where what is held out cannot show it."""
+        held = [] if self.deaf(before, after, where) else self.held
+        return held_out_gain(before, after, self.train, held, self.noise, refit_before)
+
+    def deaf(self, before: Model, after: Model, where: str) -> bool:
+        """Whether what is held out cannot show what `after` changes."""
+        return bool(self.held) and deaf(before, after, self.train, self.held, where)
+
+    def second_opinion(self, before: Model, after: Model, where: str, first: Gain) -> Gain:
+        """The gain by other sessions, too, or by halves where held-out ones cannot be asked; not where these speak against it, where a lone
+        session was fitted, nor of short records, in which a bent cause fits whatever is there."""
+        if not (self.held and len(self.train) > 1 and self.lasts):
+            return first
+        models, cannot = (before, after, self.train), self.deaf(before, after, where)
+        alone = held_out_gain(*models, self.held, self.noise) if cannot else first
+        if alone.relative <= 0.0 or alone.spoilt:
+            return first
+        other = halves_in_turn(*models, self.noise) if cannot else all_in_turn(*models, self.held, self.noise)
+        return other if other.passed else first
+
+    def accept(self, after: Fit, finding: Named) -> None:
+        """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
+        start = self.befores.setdefault(finding.key, self.present.model)
+        same = next((n for n in self.named if n.key == finding.key), None)
+        if same is None:
+            self.named.append(finding)
+        else:
+            more = replace(same, gain=self.gain(start, after.model, finding.where), explained=same.explained + finding.explained)
+            self.named = [more if n is same else n for n in self.named]
+        self.present, self.doubts = after, {}
+        self.train, self.held = ([settled(after.model, s) for s in sessions] for sessions in (self.train, self.held))
+        self.progress(f"named {finding.cause} in the {finding.where}")
