@@ -49,21 +49,21 @@ class Whitener:
         """What makes innovations (C, n) independent and of unit variance, (C, C)."""
         return solve_triangular(self.root, np.eye(len(self.root)), lower=True)
 
-    def apply(self, e: np.ndarray, s: Channels) -> np.ndarray:
-        """Whiten (..., C, n) of a session, in the precision that comes in. Samples that a channel or its neighbourhood spoils, and the
-        first p, come back as zeros."""
+    def apply(self, e: np.ndarray, s: Channels, out: np.ndarray | None = None) -> np.ndarray:
+        """Whiten (..., C, n) of a session, in the precision that comes in, into `out` where it is given. Samples that a channel or its
+        neighbourhood spoils, and the first p, come back as zeros."""
         if not e.size:
             return e
         to_unit, mix, believed = (a.astype(e.dtype) for a in (self.to_unit, self.mix, self.believed(s)))
         e = self.steady(e, s)
         if not self.filters[:, 1:].any():  # white: one product does it all
-            return np.matmul(to_unit @ mix, e) * believed
+            return np.multiply(np.matmul(to_unit @ mix, e, out), believed, out)
         good = s.weight.min(axis=0) > 0.0
         mixed = np.matmul(mix, e if good.all() else e * good)
         for c in range(len(mix)):
             mixed[..., c, :] = lfilter(*self.predictor(c), mixed[..., c, :], axis=-1)
         mixed *= believed
-        return np.matmul(to_unit, mixed)
+        return np.matmul(to_unit, mixed, out)
 
     def steady(self, e: np.ndarray, s: Channels) -> np.ndarray:
         """(..., C, n) over how loud the noise of the session is, in the precision that comes in."""
@@ -188,7 +188,8 @@ def stack(rows: list[np.ndarray], sessions: list, noise: Whitener, out: np.ndarr
     out = np.empty((len(rows[0]), ends[-1])) if out is None else out.T
     for a, s, start, end in zip(rows, sessions, ends[:-1], ends[1:], strict=True):
         for few in range(0, len(a), AT_ONCE):
-            out[few : few + AT_ONCE, start:end] = noise.apply(a[few : few + AT_ONCE], s).reshape(-1, end - start)
+            some = a[few : few + AT_ONCE]
+            noise.apply(some, s, out[few : few + AT_ONCE, start:end].reshape(some.shape))
     return out.T
 
 

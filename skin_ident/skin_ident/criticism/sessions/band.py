@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.lib.stride_tricks import as_strided
 from scipy.signal import firwin, oaconvolve
 
 from skin_ident.estimators.scale import white_scale
@@ -108,16 +107,15 @@ class Band:
         other, and a sample that is kept is the sum along a diagonal.
         """
         pieces = self._pieces if pieces is None else pieces
-        span = len(pieces) - 1
-        kept = max((y.shape[-1] - self.kernel.size) // self.every + 1, 0)
-        whole = (kept + span) * self.every
-        cut = np.zeros((*y.shape[:-1], whole))  # the kernel's last piece is filled up with zeros: what lies beyond the end is nothing to it
-        cut[..., : y.shape[-1]] = y[..., :whole]
-        cut = cut.reshape(*y.shape[:-1], kept + span, self.every)
-        products = pieces @ np.swapaxes(cut, -1, -2)
-        down, along = products.strides[-2:]
-        diagonals = as_strided(products, (*y.shape[:-1], span + 1, kept), (*products.strides[:-2], down + along, along), writeable=False)
-        return diagonals.sum(axis=-2)
+        count, every = pieces.shape
+        kept = max((y.shape[-1] - self.kernel.size) // every + 1, 0)
+        long = kept + count - 1
+        cut = np.zeros((*y.shape[:-1], long * every))  # the kernel's last piece is filled up with zeros: what lies beyond the end is nothing
+        cut[..., : y.shape[-1]] = y[..., : long * every]
+        room = np.empty((*y.shape[:-1], count * (long + 1)))  # rows of one more than the products have: of those each begins one further
+        products = room[..., : count * long].reshape(*y.shape[:-1], count, long)
+        np.matmul(pieces, np.swapaxes(cut.reshape(*y.shape[:-1], long, every), -1, -2), products)
+        return room.reshape(*y.shape[:-1], count, long + 1)[..., :kept].sum(axis=-2)
 
     @cached_property
     def _pieces(self) -> np.ndarray:
