@@ -110,7 +110,7 @@ class Band:
         count, every = pieces.shape
         kept = max((y.shape[-1] - self.kernel.size) // every + 1, 0)
         long = kept + count - 1
-        cut = np.zeros((*y.shape[:-1], long * every))  # the kernel's last piece is filled up with zeros: what lies beyond the end is nothing
+        cut = np.zeros((*y.shape[:-1], long * every))  # the kernel's last piece is filled up with zeros: what lies beyond is nothing
         cut[..., : y.shape[-1]] = y[..., : long * every]
         room = np.empty((*y.shape[:-1], count * (long + 1)))  # rows of one more than the products have: of those each begins one further
         products = room[..., : count * long].reshape(*y.shape[:-1], count, long)
