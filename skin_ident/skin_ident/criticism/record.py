@@ -12,7 +12,7 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.search.weighing import weighed
 from skin_ident.criticism.sessions.cutoff import common_to
 from skin_ident.criticism.sessions.parting import meeting
-from skin_ident.criticism.sessions.session import Session, prepare
+from skin_ident.criticism.sessions.session import Session, prepare, with_lines
 from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.criticism.telemetry.ceiling import find_ceilings
 from skin_ident.criticism.telemetry.clock import find_clock_faults
@@ -162,7 +162,7 @@ def _in_residuals(
 
 def _beside(rows: list[np.ndarray], recordings: list, symptoms: list[Symptom]) -> list[np.ndarray]:
     """Rows (C, N) of each recording, bridged where symptoms rule samples out."""
-    return [_bridged(y, bad_samples(r, symptoms)) for y, r in zip(rows, recordings, strict=True)]
+    return [with_lines(y, bad_samples(r, symptoms)) for y, r in zip(rows, recordings, strict=True)]
 
 
 def _first_fit(sessions: list[Session]) -> tuple[Model, list[np.ndarray]]:
@@ -177,7 +177,7 @@ def mended_depth(recording, symptoms: list[Symptom]):
     """The recording with its depth bridged where the encoder was wrong, and its force where that drives the test."""
     for channel in ("depth", "force") if recording.depth is None else ("depth",):
         for mask in _masks(recording.name, channel, symptoms):
-            recording = replace(recording, **{channel: _bridged(getattr(recording, channel)[None], mask[None])[0]})
+            recording = replace(recording, **{channel: with_lines(getattr(recording, channel)[None], mask[None])[0]})
     return recording
 
 
@@ -197,12 +197,3 @@ def bad_samples(recording, symptoms) -> np.ndarray:
             if b - a > HARMLESS:
                 bad[:, a:b] = True
     return bad
-
-
-def _bridged(rows: np.ndarray, bad: np.ndarray) -> np.ndarray:
-    """`rows` (C, N) with straight lines over the bad samples."""
-    out = rows.copy()
-    for row, b in zip(out, bad, strict=True):
-        if b.any() and not b.all():
-            row[b] = np.interp(np.flatnonzero(b), np.flatnonzero(~b), row[~b])
-    return out

@@ -1,5 +1,6 @@
 """How large what was found is, in words: the parameters of a finding, and given numbers beside those that are right."""
 
+from skin_ident.criticism.telling.telling import MOVED, SURE
 from skin_ident.report.numbers import amount, percent
 from skin_ident.report.tolerant import mapping, text
 from skin_ident.report.view import Amount, Finding, View
@@ -7,7 +8,6 @@ from skin_ident.report.view import Amount, Finding, View
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
 BRIEFLY = 2  # where many findings share the first screen
 GIVEN, MEASURED = 4, 3  # digits of a number without an error
-MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is another one
 
 
 def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) -> list[str]:

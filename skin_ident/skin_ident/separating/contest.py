@@ -26,6 +26,7 @@ from skin_models.model import Model
 from skin_models.signals import Motion
 
 GENTLE = 1.01e-3  # m/s
+HASTY = 0.02  # of a moment that is compared, the most that may be met at more
 
 
 @dataclass(frozen=True)
@@ -103,23 +104,22 @@ def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
     t = band.times(motion.t)
     shape = (len(like.channels), t.size)
     hasty = meeting(motion, model.dispersion) & (np.abs(motion.v) > GENTLE)
-    weight = np.ones(shape) * (band.thin(hasty.astype(float)) < 0.02)
-    drive = None if like.drive is None else np.zeros(len(motion))
+    unread = np.zeros((len(like.channels), len(motion)))
     blank = Session(
-        "rehearsed",
-        motion,
-        like.channels,
-        np.zeros((shape[0], len(motion))),
-        np.zeros((shape[0], len(motion))),
-        band,
-        t,
-        np.zeros(shape),
-        weight,
-        motion.dt,
-        drive,
-        like.drive_noise,
-        like.spread,
-        like.contact,
+        name="rehearsed",
+        motion=motion,
+        channels=like.channels,
+        raw=unread,
+        bridged=unread,
+        band=band,
+        t=t,
+        measured=np.zeros(shape),
+        weight=np.ones(shape) * (band.thin(hasty.astype(float)) < HASTY),
+        period=motion.dt,
+        drive=None if like.drive is None else np.zeros(len(motion)),
+        drive_noise=like.drive_noise,
+        spread=like.spread,
+        contact=like.contact,
         steps=like.steps,
     )
     return without_parting(replace(blank, bridged=simulated(model, blank)), model.dispersion)

@@ -82,7 +82,7 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     s = motion(recording.t, band.smooth(moved), band.speed(moved))
     channels, raw = stacked(recording)
     bad = np.zeros(raw.shape, bool) if bad is None else bad
-    bridged = np.array([_bridged(y, b) for y, b in zip(raw, bad, strict=True)])
+    bridged = with_lines(raw, bad)
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
     rows, kept, driven = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight, recording.dt), (drive, drive_noise)
@@ -139,9 +139,10 @@ def stacked(recording) -> tuple[tuple[str, ...], np.ndarray]:
     return tuple(name for name, _ in rows), np.array([y for _, y in rows], float)
 
 
-def _bridged(y: np.ndarray, bad: np.ndarray) -> np.ndarray:
-    """`y` with the bad samples replaced by straight lines between good neighbours."""
-    if not bad.any() or bad.all():
-        return y
-    good = np.flatnonzero(~bad)
-    return np.where(bad, np.interp(np.arange(y.size), good, y[good]), y)
+def with_lines(rows: np.ndarray, bad: np.ndarray) -> np.ndarray:
+    """`rows` (C, N) with straight lines between good neighbours in the place of the `bad` samples (C, N); rows that are all bad stay."""
+    out = rows.copy()
+    for row, b in zip(out, bad, strict=True):
+        if b.any() and not b.all():
+            row[b] = np.interp(np.flatnonzero(b), np.flatnonzero(~b), row[~b])
+    return out

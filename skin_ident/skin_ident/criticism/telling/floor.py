@@ -30,6 +30,7 @@ from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.faults import PREDICTS
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.telling.leftover import SHADOW
 from skin_models.model import Model
 
 ROUNDING = 1e-9  # N
@@ -39,7 +40,6 @@ UNSURE = 4.0  # standard errors of how loud noise is, by which floor and rest to
 LOUDER = 6.0  # times the noise of the air: so much does no load make of it
 AIR_S = 3.0  # of the air, that tell its noise
 TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
-SHADOW = 0.01  # of the mean square that the named causes explained: a remainder below is their own imperfect form
 BLOCK_S = 4.0
 DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
 
