@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.gates.blurred import blurred
 from skin_ident.criticism.gates.description import description_length
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.gates.second_opinion import at_any_scale
@@ -107,8 +108,9 @@ def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain
 
 
 def _is_rival(search: Search, other: Trial, best: Trial, gain: Gain) -> bool:
-    """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or nearly, and of what was held out. Of the
-    same cause at two places one instance each is compared, where one explains most: a second mends its form, wherever it is."""
+    """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or would but for the encoder's noise, or nearly,
+    and of what was held out. Of the same cause at two places one instance each is compared, where one explains most: a second mends its
+    form, wherever it is."""
     one = best.forms[-1].score
     if other.key[0] == best.key[0] and one > (1.0 - WIDE) * best.score and other.forms[-1].score > reach(one):
         return True
@@ -116,6 +118,9 @@ def _is_rival(search: Search, other: Trial, best: Trial, gain: Gain) -> bool:
         return True
     if other.score <= (1.0 - WIDE) * best.score:
         return False
+    unread, unread_of_best = (blurred(search.present.model, t.fit.model, search.train, search.noise) for t in (other, best))
+    if other.score + unread - unread_of_best > reach(best.score):
+        return True
     return search.gain(search.present.model, other.fit.model, other.key[1]).relative >= NEARLY * gain.relative
 
 

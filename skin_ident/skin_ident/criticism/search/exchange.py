@@ -18,7 +18,7 @@ from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
-from skin_ident.criticism.search.rivals import Rival, reach
+from skin_ident.criticism.search.rivals import CHANCE, Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.together import beside
 from skin_models.effect import Effect
@@ -109,13 +109,21 @@ def _taken(search: Search, finding: Named, rival: Rival, own: tuple[Effect, ...]
         return False
     _, gain = beside(ahead, rival.key, shared[0].model)
     more = cost_of(search.present.model, ahead.train, ahead.noise) - shared[0].cost
-    if gain is None or more <= MUCH * search.least(shared[0].count):
+    if gain is None or more <= MUCH * search.least(shared[0].count) or _as_good_with(search, ahead, finding, rival, shared[0]):
         return False
     _become(search, ahead, finding)
     search.befores[rival.key] = finding.before or rest
     search.accept(alone, Named(*rival.key, gain, finding.explained - rival.short_by, (), finding.before, rival.model))
     search.accept(*shared)
     return True
+
+
+def _as_good_with(search: Search, ahead: Search, finding: Named, rival: Rival, after: Fit) -> bool:
+    """Whether the fit `after`, of a `rival` and what is believed beside it, is as good with `finding` in the rival's place: then that which
+    is believed speaks for neither."""
+    rest = lacking(after.model, *rival.key)
+    own = instances(search.present.model, *finding.key)
+    return fit(replace(rest, effects=(*rest.effects, *own)), ahead.train, ahead.noise).cost < after.cost + CHANCE
 
 
 def _become(search: Search, ahead: Search, finding: Named) -> None:

@@ -202,10 +202,19 @@ def _symptom(name: str, n: int, since: float, why: str, kind: str, level: float,
 
 
 def _load(recording) -> np.ndarray | None:
-    """What presses: the force, or the depth below the surface; None where nothing moves, so that nothing is asked of a taxel."""
+    """What presses: the force, less what a mass does to it in the air, or the depth below the surface; None where nothing moves, so that
+    nothing is asked of a taxel."""
     force, depth = recording.force, recording.depth
-    loads = [force, None if depth is None else np.maximum(depth, 0.0)]
+    loads = [_while_pressed(force, depth), None if depth is None else np.maximum(depth, 0.0)]
     return next((load for load in loads if load is not None and not is_still(load)), None)
+
+
+def _while_pressed(force: np.ndarray | None, depth: np.ndarray | None) -> np.ndarray | None:
+    """The force, and what it is in the air throughout it."""
+    if force is None or depth is None or depth.min() > 0.0:
+        return force
+    air = depth <= 0.0
+    return np.where(air, np.median(force[air]), force)
 
 
 def _correlation(a: np.ndarray, b: np.ndarray) -> float:
