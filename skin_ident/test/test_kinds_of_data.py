@@ -9,6 +9,7 @@ from world import make_sessions, protocols, without, write_case
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.recordings.load import load
+from skin_ident.recordings.recording import Recording
 
 RELAXING = ("stress_relaxation", "skin", "prony2", 1.5)
 
@@ -72,6 +73,23 @@ def test_a_load_cell_that_drives_the_test_may_itself_be_wrong(tmp_path, zeros, g
     names, findings = named(recordings[:2], recordings[2:])
     alternatives = {(a["cause"], a["where"]) for f in findings["findings"] for a in f["alternatives"]}
     assert len(names) == 1 and {(cause, "load_cell"), (cause, "taxel")} <= {*names, *alternatives}, names
+
+
+def test_what_comes_late_in_a_test_without_depth_is_no_damping_below_nothing():
+    """Skin with hardly any damping, always pressed, under a taxel that is late by two samples: damping that gave back what it never took
+    would explain it."""
+
+    def made(seed: int) -> Recording:
+        rng, t = np.random.default_rng(seed), np.arange(6000) / 200.0
+        force = 1.5 + sum(a * np.sin(w * t + rng.uniform(0.0, 6.0)) for a, w in ((0.5, 1.7), (0.4, 6.0), (0.3, 17.0)))
+        taxel = 0.5 * np.interp(t - 0.01, t, force)
+        noisy = [y + 0.004 * rng.standard_normal(t.size) for y in (force, taxel)]
+        return Recording(f"made {seed}", t, None, noisy[0], noisy[1][None])
+
+    names, findings = named([made(1), made(2)], [made(3)])
+    assert names in ([("time_shift", "clock")], [("lag", "taxel")]), names
+    late = findings["extended"]["parameters"]
+    assert late["b1"]["value"] > -0.003 * late["k1"]["value"]
 
 
 def test_one_session_says_what_the_second_would_be_for(tmp_path, sessions):

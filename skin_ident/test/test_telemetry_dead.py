@@ -177,3 +177,16 @@ def test_a_taxel_that_fades_and_then_holds_one_reading_throughout_a_session_is_d
 def test_a_taxel_that_holds_one_reading_where_others_feel_another_place_is_not(tmp_path):
     elsewhere = faded(three("row_5mm"), 0, others=np.array([1.0, 3.0, 0.2]))
     assert not [s for s in named(tmp_path, elsewhere) if s.cause == "dead_taxel"]
+
+
+def test_a_taxel_is_not_asked_what_a_mass_does_in_the_air():
+    """A plunger that presses, and then is shaken above the skin: its mass pulls at the load cell, and no taxel can know of it."""
+    rng, t = np.random.default_rng(7), np.arange(3000) / 200.0
+    presses = t < 8.0
+    depth = np.where(presses, 0.4e-3 - 0.6e-3 * np.cos(2.0 * t), -1.0e-3 + 0.3e-3 * np.cos(50.0 * t))
+    pressed = 5e3 * np.maximum(depth, 0.0)
+    shaken = np.where(presses, 0.0, 1.5 * np.cos(50.0 * t))
+    taxel = 0.4 * pressed + 0.005 * rng.standard_normal(t.size)
+    assert not find_dead_taxels([Recording("shaken", t, depth, pressed + shaken, np.array([taxel]))])
+    dies = np.where(t > 4.0, 0.005 * rng.standard_normal(t.size), taxel)
+    assert find_dead_taxels([Recording("dies", t, depth, pressed + shaken, np.array([dies]))])

@@ -51,16 +51,16 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     names = (*names, "m") if session.free_mass else names
     under_taxels, in_all = least_damping(model.dispersion, LATE * session.period)
     beside = "b1" if "b1" in names else ""  # material tests know b2 alone
-    least = {"b1": under_taxels, "b2": in_all if beside else in_all - model.dispersion.b1} if session.drive is None else {}
+    least = {"b1": under_taxels, "b2": in_all if beside else in_all - model.dispersion.b1}
     most = {"m": session.heaviest}
     for p in parameters_of(model.dispersion):
         if p.name in names:
             within = replace(p, lower=max(p.lower, least.get(p.name, p.lower)), upper=min(p.upper, most.get(p.name, p.upper)))
-            yield Unknown("dispersion", within, p.name, beside if p.name == "b2" and least else "")
+            yield Unknown("dispersion", within, p.name, beside if p.name == "b2" else "")
 
 
 def least_damping(skin: Dispersion, late: float) -> tuple[float, float]:
-    """The least that damping may be, N s/m, under the taxels (b1) and in all (b1 + b2), where depth drives the skin: it gives back no more
+    """The least that damping may be, N s/m, under the taxels (b1) and in all (b1 + b2): it gives back no more
     than it took. A reading that is `late` by part of a sample looks as if it did; one that is later has a cause, which damping below
     nothing would hide."""
     return -late * skin.k1, -late * (skin.k1 + skin.k2)
