@@ -131,7 +131,7 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
     at_rest = [np.ones(len(r), bool) for r in recordings]  # a force that is held is no frozen one
     names, n = [r.name for r in recordings], len(recordings[0].taxels)
     step = max(r.step("force") or 0.0 for r in recordings)
-    return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt, (step,))
+    return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt, (step,), recordings=recordings)
 
 
 def _in_residuals(
@@ -147,7 +147,7 @@ def _in_residuals(
     names = [s.name for s in sessions]
     steps = tuple(np.max([s.steps for s in sessions], axis=0))
     paths = [r.depth for r in recordings if r.depth is not None]
-    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt, steps, paths, depth_resolution(recordings))
+    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt, steps, paths, depth_resolution(recordings), recordings)
     believed = _beside(raw, recordings, outliers)
     clipped = find_saturation(names, channels, believed, predicted, n, steps)
     clipped += [s for s in find_ceilings(names, channels, believed, predicted, jumps, n) if s.channels not in {c.channels for c in clipped}]
@@ -177,7 +177,7 @@ def mended_depth(recording, symptoms: list[Symptom]):
     """The recording with its depth bridged where the encoder was wrong, and its force where that drives the test."""
     for channel in ("depth", "force") if recording.depth is None else ("depth",):
         for mask in _masks(recording.name, channel, symptoms):
-            recording = replace(recording, **{channel: with_lines(getattr(recording, channel)[None], mask[None])[0]})
+            recording = recording.with_channels({channel: with_lines(getattr(recording, channel)[None], mask[None])[0]})
     return recording
 
 
@@ -190,8 +190,9 @@ def bad_samples(recording, symptoms) -> np.ndarray:
     channels = [c for c in recording.channels if c != "force" or recording.depth is not None]
     bad = np.zeros((len(channels), len(recording)), bool)
     for c, channel in enumerate(channels):
+        own = recording.readings.get(channel)
         for mask in _masks(recording.name, channel, symptoms):
-            bad[c] |= mask
+            bad[c] |= mask if own is None else own.ringing(mask, recording.dt)
     for mask in _masks(recording.name, "depth", symptoms):
         for a, b in zip(*runs(mask), strict=True):
             if b - a > HARMLESS:

@@ -42,7 +42,7 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
     lasts = recordings[0].t[-1] - recordings[0].t[0] + 1.5 * recordings[0].dt  # N samples are N periods, and stamps jitter
     if len(recordings) == 1 and lasts < LONE_S:
         raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")
-    slowest = max(r.dt for r in recordings)
+    slowest = max(r.longest_period for r in recordings)
     for r in recordings:
         _counts_seconds(r)
         _says_what_is_what(r)

@@ -20,7 +20,9 @@ SENSORS = (Place.LOAD_CELL, Place.TAXEL)
 
 def applied(effect: Effect, recording: Recording, session: Session, model: Model, seed: int) -> Recording:
     """The recording as it would have been with `effect`. Channels that change fall on the declared steps of their converters again: what
-    is added to readings of a force, on the one below or above by chance, as often as noise would have carried it there."""
+    is added to readings of a force, on the one below or above by chance, as often as noise would have carried it there. What is hidden is
+    done to the recording's samples, whatever a topic's own readings were."""
+    recording = replace(recording, readings={})
     after = changed(effect, recording, session, model, seed)
     if effect.cause == QUANTIZATION:
         return after

@@ -10,6 +10,7 @@ import numpy as np
 from skin_ident.recordings.declared import Calibration, Declared
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.levels import steps_of
+from skin_ident.recordings.readings import Readings
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.rows import all_finite, extremes
 from skin_ident.recordings.timing import Track, even, kept
@@ -24,7 +25,8 @@ PROBES = 1000  # samples in which a dead taxel shows
 @dataclass(frozen=True)
 class Channels:
     """Measured rows of one kind (depth, force, taxel) and unit (m, N or V): names, samples (R, N), and where these were interpolated the
-    steps between the levels on which they were read before, 0 where there were none, and the `digits` (R, N) that were read."""
+    steps between the levels on which they were read before, 0 where there were none, the `digits` (R, N) that were read, and the rows
+    (R, M) at instants (M,) s of their own, `read`."""
 
     kind: str
     names: tuple[str, ...]
@@ -32,12 +34,22 @@ class Channels:
     rows: np.ndarray
     steps: tuple[float, ...] | None = None
     digits: np.ndarray | None = None
+    read: tuple[np.ndarray, np.ndarray] | None = None
 
     def only(self, keep: Sequence[bool]) -> "Channels":
         """Some of the rows."""
         mine, steps = np.asarray(keep, bool), self.steps and tuple(compress(self.steps, keep))
         digits = None if self.digits is None else self.digits[mine]
-        return replace(self, names=tuple(compress(self.names, keep)), rows=self.rows[mine], steps=steps, digits=digits)
+        read = self.read and (self.read[0], self.read[1][mine])
+        return replace(self, names=tuple(compress(self.names, keep)), rows=self.rows[mine], steps=steps, digits=digits, read=read)
+
+    @property
+    def readings(self) -> list[Readings | None]:
+        """Of every row, those of its own instants that are numbers."""
+        if self.read is None:
+            return [None] * len(self.names)
+        t, rows = self.read
+        return [Readings(t[known], row[known]) for row in rows for known in [np.isfinite(row)]]
 
 
 def assemble(
@@ -78,6 +90,7 @@ def assemble(
         uneven=uneven,
         steps=_named(parts, lambda p: p.steps or (0.0,) * len(p.names)),
         digits=_named(parts, lambda p: (None,) * len(p.names) if p.digits is None else p.digits),
+        readings=_named(parts, lambda p: [r and r.within(track.t[0], track.t[-1]) for r in p.readings]),
     )
     return _plausible(recording)
 
@@ -114,8 +127,11 @@ def _live(part: Channels, notes: list[str]) -> Channels:
         return part
     keep = np.isfinite(part.rows).mean(axis=1) >= 0.5
     notes += [f"{n}: {DEAD}; it is taken for dead" for n, k in zip(part.names, keep, strict=True) if not k]
+    if keep.all():
+        return part
     digits = None if part.digits is None else part.digits * keep[:, None].astype(np.uint32)
-    return replace(part, rows=np.where(keep[:, None], part.rows, 0.0), digits=digits) if not keep.all() else part
+    read = part.read and (part.read[0], np.where(keep[:, None], part.read[1], 0.0))
+    return replace(part, rows=np.where(keep[:, None], part.rows, 0.0), digits=digits, read=read)
 
 
 def _some_alive(name: str, parts: Sequence[Channels], notes: list[str]) -> None:
@@ -155,7 +171,8 @@ def _in_newtons(t: np.ndarray, one: Channels, c: Calibration, notes: list[str]) 
         zero = float(np.nanmedian(volts[0, t <= t[0] + 1.0]))
         notes.append(f"{meaning}: zero taken as {zero:.6g} V, the median of the first second; declare zero_v to be sure")
     kind, steps = "force" if meaning == "force" else "taxel", one.steps and (abs(c.slope_n_per_v) * one.steps[0],)
-    return Channels(kind, (meaning,), "N", c.slope_n_per_v * (volts - zero), steps, one.digits)
+    read = one.read and (one.read[0], c.slope_n_per_v * (one.read[1] - zero))
+    return Channels(kind, (meaning,), "N", c.slope_n_per_v * (volts - zero), steps, one.digits, read)
 
 
 def _note_unused(declared: Declared, parts: list[Channels], notes: list[str]) -> None:
@@ -199,11 +216,11 @@ def _turned(r: Recording) -> Recording:
     if r.force is None or against is None or not _falls(r.force, against):
         return r
     if r.depth is not None and _falls_too(r):
-        signs = np.array([-1.0 if unit == "N" else 1.0 for unit in r.taxel_units])[:, None]
-        return replace(r, force=-r.force, taxels=signs * r.taxels).warned(
+        taxels = [f"taxel_{i}" for i, unit in enumerate(r.taxel_units) if unit == "N"]
+        return r.scaled(dict.fromkeys(("force", *taxels), -1.0)).warned(
             "force and taxels fall when the skin is pressed: the sign of all of them was turned round (compression is positive)"
         )
-    return replace(r, force=-r.force).warned("force falls when the skin is pressed: its sign was turned round (compression is positive)")
+    return r.scaled({"force": -1.0}).warned("force falls when the skin is pressed: its sign was turned round (compression is positive)")
 
 
 def _falls_too(r: Recording) -> bool:

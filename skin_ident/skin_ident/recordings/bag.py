@@ -12,8 +12,8 @@ from skin_ident.recordings.decode import Decoded, Topic
 from skin_ident.recordings.digits import digits_at
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.levels import steps_of
+from skin_ident.recordings.readings import between
 from skin_ident.recordings.recording import Recording
-from skin_ident.recordings.rows import interpolated
 from skin_ident.recordings.storage import Storage
 from skin_ident.recordings.timing import BRIDGED, Track, ordered
 from skin_models.words import counted
@@ -31,7 +31,7 @@ EDGES = 0.02  # of the samples: what may lie before the first or after the last 
 NOTHING = "holds no message"
 STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
-Aligned = tuple[np.ndarray, tuple[float, ...] | None, np.ndarray | None]
+Aligned = tuple[np.ndarray, tuple[float, ...] | None, np.ndarray | None, tuple[np.ndarray, np.ndarray] | None]
 
 
 def read_bag(
@@ -204,24 +204,24 @@ def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.nda
 
 
 def _aligned(role: str, track: Track, base: np.ndarray, warnings: list[str]) -> Aligned:
-    """The rows of a track at the stamps `base` (ns): its own samples where stamps agree, else linear in between, and then with the steps
-    between the levels on which they were read, and the digits that were."""
+    """The rows of a track at the stamps `base` (ns): its own samples where stamps agree, else what lies in between, and then with the steps
+    between the levels on which they were read, the digits that were, and the readings themselves with their instants, s."""
     rows = track.blocks[0]
     if np.array_equal(track.t, base):
-        return rows, None, None
+        return rows, None, None, None
     at = np.clip(np.searchsorted(track.t, base), 0, track.t.size - 1)
     same = track.t[at] == base
     if same.mean() > 0.9:
         picked = rows[:, at]
         picked[:, ~same] = np.nan
-        return picked, None, None
+        return picked, None, None, None
     period = float(np.median(np.diff(track.t)))
     far = track.t[at] - track.t[np.clip(at - 1, 0, None)] > (BRIDGED + 1.5) * period
     warnings.append(f"{role}: interpolated to the instants of the first channel (its own samples come every {period * 1e-6:.4g} ms)")
     when, known = ((stamps - base[0]).astype(float) for stamps in (base, track.t))
-    out = interpolated(when, known, rows)
+    out = between(when, known, rows)
     out[:, far] = np.nan
-    return out, steps_of(rows), digits_at(when, known, rows)
+    return out, steps_of(rows), digits_at(when, known, rows), (1e-9 * known, rows)
 
 
 def _named(role: str, rows: np.ndarray, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 
 MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)  # 2^64 over the golden ratio
 PIECE = 1 << 14  # samples that are looked at in one go, which bounds the memory
-SLOWER = 1.5  # times as slow as instants, from which readings would stand beside several of them, and no digits are told
+SAME_LATE = 0.5  # mean of the phases of what is late: below it, instants are late by all sorts of shares of a period
 
 
 def digits_of(rows: np.ndarray) -> np.ndarray:
@@ -20,11 +20,9 @@ def digits_of(rows: np.ndarray) -> np.ndarray:
     return ((bits ^ (bits >> np.uint64(32))) * MULTIPLIER >> np.uint64(32)).astype(np.uint32)
 
 
-def digits_at(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarray | None:
-    """Digits (R, N) of readings `rows` at increasing instants `known`, each beside the instant of t (N,) to which it is nearest; `rows` may
-    be digits already. None where these are much slower than the instants."""
-    if np.median(np.diff(known)) > SLOWER * np.median(np.diff(t)):
-        return None
+def digits_at(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Digits (R, N) of readings `rows` at increasing instants `known`, each beside the instants of t (N,) to which it is nearest; `rows`
+    may be digits already."""
     at, out = nearest(t, known), np.empty((len(rows), t.size), np.uint32)
     for start in range(0, t.size, PIECE):
         part = rows[:, at[start : start + PIECE]]
@@ -36,8 +34,9 @@ def nearest(t: np.ndarray, known: np.ndarray) -> np.ndarray:
     """Which of increasing instants `known` is nearest to each of t (N,), both in the same unit, but for what all of them are late by, of a
     period: at half of one a trembling stamp would go to either neighbour."""
     period = float(np.median(np.diff(known)))
-    late = (t - known[_before(t, known)]) / period
-    t = t - period * np.angle(np.mean(np.exp(2j * np.pi * late))) / (2.0 * np.pi)
+    phase = np.mean(np.exp(2j * np.pi * (t - known[_before(t, known)]) / period))
+    if np.abs(phase) > SAME_LATE:
+        t = t - period * np.angle(phase) / (2.0 * np.pi)
     before = _before(t, known)
     return before + (t - known[before] > known[before + 1] - t)
 

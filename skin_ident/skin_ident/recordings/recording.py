@@ -10,6 +10,7 @@ from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.digits import digits_of
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.levels import step_of
+from skin_ident.recordings.readings import Readings
 from skin_ident.recordings.rows import all_finite
 
 DISPLACEMENT = "displacement"  # depth, and what it does to taxels (and to the load cell, where there is one)
@@ -30,6 +31,7 @@ class Recording:
     spread   (T,)    share of the sensed force on every taxel, where the sessions of a diagnosis press at different places; or None
     steps            of channels that were interpolated, by name (`depth`, `force`, `taxel_0`, …): between their levels before that, m or N
     digits           of the same, (N,) each: of the reading nearest to every sample (`skin_ident.recordings.digits`)
+    readings         of channels whose topic came at instants of its own, by name (`skin_ident.recordings.readings`)
 
     `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
     do not fit together, are not finite, or not spaced as they should be.
@@ -48,6 +50,7 @@ class Recording:
     spread: np.ndarray | None = None
     steps: Mapping[str, float] = field(default_factory=dict)
     digits: Mapping[str, np.ndarray] = field(default_factory=dict)
+    readings: Mapping[str, Readings] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = np.size(self.t)
@@ -102,8 +105,26 @@ class Recording:
             return kept | {keys[name]: value for name, value in known.items() if name in keys}
 
         names, units = (tuple(each[i] for i in rows) for each in (self.taxel_names, self.taxel_units))
-        known = dict(taxel_names=names, taxel_units=units, steps=moved(self.steps), digits=moved(self.digits))
+        read = dict(steps=moved(self.steps), digits=moved(self.digits), readings=moved(self.readings))
+        known = dict(taxel_names=names, taxel_units=units) | read
         return replace(self, taxels=self.taxels[list(rows)], **(known | more))
+
+    def with_channels(self, rows: Mapping[str, np.ndarray]) -> "Recording":
+        """The recording with other samples (N,) in some of `depth`, `force`, `taxel_0`, …, of which no readings are known then."""
+        taxels = np.array([rows.get(f"taxel_{i}", y) for i, y in enumerate(self.taxels)]).reshape(self.taxels.shape)
+        readings = {name: own for name, own in self.readings.items() if name not in rows}
+        depth, force = (rows.get(name, getattr(self, name)) for name in ("depth", "force"))
+        return replace(self, depth=depth, force=force, taxels=taxels, readings=readings)
+
+    def scaled(self, factors: Mapping[str, float]) -> "Recording":
+        """The recording with some of `force`, `taxel_0`, … multiplied by factors."""
+        readings = {name: own.scaled(factors.get(name, 1.0)) for name, own in self.readings.items()}
+        return replace(self.with_channels({name: f * self.channels[name] for name, f in factors.items()}), readings=readings)
+
+    @property
+    def longest_period(self) -> float:
+        """Of the samples, or of the readings of a channel that was read more slowly, s."""
+        return max([self.dt, *(own.period for own in self.readings.values())])
 
     def part(self, start: int, stop: int) -> "Recording":
         """The samples from `start` up to `stop`."""
@@ -111,8 +132,10 @@ class Recording:
         def cut(row: np.ndarray | None) -> np.ndarray | None:
             return None if row is None else row[..., start:stop]
 
-        digits = {name: cut(row) for name, row in self.digits.items()}
-        return replace(self, t=cut(self.t), depth=cut(self.depth), force=cut(self.force), taxels=cut(self.taxels), digits=digits)
+        t, digits = cut(self.t), {name: cut(row) for name, row in self.digits.items()}
+        readings = {name: own.within(t[0], t[-1]) for name, own in self.readings.items()}
+        rows = dict(depth=cut(self.depth), force=cut(self.force), taxels=cut(self.taxels))
+        return replace(self, t=t, digits=digits, readings=readings, **rows)
 
     def warned(self, *warnings: str) -> "Recording":
         """The same with more warnings."""

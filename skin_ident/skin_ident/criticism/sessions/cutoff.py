@@ -27,7 +27,7 @@ SHORTEST_S = 1.0  # a time of contact that counts
 
 @dataclass(frozen=True)
 class Common:
-    """What the bands of recordings that are compared share: their longest sampling period, s, and the cut-off, Hz."""
+    """What the bands of recordings that are compared share: the longest period, s, at which any channel was read, and the cut-off, Hz."""
 
     slowest: float = 0.0
     cutoff: float = CUTOFF_HZ
@@ -38,7 +38,7 @@ ALONE = Common()
 
 def common_to(recordings: list, step: float) -> Common:
     """For recordings whose depth is read in steps of `step` m."""
-    return Common(max(r.dt for r in recordings), cutoff_for(recordings, step))
+    return Common(max(r.longest_period for r in recordings), cutoff_for(recordings, step))
 
 
 def cutoff_for(recordings: list, step: float) -> float:

@@ -76,7 +76,7 @@ class Session:
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:
     """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering); `common` is what it shares with
     the recordings that it is compared with."""
-    band = Band(recording.dt, common.cutoff, common.slowest)
+    band = Band(recording.dt, common.cutoff, max(common.slowest, recording.longest_period))
     drive, drive_noise = (band.smooth(recording.force), band.white(recording.force)) if recording.depth is None else (None, 0.0)
     moved = drawn_again(recording.depth) if drive is None else recording.force / NOMINAL
     s = motion(recording.t, band.smooth(moved), band.speed(moved))

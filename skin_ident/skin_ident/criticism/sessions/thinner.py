@@ -20,7 +20,7 @@ BELIEVED = 0.999  # of a sample that lies between two of the record's band, whic
 def thinner(sessions: list[Session]) -> list[Session]:
     """The sessions with as few samples as a search needs: those of `ENOUGH_HZ` or the next higher rate that keeps one in so many."""
     every = [one_in(s) for s in sessions]
-    slowest = max(k * s.motion.dt for k, s in zip(every, sessions, strict=True))
+    slowest = max(max(k * s.motion.dt, s.band.slowest) for k, s in zip(every, sessions, strict=True))
     return [s if k == 1 else _thinner(s, k, slowest) for k, s in zip(every, sessions, strict=True)]
 
 

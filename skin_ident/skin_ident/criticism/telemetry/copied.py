@@ -11,6 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.repeats import Repeat, repeats_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.recordings.digits import digits_of
 
 VALUES = 12  # different values that a column must hold
 FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
@@ -42,16 +43,27 @@ def _blocks(recordings: list) -> list[Symptom]:
 def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[Symptom]:
     """The same in one channel alone, beside what is `known` to repeat in all."""
     for channel in recordings[0].channels:
-        again = repeats_of([r.read(channel)[~known[r.name]][:, None] for r in recordings])
-        again = [r for r in _within(recordings, again, known) if _moved_otherwise(recordings, r, channel)]
+        read = [_as_read(r, channel) for r in recordings]
+        kept = [at[~known[r.name][at]] for r, (at, _) in zip(recordings, read, strict=True)]
+        again = repeats_of([digits[~known[r.name][at]][:, None] for r, (at, digits) in zip(recordings, read, strict=True)])
+        again = [r for r in (_on_grid(r, kept[r.at], kept[r.source]) for r in again) if _moved_otherwise(recordings, r, channel)]
         if again:
             yield _copy(recordings, again, (channel,))
 
 
-def _within(recordings: list, again: list[Repeat], known: dict[str, np.ndarray]) -> list[Repeat]:
-    """Repeats found among samples that are not `known`, by the samples of the recordings."""
-    kept = [np.flatnonzero(~known[r.name]) for r in recordings]
-    return [replace(r, start=int(kept[r.at][r.start]), origin=int(kept[r.source][r.origin])) for r in again]
+def _as_read(recording, channel: str) -> tuple[np.ndarray, np.ndarray]:
+    """Samples (M,) beside which a channel was read, and its digits (M,): all of them, unless its topic came at instants of its own."""
+    own = recording.readings.get(channel)
+    if own is None:
+        return np.arange(len(recording)), recording.read(channel)
+    return np.clip(np.rint((own.t - recording.t[0]) / recording.dt).astype(int), 0, len(recording) - 1), digits_of(own.y)
+
+
+def _on_grid(again: Repeat, at: np.ndarray, source: np.ndarray) -> Repeat:
+    """A repeat found among readings, by the samples beside which those of the two recordings lie."""
+    here, there = at[again.start : again.start + again.length], source[again.origin : again.origin + again.length]
+    length = min(here[-1] - here[0], there[-1] - there[0]) + 1
+    return replace(again, start=int(here[0]), origin=int(there[0]), length=int(length))
 
 
 def _with_its_depth(recordings: list, again: Repeat) -> bool:
@@ -143,9 +155,7 @@ def copies_among(symptoms: Iterable[Symptom], recording) -> tuple[str, ...]:
 
 def emptied(recording, copies: tuple[str, ...]):
     """The recording with zeros in these taxels, so that nothing is criticised or learnt twice."""
-    taxels = recording.taxels.copy()
-    taxels[[int(c.partition("_")[2]) for c in copies]] = 0.0
-    return replace(recording, taxels=taxels) if copies else recording
+    return recording.with_channels(dict.fromkeys(copies, np.zeros(len(recording)))) if copies else recording
 
 
 def _equal(a: np.ndarray, b: np.ndarray) -> float:

@@ -68,7 +68,7 @@ def _in_newtons(recordings: list) -> tuple[list, list[Symptom]]:
             if s.evidence["kind"] == "unit factor" and abs(np.log10(factor) - np.round(np.log10(factor))) > DECIMAL:
                 judged = f"{s.evidence['why']}. It is judged divided by {factor:.5g}"
                 symptoms.append(replace(s, evidence={**s.evidence, "why": judged}))
-                recordings = [_with_channels(r, {channel: r.channels[channel] / factor}) for r in recordings]
+                recordings = [r.scaled({channel: 1.0 / factor}) for r in recordings]
     return recordings, symptoms
 
 
@@ -84,7 +84,7 @@ def _upright(recordings: list) -> tuple[list, list[Symptom]]:
             evidence = {"why": f"{falls}: its sign is wrong. It is judged turned round", "kind": "sign"}
             where = place_of(channel, len(recordings[0].taxels))
             symptoms.append(Symptom("data_error", where, (channel,), {"factor": quantity(-1.0, "1")}, evidence))
-            recordings = [_with_channels(r, {channel: -r.channels[channel]}) for r in recordings]
+            recordings = [r.scaled({channel: -1.0}) for r in recordings]
     return recordings, symptoms
 
 
@@ -191,7 +191,7 @@ def _of_channel(group: list, i: int, channel: str, factor: float, why: str, kind
     mended = "turned round" if factor < 0.0 else f"divided by {factor:.5g}"
     evidence = {"why": f"{why}. {r.name} is judged with {channel} {mended}", "kind": kind, "session": r.name}
     symptom = Symptom("data_error", place_of(channel, len(r.taxels)), (channel,), {"factor": quantity(factor, "1")}, evidence)
-    return _Fault(symptom, i, _with_channels(r, {channel: r.channels[channel] / factor}))
+    return _Fault(symptom, i, r.scaled({channel: 1.0 / factor}))
 
 
 def _reordered(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
@@ -244,16 +244,10 @@ def _of_order(group: list, names: list[str], i: int, order: np.ndarray, apart: f
     )
     channels = tuple(names[c] for c in moved)
     evidence = {"why": why, "kind": "swapped columns", "session": r.name}
-    right = _with_channels(r, {names[c]: r.channels[names[order[c]]] for c in moved})
+    right = r.with_channels({names[c]: r.channels[names[order[c]]] for c in moved})
     return _Fault(Symptom("data_error", place_of(channels[0], len(r.taxels)), channels, {}, evidence), i, right)
 
 
 def _either(group: list) -> str:
     """With two sessions nobody can tell which is right."""
     return f" (it may as well be the other one, {group[0].name} or {group[1].name}, that is wrong)" if len(group) == 2 else ""
-
-
-def _with_channels(recording, rows: dict[str, np.ndarray]):
-    """The recording with other samples in some channels."""
-    taxels = np.array([rows.get(f"taxel_{i}", y) for i, y in enumerate(recording.taxels)])
-    return replace(recording, force=rows.get("force", recording.force), taxels=taxels if taxels.size else recording.taxels)

@@ -10,11 +10,13 @@ from functools import partial
 import numpy as np
 from scipy.stats import binom, poisson
 
+from skin_ident.criticism.telemetry.as_read import AsRead, as_read
 from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
 from skin_ident.criticism.telemetry.unlikely import unlikely_runs
 from skin_ident.estimators.scale import rms
+from skin_ident.recordings.recording import Recording
 from skin_ident.stretches import runs, without
 
 LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for where there are none beyond it
@@ -45,15 +47,20 @@ def find_outliers(
     steps: Sequence[float] = (),
     paths: Sequence[np.ndarray] = (),
     reads: float = 0.0,
+    recordings: Sequence[Recording] = (),
 ) -> list[Symptom]:
     """Excursions and frozen runs per channel.
 
     `residuals` (measured less simulated) and `raw` are (C, N) at full rate for each session; `jumps` (N,) marks samples where a force may
     really jump out of a rest; `steps` of converters are looked for in `raw` where they are not given. `paths` (N,) m are what an encoder
-    that `reads` so finely says: what stands still while it does misses nothing.
+    that `reads` so finely says: what stands still while it does misses nothing. Channels of which `recordings` know readings at instants of
+    their own are looked at there.
     """
     steps = steps or [0.0] * len(channels)
-    every = [_of_channel([r[c] for r in residuals], [r[c] for r in raw], jumps, steps[c]) for c in range(len(channels))]
+    sessions = list(zip(residuals, raw, jumps, recordings or [None] * len(raw), strict=True))
+    lines = [[_line(channel, c, *session) for session in sessions] for c, channel in enumerate(channels)]
+    read = [_of_channel(lines[c], steps[c]) for c in range(len(channels))]
+    every = [tuple([line.on_grid(m) for line, m in zip(lines[c], masks, strict=True)] for masks in read[c]) for c in range(len(channels))]
     bounced = _bounced([away for away, _, _ in every], jumps)
     found = []
     for c, (away, still, unlikely) in enumerate(every):
@@ -66,8 +73,14 @@ def find_outliers(
             own = [np.zeros_like(s) for s in own]
         if sum(runs(m)[0].size for m in lost) >= FEWEST:
             own = [s | m for s, m in zip(own, lost, strict=True)]
-        found.append(_symptom(names, channels[c], away, own, [r[c] for r in residuals], n_taxels, dt))
+        found.append(_symptom(names, channels[c], lines[c], read[c], away, own, n_taxels, dt))
     return [s for s in found if s is not None]
+
+
+def _line(channel: str, c: int, e: np.ndarray, y: np.ndarray, jumps: np.ndarray, recording: Recording | None) -> AsRead:
+    """Row `c` of a session as its channel was read."""
+    own = None if recording is None else recording.readings.get(channel)
+    return as_read(e[c], y[c], jumps) if own is None else as_read(e[c], y[c], jumps, recording.t, own)
 
 
 def are_left(symptom: Symptom, names: list[str], row: list[np.ndarray]) -> bool:
@@ -78,10 +91,9 @@ def are_left(symptom: Symptom, names: list[str], row: list[np.ndarray]) -> bool:
     return wrong.size == 0 or rms(wrong) > LEFT * symptom.parameters["size"]["value"]
 
 
-def _of_channel(
-    e: list[np.ndarray], y: list[np.ndarray], jumps: list[np.ndarray], step: float
-) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
+def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
     """Masks of excursions, of frozen runs, and of those that no noise makes, each for every session."""
+    e, y, jumps = ([getattr(line, what) for line in lines] for what in ("e", "y", "jumps"))
     step = step or smallest_step(np.concatenate(y))
     limit = reach(np.concatenate([np.diff(row) for row in e]), step)
 
@@ -224,18 +236,34 @@ def _away(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def _symptom(
-    names: list[str], channel: str, away: list[np.ndarray], still: list[np.ndarray], e: list[np.ndarray], n_taxels: int, dt: float
+    names: list[str],
+    channel: str,
+    lines: list[AsRead],
+    read: tuple[list[np.ndarray], ...],
+    away: list[np.ndarray],
+    still: list[np.ndarray],
+    n_taxels: int,
+    dt: float,
 ) -> Symptom | None:
-    masks = [a | s for a, s in zip(away, still, strict=True)]
+    """What is told of the excursions `away` and the frozen runs `still`, masks (N,) of each session, by those `read` (M,)."""
+    excursions_, frozen, unlikely = read
+    ran = [line.kept(a, grid) for line, a, grid in zip(lines, excursions_, away, strict=True)]
+    stood = [line.kept(f | u, grid) for line, f, u, grid in zip(lines, frozen, unlikely, still, strict=True)]
+    masks = [a | s for a, s in zip(ran, stood, strict=True)]
     count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
     if count == 0:
         return None
-    wrong = np.concatenate([_away(row, m) for row, m in zip(e, masks, strict=True)])
+    wrong = np.concatenate([_away(line.e, m) for line, m in zip(lines, masks, strict=True)])
     largest = float(np.max(np.abs(wrong)))
-    stood, ran = sum(runs(s)[0].size for s in still), sum(runs(a)[0].size for a in away)
-    what = [f"{ran} excursions that jump away and back" if ran else "", f"{stood} frozen runs that miss a movement" if stood else ""]
+    runs_still, runs_away = (sum(runs(m)[0].size for m in each) for each in (stood, ran))
+    what = [
+        f"{runs_away} excursions that jump away and back" if runs_away else "",
+        f"{runs_still} frozen runs that miss a movement" if runs_still else "",
+    ]
     belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
     why = f"{belong}, up to {largest:.3g} N from where the samples around them lead"
-    bad = {(name, channel): m for name, m in zip(names, masks, strict=True) if m.any()}
-    parameters = {"rate": quantity((stood + ran) / (total * dt), "1/s"), "size": quantity(rms(wrong), "N")}
-    return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, {"why": why, "count": count, "excursions": ran}, bad)
+    bad = {(name, channel): a | s for name, a, s in zip(names, away, still, strict=True) if (a | s).any()}
+    rate = (runs_still + runs_away) / (sum(a.size for a in away) * dt)
+    parameters = {"rate": quantity(rate, "1/s"), "size": quantity(rms(wrong), "N")}
+    evidence = {"why": why, "count": count, "excursions": runs_away}
+    return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, evidence, bad)

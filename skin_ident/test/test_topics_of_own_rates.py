@@ -1,0 +1,120 @@
+"""Bags whose topics come at rates and instants of their own: what a slow taxel reads is judged as it was read."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from making import KINDS, recording, serialised, typestore
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.recordings.chosen import only_taxels
+from skin_ident.recordings.load import load
+from skin_ident.recordings.readings import Readings, between
+from skin_ident.recordings.rows import interpolated
+
+DT, STEP = 0.002, 0.01  # s, N
+
+
+def session(i, change=lambda taxel, rng: taxel, every=5):
+    """Two taxels in noise that wanders, read in steps; `change` alters the first, of which every so many samples will be kept."""
+    rng = np.random.default_rng(40 + i)
+    r = recording(10 * i + 1, shares=(0.7, 0.3), sigma=0.03, rho=0.9, name=f"run_{i}", dt=DT, n=10_000, hz=(0.5, 0.7, 0.6)[i])
+    taxels = STEP * np.round(r.taxels / STEP)
+    taxels[0] = np.repeat(change(taxels[0, ::every].copy(), rng), every)[: len(r)]
+    return replace(r, force=STEP * np.round(r.force / STEP), taxels=taxels)
+
+
+def bag_of(path, r, every=5):
+    """A bag in which taxels come once for so many samples of depth and force, half a sample late."""
+
+    def late(store, i, message):
+        if "TaxelArray" in type(message).__name__:
+            stamp = message.header.stamp
+            stamp.nanosec += int(0.5e9 * DT)
+            stamp.sec, stamp.nanosec = stamp.sec + stamp.nanosec // 10**9, stamp.nanosec % 10**9
+        return message
+
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        lines = {topic: writer.add_connection(topic, kind, typestore=typestore()) for topic, kind in KINDS.items()}
+        for k, (topic, log, data) in enumerate(serialised(r, change=late)):
+            if topic != "/taxels" or (k // len(KINDS)) % every == 0:
+                writer.write(lines[topic], log, data)
+    return path
+
+
+def told(tmp_path, change, every=5):
+    """The findings on two bags and a third held out, of which the second has its first taxel changed."""
+    made = [session(i, change if i == 1 else lambda taxel, _: taxel, every) for i in range(3)]
+    recordings = [one for r in made for one in load(bag_of(tmp_path / r.name, r, every))]
+    return [(f["cause"], f["where"]) for f in diagnose(recordings[:2], recordings[2:]).findings["findings"]]
+
+
+def spiked(taxel, rng):
+    taxel[rng.integers(50, taxel.size - 50, 8)] += 5.0
+    return taxel
+
+
+def frozen(taxel, rng):
+    for start in rng.choice(np.arange(60, taxel.size - 60, 40), 6, replace=False):
+        taxel[start : start + 12] = taxel[start]
+    return taxel
+
+
+def written_twice(taxel, rng):
+    taxel[700:1000] = taxel[310:610]
+    return taxel
+
+
+@pytest.mark.parametrize("every", [2, 5, 10])
+def test_a_sound_slow_taxel_is_told_nothing(tmp_path, every):
+    """Two equal readings in a row are many equal samples, and straight lines between readings lose what moves quickly."""
+    assert told(tmp_path, lambda taxel, _: taxel, every) == []
+
+
+@pytest.mark.parametrize(("change", "cause"), [(spiked, "outliers"), (frozen, "outliers"), (written_twice, "data_error")])
+def test_faults_of_single_readings_are_found_in_a_slow_taxel(tmp_path, change, cause):
+    assert told(tmp_path, change) == [(cause, "taxel_0")]
+
+
+def test_what_lies_between_readings_keeps_its_size():
+    """At a sixth of the rate, straight lines lose a twelfth."""
+    known, t = np.arange(0.0, 20.0, 0.02), np.arange(1.0, 19.0, 0.001)
+    wave = 2.0 * np.pi / 6.0 / 0.02
+    rows = np.sin(wave * known)[None]
+    meant = np.sin(wave * t)
+    kept, lost = (float(f(t, known, rows)[0] @ meant / (meant @ meant)) for f in (between, interpolated))
+    assert abs(kept - 1.0) < 3e-3 and lost == pytest.approx(np.sinc(1.0 / 6.0) ** 2, abs=2e-3)
+
+
+@pytest.mark.parametrize("tremble", [0.0, 0.2, 0.7])
+def test_readings_with_lost_ones_and_trembling_stamps_stay_between_their_neighbours(tremble):
+    """Where curves would swing between stamps that nearly meet, or over a gap, lines are drawn."""
+    rng = np.random.default_rng(3)
+    known = np.sort(np.arange(500) * 0.01 + tremble * 0.01 * rng.uniform(-0.5, 0.5, 500))
+    known = np.delete(known, np.arange(200, 206))
+    rows, t = rng.normal(size=(2, known.size)), np.arange(0.02, 4.95, 0.001)
+    gap = (t > known[199]) & (t < known[200])
+    out = between(t, known, rows)
+    assert np.allclose(out[:, gap], interpolated(t, known, rows)[:, gap]) and np.abs(out).max() < 1.3 * np.abs(rows).max()
+
+
+def test_readings_go_with_their_taxels_signs_and_stretches(tmp_path):
+    (r,) = load(bag_of(tmp_path / "bag", session(0)))
+    (second,) = only_taxels([r], ["1"])
+    assert list(r.readings) == ["taxel_0", "taxel_1"] and list(second.readings) == ["taxel_0"]
+    assert np.array_equal(second.readings["taxel_0"].y, r.readings["taxel_1"].y)
+    assert r.longest_period == pytest.approx(5 * DT)
+    turned = r.scaled({"taxel_0": -1.0})
+    assert np.array_equal(turned.readings["taxel_0"].y, -r.readings["taxel_0"].y) and np.array_equal(turned.taxels[0], -r.taxels[0])
+    cut = r.part(1000, 2000).readings["taxel_0"]
+    assert r.t[1000] <= cut.t[0] and cut.t[-1] <= r.t[1999] and abs(cut.t.size - 200) <= 1
+    assert "taxel_0" not in r.with_channels({"taxel_0": r.taxels[0]}).readings
+
+
+def test_samples_that_hang_on_a_reading_lie_between_its_neighbours():
+    t, own = 0.001 * np.arange(100), Readings(0.0052 + 0.01 * np.arange(9), np.zeros(9))
+    wrong = np.arange(9) == 4
+    assert np.flatnonzero(own.spanned(wrong, t)).tolist() == list(range(36, 56))
+    assert np.flatnonzero(own.ringing(own.spanned(wrong, t), 0.001)).tolist() == list(range(16, 76))
+    assert np.flatnonzero(own.spanned(wrong, t[::40])).tolist() == [1]
