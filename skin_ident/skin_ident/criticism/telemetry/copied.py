@@ -11,7 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.repeats import Repeat, repeats_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
-from skin_ident.recordings.digits import digits_of
+from skin_ident.recordings.digits import digits_of, nearest
 
 VALUES = 12  # different values that a column must hold
 FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
@@ -56,7 +56,7 @@ def _as_read(recording, channel: str) -> tuple[np.ndarray, np.ndarray]:
     own = recording.readings.get(channel)
     if own is None:
         return np.arange(len(recording)), recording.read(channel)
-    return np.clip(np.rint((own.t - recording.t[0]) / recording.dt).astype(int), 0, len(recording) - 1), digits_of(own.y)
+    return nearest(own.t, recording.t), digits_of(own.y)
 
 
 def _on_grid(again: Repeat, at: np.ndarray, source: np.ndarray) -> Repeat:
