@@ -1,0 +1,70 @@
+"""What counts as a rival of a cause, and what speaks for one of two names: the encoder's noise, and what is believed beside them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from skin_ident.criticism.baseline.fitting import cost_of, fit
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.gates.blurred import blurred
+from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.search.exchange import _as_good_with
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.sessions.session import prepare
+from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.effects.lag import Lag
+from skin_models.effects.nonlinear_stiffness import PowerStiffness
+from skin_models.effects.nonlinearity import Nonlinearity
+from skin_models.effects.rate_dependence import PowerDamping
+from skin_models.model import Model
+from skin_models.signals import motion
+
+T = np.arange(6000) / 100.0
+DEPTH = 0.5e-3 + 0.3e-3 * np.sin(0.4 * T) + 0.05e-3 * np.sin(2.1 * T)
+PLAIN = Model(Dispersion(m=0.0, b1=900.0, k1=9000.0, b2=600.0, k2=3000.0), shares=(1.0,))
+ROOT = PLAIN.extended(PowerDamping("skin", force_sensed=0.3, force_dispersed=0.3, exponent=0.4))
+
+
+def recorded(model: Model, read: np.ndarray, seed: int = 0, noise: float = 0.01) -> Recording:
+    """Channels of `model` at the true depth, which an encoder `read` otherwise."""
+    rng, truth = np.random.default_rng(seed), model.simulate(motion(T, DEPTH))
+    y = np.vstack([truth.force, truth.taxels]) + noise * rng.standard_normal((2, T.size))
+    return Recording(f"made_{seed}", T, read, y[0], y[1:])
+
+
+def explained(read: np.ndarray, noisy: np.ndarray, seed: int) -> tuple[float, float]:
+    """By how much a root of the speed lowers the cost of a record of it, and what noise of the encoder is said to have taken from that; the
+    errors are those of a `noisy` depth."""
+    session = prepare(recorded(ROOT, read, seed))
+    noise = fit_whitener([residual(ROOT, prepare(recorded(ROOT, noisy, seed)))], [session])
+    return cost_of(PLAIN, [session], noise) - cost_of(ROOT, [session], noise), blurred(PLAIN, ROOT, [session], noise)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_of_the_encoder_takes_from_a_root_of_the_speed_no_less_than_is_told(seed):
+    """Of damping that changes most where the plunger turns; without noise of the depth nothing is taken."""
+    read = DEPTH + 4e-6 * np.random.default_rng(seed).standard_normal(T.size)
+    clear, nothing = explained(DEPTH, read, seed)
+    noisy, taken = explained(read, read, seed)
+    assert nothing < 1e-9
+    assert 0.1 * (clear - noisy) < taken < clear - noisy
+
+
+@pytest.mark.parametrize("true", ["finding", "rival"])
+def test_what_is_believed_beside_a_rival_speaks_for_it_unless_it_is_as_good_beside_the_finding(true):
+    """A taxel that is late, beside skin that stiffens or a taxel that bends."""
+    stiffens, late = PowerStiffness("skin", force_sensed=0.8, force_dispersed=0.3), Lag("taxel", tau=0.05)
+    bends = Nonlinearity("taxel", deviation=0.03, capacity=20.0)
+    truth = PLAIN.extended(stiffens if true == "finding" else bends)
+    session = prepare(recorded(replace(truth, effects=(*truth.effects, late)), DEPTH))
+    noise = fit_whitener([residual(truth, session)], [session])
+    search = Search([session], [], directions(session), lambda stage: None)
+    search.noise, search.present = noise, fit(PLAIN.extended(stiffens), [session], noise)
+    after = fit(replace(PLAIN, effects=(bends, late)), [session], noise)
+    finding = Named(stiffens.cause, "skin", None, 0.0, ())
+    assert _as_good_with(search, search, finding, Rival(bends.cause, "taxel", 0.0), after) is (true == "finding")
