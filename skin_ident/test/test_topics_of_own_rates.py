@@ -87,6 +87,15 @@ def test_what_lies_between_readings_keeps_its_size():
     assert abs(kept - 1.0) < 3e-3 and lost == pytest.approx(np.sinc(1.0 / 6.0) ** 2, abs=2e-3)
 
 
+@pytest.mark.parametrize("few", [2, 10])
+def test_of_a_channel_read_more_often_noise_is_not_folded_into_the_recording(few):
+    """What is slow stays; of white noise the share that lies below half the recording's rate."""
+    rng, known = np.random.default_rng(few), np.arange(40_000) * 1e-3
+    t, wave = known[::few][20:-20], 2.0 * np.pi * 0.05 / few / 1e-3
+    kept, left = between(t, known, np.array([np.sin(wave * known), rng.normal(size=known.size)]))
+    assert np.allclose(kept, np.sin(wave * t), atol=2e-3) and np.std(left) == pytest.approx(np.sqrt(1.0 / few), rel=0.15)
+
+
 @pytest.mark.parametrize("tremble", [0.0, 0.2, 0.7])
 def test_readings_with_lost_ones_and_trembling_stamps_stay_between_their_neighbours(tremble):
     """Where curves would swing between stamps that nearly meet, or over a gap, lines are drawn."""

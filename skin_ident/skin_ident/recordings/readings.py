@@ -3,7 +3,8 @@
 Brought onto the recording's instants, a reading stands beside several of these, or between two: what single readings tell (a spike, one
 that was sent twice, a block that was copied) is asked of themselves. Between them lies what a cubic spline says of a channel that is read
 evenly: straight lines lose sinc^2(f / f_s) of what moves at the frequency f, 8 % at a sixth of the rate f_s, and would be told as damping;
-a spline loses 0.2 % there.
+a spline loses 0.2 % there. Of a channel that is read more often than the recording, noise above half the recording's rate would be folded
+into what is compared: it is taken out before.
 
 Source: M. Unser, Splines: a perfect fit for signal and image processing, IEEE Signal Processing Magazine 16(6), 1999, 22-38.
 """
@@ -12,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
+from scipy.signal import firwin, oaconvolve
 
 from skin_ident.recordings.rows import all_finite, interpolated
 from skin_ident.stretches import runs
@@ -19,6 +21,7 @@ from skin_ident.stretches import runs
 CLOSEST = 0.5  # of a period: of stamps that tremble more, a spline would swing between two that nearly meet
 NEXT = 1.5  # periods, from one reading to the next; in a longer gap a reading was lost, and nobody knows how the channel curved
 RINGS = 2.0  # periods beside a wrong reading and its neighbours, to which a spline carries it: 0.27 of it in the first, 0.07 in the second
+HALF, BETA = 2, 5.0  # of the low-pass before, half its length in the recording's periods, and its Kaiser window
 PIECE = 1 << 15  # instants in one go, which bounds the memory
 
 
@@ -58,8 +61,8 @@ class Readings:
         return slice(start, max(stop, start + 1))
 
     def ringing(self, wrong: np.ndarray, dt: float) -> np.ndarray:
-        """The mask (N,) of instants dt s apart with those beside its runs to which a spline carries what is wrong there."""
-        beside, out = int(np.ceil(RINGS * self.period / dt)), wrong.copy()
+        """The mask (N,) of instants dt s apart with those beside its runs to which what is wrong there is carried."""
+        beside, out = int(np.ceil(RINGS * max(self.period / dt, 1.0))), wrong.copy()
         for a, b in zip(*runs(wrong), strict=True):
             out[max(a - beside, 0) : b + beside] = True
         return out
@@ -67,15 +70,23 @@ class Readings:
 
 def between(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Rows (R, M) known at increasing instants, at the instants t (N,), both in the same unit: on cubic splines where all are numbers that
-    come evenly, and on straight lines where one was lost, or stamps tremble."""
+    come evenly, and on straight lines where one was lost, or stamps tremble; what is quicker than the instants can tell is averaged."""
     steps = np.diff(known)
     period = float(np.median(steps))
     if known.size < 4 or steps.min() < CLOSEST * period or not all_finite(rows):
         return interpolated(t, known, rows)
-    curved, out = make_interp_spline(known, rows.T), np.empty((t.size, len(rows)))
+    few = round(float(np.median(np.diff(t))) / period)
+    curved, out = make_interp_spline(known, (_low_passed(rows, few) if few > 1 else rows).T), np.empty((t.size, len(rows)))
     for start in range(0, t.size, PIECE):
         part = t[start : start + PIECE]
         lost = steps[np.clip(np.searchsorted(known, part, side="right"), 1, steps.size) - 1] > NEXT * period
         out[start : start + PIECE] = curved(part)
         out[start : start + PIECE][lost] = interpolated(part[lost], known, rows).T
     return out.T
+
+
+def _low_passed(rows: np.ndarray, few: int) -> np.ndarray:
+    """Rows (R, M) without what is quicker than half the rate that one in so many of them has; ends extended."""
+    half = HALF * few
+    padded = np.pad(rows, ((0, 0), (half, half)), mode="reflect", reflect_type="odd")
+    return oaconvolve(padded, firwin(2 * half + 1, 1.0 / few, window=("kaiser", BETA))[None], mode="valid", axes=1)
