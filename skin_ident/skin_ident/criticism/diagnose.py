@@ -13,7 +13,7 @@ from skin_ident.criticism.array.joining import array_criticism, joined
 from skin_ident.criticism.array.layout import layout_of, unplaced
 from skin_ident.criticism.array.proposing import array_directions
 from skin_ident.criticism.array.spreading import with_spread
-from skin_ident.criticism.baseline.residual import simulated, stiffness
+from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.twin import read_twins
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.many import (
@@ -38,7 +38,7 @@ from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest
 from skin_ident.criticism.sessions.thinner import at_every_sample, thinner
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
-from skin_ident.criticism.telemetry.noise_level import find_noise
+from skin_ident.criticism.telemetry.noise_level import by_encoder, find_noise
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import depth_resolution, find_buried
@@ -208,7 +208,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
     found = [
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
-        *find_noise(recordings, channels, rest, calm, [stiffness(model, c) for c in channels]),
+        *find_noise(recordings, channels, rest, calm, by_encoder(model, sessions, recordings, calm)),
     ]
     names, dts = [s.name for s in sessions], [r.dt for r in recordings]
     told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, names, channels, rest, dts, model)]

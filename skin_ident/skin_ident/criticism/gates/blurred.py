@@ -5,12 +5,11 @@ with a threshold wider than that noise does not notice, and would be preferred f
 What a cause A explains of what it does at the true depth x falls by |W (A(x + n) - A(x))|^2, as it does by a further draw of the noise n.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.sessions.read_again import read_again
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -29,7 +28,5 @@ def blurred(before: Model, after: Model, sessions: list[Session], noise: Whitene
 
 def _changed(before: Model, after: Model, s: Session, rng: np.random.Generator) -> np.ndarray:
     """By how much what `after` adds to `before` is another (C, n), N, where the depth is read with its noise once more."""
-    read = s.depth_noise * rng.standard_normal(len(s.motion))
-    again = replace(s, motion=replace(s.motion, x=s.motion.x + s.band.smooth(read), v=s.motion.v + s.band.speed(read)))
-    first, second = (simulated(after, each) - simulated(before, each) for each in (s, again))
+    first, second = (simulated(after, each) - simulated(before, each) for each in (s, read_again(s, s.depth_noise, rng)))
     return s.band.thin(second - first)

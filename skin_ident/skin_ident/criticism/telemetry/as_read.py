@@ -43,3 +43,9 @@ def as_read(e: np.ndarray, y: np.ndarray, jumps: np.ndarray, t: np.ndarray | Non
     model = np.interp(own.t, t, y - e)
     left = np.where(e[beside] == 0.0, 0.0, own.y - model)
     return AsRead(left, model + left, own.ringing(jumps, t[1] - t[0])[beside], t, own)
+
+
+def calm_lines(channel: str, row: int, recordings: list, residuals: list[np.ndarray], calm: list[np.ndarray]) -> list[AsRead]:
+    """A channel as every recording read it, where that is `row` of residuals (C, N): `jumps` is where it is not `calm` (N,)."""
+    every = zip(recordings, residuals, calm, strict=True)
+    return [as_read(e[row], r.channels[channel], ~still, r.t, r.readings.get(channel)) for r, e, still in every]

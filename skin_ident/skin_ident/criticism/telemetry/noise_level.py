@@ -1,10 +1,10 @@
 """Noise: not what rig.yaml declares, in level, in colour, or because it grows with the load.
 
-Looks at what the extended model leaves at full rate, far from contact made or lost, less its own running median: what is slow may be the
-model's. Speaks only where a level is declared (`force_noise_n`, `taxel_noise_n`, as white noise), and widens it by the converter's step q
-and by what the encoder's step d does through the stiffness k of the skin:
+Looks at what the extended model leaves of what was read, far from contact made or lost, less its own running median: what is slow may be
+the model's. Speaks only where a level is declared (`force_noise_n`, `taxel_noise_n`, as white noise), and widens it by the converter's step
+q and by u, rms of what the encoder's noise and steps d do to the simulation, through stiffness and damping:
 
-    expected^2 = declared^2 + q^2 / 12 + k^2 d^2 / 12.
+    expected^2 = declared^2 + q^2 / 12 + u^2.
 
 An encoder that adds as much as was declared makes any noise coloured and load-dependent; then only the level is looked at.
 """
@@ -12,21 +12,27 @@ An encoder that adds as much as was declared makes any noise coloured and load-d
 import numpy as np
 from scipy.ndimage import median_filter
 
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.sessions.read_again import read_again
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.as_read import AsRead, calm_lines
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_models.model import Model
 
 SLOW_S = 2.0  # of the running median
 OTHER_LEVEL = 1.5  # times as much, or as little, as expected
 COLOURED = 0.5  # correlation of neighbouring samples of noise that should have none
 GROWN = 1.6  # times the spread in the air, in the third of the samples with the greatest load
 FEWEST = 300  # samples that a verdict needs
+SEED = 0  # any: the same record is told the same
 
 
 def find_noise(
-    recordings: list, channels: tuple[str, ...], residuals: list[np.ndarray], believed: list[np.ndarray], stiffness: list[float]
+    recordings: list, channels: tuple[str, ...], residuals: list[np.ndarray], believed: list[np.ndarray], unread: np.ndarray
 ) -> list[Symptom]:
     """Channels whose noise is not as declared, from residuals (C, N) at full rate and masks (N,) of the samples to look at.
 
-    `stiffness` is the force per depth of each channel, N/m.
+    `unread` (C,) N rms is what errors of the depth do to the simulation (`by_encoder`).
     """
     declared, n_taxels = recordings[0].declared, len(recordings[0].taxels)
     found = []
@@ -34,10 +40,10 @@ def find_noise(
         level = declared.force_noise_n if channel == "force" else _of_taxel(recordings[0], int(channel.rpartition("_")[2]))
         if not level:
             continue
-        rows = [_quick(e[c], r.dt) for e, r in zip(residuals, recordings, strict=True)]
-        steps = np.array([recordings[0].step(channel) or 0.0, stiffness[c] * _encoder_step(recordings[0])]) / np.sqrt(12.0)
-        loads = [r.channels[channel] - e[c] for e, r in zip(residuals, recordings, strict=True)]  # a reading is high by its noise, too
-        why = _unlike(level, steps, rows, loads, believed, recordings[0].dt)
+        lines = calm_lines(channel, c, recordings, residuals, believed)
+        periods = [r.dt if line.own is None else line.own.period for line, r in zip(lines, recordings, strict=True)]
+        steps = np.array([(recordings[0].step(channel) or 0.0) / np.sqrt(12.0), unread[c]])
+        why = _unlike(level, steps, lines, periods)
         if why:
             kind, sentence, parameters = why
             text = f"the noise of {channel} {sentence}"
@@ -45,17 +51,30 @@ def find_noise(
     return found
 
 
-def _unlike(
-    level: float, steps: np.ndarray, rows: list[np.ndarray], loads: list[np.ndarray], believed: list[np.ndarray], dt: float
-) -> tuple[str, str, dict] | None:
-    """Kind, sentence and numbers of the first thing that is unlike the declaration under the `loads` that are simulated, beside what
-    `steps` of converter and encoder do, N."""
-    e, y = (np.concatenate([r[b] for r, b in zip(of, believed, strict=True)]) for of in (rows, loads))
+def by_encoder(model: Model, sessions: list[Session], recordings: list, believed: list[np.ndarray]) -> np.ndarray:
+    """What noise and steps of the encoder do to what is simulated of each channel, (C,) N rms, over samples of masks (N,): the difference
+    that a further draw of them makes. Nothing where a force drives the test."""
+    if any(s.drive is not None for s in sessions):
+        return np.zeros(len(sessions[0].channels))
+    rng, step = np.random.default_rng(SEED), _encoder_step(recordings[0]) / np.sqrt(12.0)
+    again = [read_again(s, float(np.hypot(step, s.depth_noise)), rng) for s in sessions]
+    changes = [(simulated(model, b) - simulated(model, a))[:, calm] for a, b, calm in zip(sessions, again, believed, strict=True)]
+    return np.array([_spread(row) if row.size else 0.0 for row in np.concatenate(changes, axis=1)])
+
+
+def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[float]) -> tuple[str, str, dict] | None:
+    """Kind, sentence and numbers of the first thing that is unlike the declaration under the loads that are simulated (a reading is high by
+    its noise, too), beside what `steps` of the converter and the encoder do, N."""
+    rows = [_quick(line.e, period) for line, period in zip(lines, periods, strict=True)]
+    loads, believed = [line.y - line.e for line in lines], [~line.jumps for line in lines]
+    changes = [np.abs(np.gradient(load)) for load in loads]
+    e, y, moving = (np.concatenate([r[b] for r, b in zip(of, believed, strict=True)]) for of in (rows, loads, changes))
     if e.size < FEWEST:
         return None
     expected = float(np.hypot(level, np.hypot(*steps)))
     low, high = np.percentile(y, [33.0, 67.0])
-    idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[y >= high])
+    slow = moving <= np.median(moving[y >= high])  # what trembling stamps make of a load that moves is no noise of its own
+    idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[(y >= high) & slow])
     declared = f"rig.yaml declares white noise of {level:.3g} N"
     plain = steps[1] < 0.5 * level
     if plain and high > low + expected and loaded > GROWN * idle:
@@ -67,15 +86,15 @@ def _unlike(
             "proportional": quantity(min(share, 1.0), "1"),
         }
         return "growth", f"{said}; {declared}, the same at any load", numbers
-    measured = _spread(e)
+    measured = _spread(e[moving <= np.median(moving)])
     ratio = measured / expected
     colour = float(np.median([_neighbours(r, b) for r, b in zip(rows, believed, strict=True)]))
     if plain and colour > COLOURED:
-        tau = -dt / float(np.log(min(colour, 0.9999)))
+        tau = -periods[0] / float(np.log(min(colour, 0.9999)))
         said = f"wanders: neighbouring samples are alike (correlation {colour:.2f}, where white noise has none), over about {tau:.2g} s"
         numbers = {"correlation_of_neighbours": quantity(colour, "1"), "coloured": quantity(measured, "N"), "tau": quantity(tau, "s")}
         return "correlation", f"{said}; {declared}", numbers
-    if not 1.0 / OTHER_LEVEL < ratio < OTHER_LEVEL:
+    if ratio > OTHER_LEVEL or OTHER_LEVEL * measured < float(np.hypot(level, steps[0])):  # an encoder at rest adds nothing
         steps = f", {expected:.3g} N together with the steps of converter and encoder" if expected > 1.05 * level else ""
         numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
         return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {declared}{steps}", numbers

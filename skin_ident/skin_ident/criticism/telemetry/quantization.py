@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.telemetry.as_read import calm_lines
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import declared_step
 from skin_ident.estimators.scale import white_noise
@@ -67,7 +68,8 @@ def find_buried(recordings: list, channels: tuple[str, ...], rests: list[np.ndar
     for channel, step in undeclared_steps(recordings).items():
         if channel not in channels:
             continue
-        left = np.concatenate([e[channels.index(channel)][at] for e, at in zip(rests, calm, strict=True)])
+        lines = calm_lines(channel, channels.index(channel), recordings, rests, calm)
+        left = np.concatenate([line.e[~line.jumps] for line in lines])
         if left.size and float(np.mean(left**2)) < BURIED * step**2 / 12.0:
             why = f"the levels of {channel} are {step:.3g} N apart, and rounding to them is more than its noise; rig.yaml declares no step"
             where = place_of(channel, len(recordings[0].taxels))
