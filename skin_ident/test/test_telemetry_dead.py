@@ -190,3 +190,20 @@ def test_a_taxel_is_not_asked_what_a_mass_does_in_the_air():
     assert not find_dead_taxels([Recording("shaken", t, depth, pressed + shaken, np.array([taxel]))])
     dies = np.where(t > 4.0, 0.005 * rng.standard_normal(t.size), taxel)
     assert find_dead_taxels([Recording("dies", t, depth, pressed + shaken, np.array([dies]))])
+
+
+@pytest.mark.parametrize("since", [0.5, 1.0])
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_one_that_is_open_throughout_a_session_is_dead_there_too(since, elsewhere):
+    """After it died in the session before, or between the two; not where the other taxel feels that the plunger presses elsewhere."""
+    rng, t = np.random.default_rng(8), np.arange(3000) / 200.0
+    depth = 0.4e-3 - 0.6e-3 * np.cos(2.0 * t)
+    pressed, living = 5e3 * np.maximum(depth, 0.0), t < since * 15.0
+
+    def session(name, lives, other):
+        taxels = np.array([0.3 * other * pressed, 0.4 * pressed * lives]) + 0.005 * rng.standard_normal((2, t.size))
+        return Recording(name, t, depth, pressed + 0.005 * rng.standard_normal(t.size), taxels)
+
+    made = [session("a", 1.0, 1.0), session("b", living, 1.0), session("c", 0.0, 2.0 if elsewhere else 1.0)]
+    found = {name: float(m.mean()) for s in find_dead_taxels(made) for (name, _), m in s.bad.items()}
+    assert found == pytest.approx(({"c": 1.0} if not elsewhere else {}) | ({"b": 0.5} if since < 1.0 else {}), abs=0.02)

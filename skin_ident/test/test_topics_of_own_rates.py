@@ -80,11 +80,11 @@ def test_faults_of_single_readings_are_found_in_a_slow_taxel(tmp_path, change, c
 def test_what_lies_between_readings_keeps_its_size():
     """At a sixth of the rate, straight lines lose a twelfth."""
     known, t = np.arange(0.0, 20.0, 0.02), np.arange(1.0, 19.0, 0.001)
-    wave = 2.0 * np.pi / 6.0 / 0.02
+    wave = 2.0 * np.pi / 6.01 / 0.02
     rows = np.sin(wave * known)[None]
     meant = np.sin(wave * t)
     kept, lost = (float(f(t, known, rows)[0] @ meant / (meant @ meant)) for f in (between, interpolated))
-    assert abs(kept - 1.0) < 3e-3 and lost == pytest.approx(np.sinc(1.0 / 6.0) ** 2, abs=2e-3)
+    assert abs(kept - 1.0) < 3e-3 and lost == pytest.approx(np.sinc(1.0 / 6.01) ** 2, abs=2e-3)
 
 
 @pytest.mark.parametrize("few", [2, 10])
@@ -127,3 +127,12 @@ def test_samples_that_hang_on_a_reading_lie_between_its_neighbours():
     assert np.flatnonzero(own.spanned(wrong, t)).tolist() == list(range(36, 56))
     assert np.flatnonzero(own.ringing(own.spanned(wrong, t), 0.001)).tolist() == list(range(16, 76))
     assert np.flatnonzero(own.spanned(wrong, t[::40])).tolist() == [1]
+
+
+@pytest.mark.parametrize("every", [2, 7])
+def test_a_row_that_stands_still_does_so_between_its_readings_and_a_ceiling_is_not_exceeded(every):
+    known, t = 0.001 * every * np.arange(600), 0.001 * np.arange(600 * every - every)
+    clipped = np.clip(3.0 * np.sin(2.0 * known), None, 2.1)
+    stuck, told = between(t, known, np.array([np.full(known.size, 1.65), clipped]))
+    assert np.ptp(stuck) == 0.0 and told.max() == 2.1
+    assert np.mean(told == 2.1) == pytest.approx(np.mean(clipped == 2.1), abs=0.02)

@@ -70,19 +70,27 @@ class Readings:
 
 def between(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Rows (R, M) known at increasing instants, at the instants t (N,), both in the same unit: on cubic splines where all are numbers that
-    come evenly, and on straight lines where one was lost, or stamps tremble; what is quicker than the instants can tell is averaged."""
+    come evenly, and on straight lines where one was lost, the row stands still, or stamps tremble; no further than any reading of the row.
+    What is quicker than the instants can tell is averaged."""
     steps = np.diff(known)
     period = float(np.median(steps))
     if known.size < 4 or steps.min() < CLOSEST * period or not all_finite(rows):
         return interpolated(t, known, rows)
     few = round(float(np.median(np.diff(t))) / period)
     curved, out = make_interp_spline(known, (_low_passed(rows, few) if few > 1 else rows).T), np.empty((t.size, len(rows)))
+    still, low, high = _still(rows), rows.min(axis=1), rows.max(axis=1)
     for start in range(0, t.size, PIECE):
         part = t[start : start + PIECE]
-        lost = steps[np.clip(np.searchsorted(known, part, side="right"), 1, steps.size) - 1] > NEXT * period
-        out[start : start + PIECE] = curved(part)
-        out[start : start + PIECE][lost] = interpolated(part[lost], known, rows).T
+        gap = np.clip(np.searchsorted(known, part, side="right"), 1, steps.size) - 1
+        straight = still[:, gap].T | (steps[gap] > NEXT * period)[:, None]
+        out[start : start + PIECE] = np.where(straight, interpolated(part, known, rows).T, np.clip(curved(part), low, high))
     return out.T
+
+
+def _still(rows: np.ndarray) -> np.ndarray:
+    """Where rows (R, M) stand still from one reading to the next, and before and after it: (R, M-1)."""
+    same = np.pad(np.diff(rows, axis=1) == 0.0, ((0, 0), (1, 1)), constant_values=True)
+    return same[:, :-2] & same[:, 1:-1] & same[:, 2:]
 
 
 def _low_passed(rows: np.ndarray, few: int) -> np.ndarray:

@@ -95,26 +95,41 @@ def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
             when.append(start * r.dt)
     if not bad:
         return _standing(recordings, i, n)
-    bad |= {(r.name, name): np.ones(len(r), bool) for r in recordings if np.ptp(r.taxels[i]) == 0.0}
+    lived = [(r, _usual(r, i)) for r in recordings if (r.name, name) in bad]
+    rest = [r for r in recordings if (r.name, name) not in bad]
+    bad |= {(r.name, name): np.ones(len(r), bool) for r in rest if np.ptp(r.taxels[i]) == 0.0 or _is_open(r, i, lived)}
     why = f"{name} follows the load up to {when[0]:.1f} s and not at all from there to the end, in {len(bad)} of {len(recordings)} sessions"
     return [_symptom(name, n, when[0], why, "dies", 0.0, bad)]
 
 
 def _standing(recordings: list, i: int, n: int) -> list[Symptom]:
-    """The taxel follows the load in some sessions, and holds one reading throughout others that press as hard at the same place."""
+    """The taxel follows the load in some sessions, and holds one reading, or reads noise alone, throughout others that press as hard at the
+    same place."""
     name = f"taxel_{i}"
     living = [(r, usual) for r in recordings if (usual := _usual(r, i)) > 0.0]
     still = [r for r in recordings if np.ptp(r.taxels[i]) == 0.0]
     dead = [r for r in still if any(_would_move(r, i, other, usual) and _felt_alike(r, other, i) for other, usual in living)]
+    if not dead and len(recordings[0].taxels) > 1:  # others say that the plunger did not press elsewhere
+        dead = [r for r in recordings if _is_open(r, i, [(other, usual) for other, usual in living if other is not r])]
     if not dead:
         return []
-    level = float(dead[0].taxels[i][0])
+    level = float(np.median(dead[0].taxels[i]))
     bad = {(r.name, name): np.ones(len(r), bool) for r in dead}
     fades = {r.name: _fading(r, i, usual) for r, usual in living if r.taxels[i][-1] == level}
     bad |= {(r.name, name): np.arange(len(r)) >= fades[r.name] for r, _ in living if r.name in fades}
-    elsewhere = f"holds {level:.3g} N throughout {len(dead)} of {len(recordings)} sessions that press as hard at the same place"
+    reads = "holds" if np.ptp(dead[0].taxels[i]) == 0.0 else "reads noise about"
+    elsewhere = f"{reads} {level:.3g} N throughout {len(dead)} of {len(recordings)} sessions that press as hard at the same place"
     since = min((fades[r.name] * r.dt for r, _ in living if r.name in fades), default=0.0)
     return [_symptom(name, n, since, f"{name} follows the load in {living[0][0].name}, and {elsewhere}", "dies", level, bad)]
+
+
+def _is_open(recording, i: int, living: list) -> bool:
+    """Whether a taxel reads noise alone where by any `living` session (with its usual slope there) it would have moved."""
+    load, row = _load(recording), recording.taxels[i]
+    if load is None or abs(_correlation(load, row)) >= FOLLOWS:
+        return False
+    moved = [usual for other, usual in living if _would_move(recording, i, other, usual) and _felt_alike(recording, other, i)]
+    return any(abs(_slope(load, row)) <= GONE * usual for usual in moved)
 
 
 def _usual(recording, i: int) -> float:
