@@ -79,9 +79,10 @@ def fit(
     return Fit(model, which, _standard_errors(J, scale, which, cost), cost, believed)
 
 
-def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None) -> Whitener:
-    """The noise of sessions where all that a model leaves of them is taken for it, and it `grows` so with the load, or is steady."""
-    return fit_whitener([residual(model, s) for s in sessions], sessions, grows=grows)
+def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None, mix: np.ndarray | None = None) -> Whitener:
+    """The noise of sessions where all that a model leaves of them is taken for it, and it `grows` so with the load, or is steady; of
+    uncorrelated mixtures of the channels, or of those of a given `mix`."""
+    return fit_whitener([residual(model, s) for s in sessions], sessions, grows=grows, mix=mix)
 
 
 def grown_noise_of(model: Model, sessions: list[Session]) -> Whitener:

@@ -43,9 +43,11 @@ def _share(run: Run, model: Model, sessions: list[Session]) -> float:
 def believed(gain: Gain, course: Course) -> bool:
     """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
     little too early or too late leaves a spike, which whitening would make the most of. But where the plain error falls by little, the
-    likelihood must gain, too, and it may never lose as large a share as the plain error gains."""
+    likelihood must gain, too, and it may never lose as large a share as the plain error gains. Of one session among others the plain error
+    falls in few blocks: there the likelihood may be what is beyond doubt."""
     fall = 1.0 - gain.after / max(gain.before, 1e-300)
-    sure = gain.ci95[0] > SURE * (gain.before - gain.after) and fall > CLEARLY[course.shape]
+    sure = gain.ci95[0] > SURE * (gain.before - gain.after) or (gain.ci95[0] > 0.0 and gain.lower > SURE * gain.relative > 0.0)
+    sure = sure and fall > CLEARLY[course.shape]
     if course.shape == BEND and not course.wanders:  # which leaves no spikes, and is what wandering noise looks like
         return sure and gain.lower > 0.0
     return sure and (gain.relative > 0.0 or (fall > PLAINLY and gain.relative > -fall))

@@ -42,8 +42,9 @@ Residuals = tuple[list[np.ndarray], list[np.ndarray]]  # (C, n) N of each sessio
 class Gain:
     """Held-out error before and after, N, in `channel`, the one that gained most; `ci95` bounds the fall of the RMSE there.
 
-    `carried` are the channels whose error fell, `spoilt` those where it rose by much; `relative` and `lower` are the fall of the whitened
-    mean square over all channels and its lower 99 % bound: the gate itself, for which `breadth` makes up where few channels carry it.
+    `carried` are the channels whose error fell, `quicker` those where what is quick of it did, `spoilt` those where it rose by much;
+    `relative` and `lower` are the fall of the whitened mean square over all channels and its lower 99 % bound: the gate itself, for which
+    `breadth` makes up where few channels carry it.
     """
 
     channel: str
@@ -55,6 +56,7 @@ class Gain:
     lower: float
     held_out: str
     spoilt: tuple[str, ...] = ()
+    quicker: tuple[str, ...] = ()
     breadth: float = 1.0  # twice the share of channels that carry it, at most 1: the others dilute what few of them gain
 
     @property
@@ -69,8 +71,10 @@ class Gain:
         return sure and not self.spoilt and self.relative > MATERIAL * self.breadth and self.after < (1.0 - material) * self.before
 
     def shows_at(self, where: str) -> bool:
-        """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it."""
-        return any(c in self.carried for c in own_channels(where, self.carried))
+        """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it; beside a slow error of
+        another cause what is quick of it does."""
+        shown = (*self.carried, *self.quicker)
+        return any(c in shown for c in own_channels(where, shown))
 
     @property
     def entry(self) -> dict[str, Any]:
@@ -174,12 +178,24 @@ def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], session
     rms, drawn = rmse_fall(before, after, sessions)
     c = int(np.argmax((rms[0] - rms[1]) / np.maximum(rms[0], 1e-300)))
     low, high = np.percentile(drawn[0, c] - drawn[1, c], [2.5, 97.5])
-    carried = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if b - a > CARRIES * b)
-    spoilt = tuple(name for name, b, a in zip(sessions[0].channels, *rms, strict=True) if a > SPOILT * b)
     channels, channel = sessions[0].channels, sessions[0].channels[c]
+    carried, quicker = (_fallen(channels, *fall) for fall in (rms, [_quick(es, sessions) for es in (before, after)]))
+    spoilt = tuple(name for name, b, a in zip(channels, *rms, strict=True) if a > SPOILT * b)
     carried = carried or (channel,)
     errors = float(rms[0, c]), float(rms[1, c]), (float(low), float(high))
-    return Gain(channel, carried, *errors, total, lower, said, spoilt, breadth_of(len(carried), len(channels)))
+    return Gain(channel, carried, *errors, total, lower, said, spoilt, quicker, breadth_of(len(carried), len(channels)))
+
+
+def _fallen(channels: tuple[str, ...], before: np.ndarray, after: np.ndarray) -> tuple[str, ...]:
+    """The channels whose RMS error (C,) fell from before to after."""
+    return tuple(name for name, b, a in zip(channels, before, after, strict=True) if b - a > CARRIES * b)
+
+
+def _quick(es: list[np.ndarray], sessions: list[Session]) -> np.ndarray:
+    """RMS (C,) of what neighbouring samples of residuals [(C, n), …] differ by."""
+    both = [s.weight[:, 1:] * s.weight[:, :-1] for s in sessions]
+    squares = sum((np.diff(e, axis=1) ** 2 * w).sum(axis=1) for e, w in zip(es, both, strict=True))
+    return np.sqrt(squares / np.maximum(sum(w.sum(axis=1) for w in both), 1.0))
 
 
 def breadth_of(carried: int, channels: int) -> float:

@@ -123,11 +123,13 @@ def fit_whitener(
     order: int | None = None,
     grows: Growth | None = None,
     floor: np.ndarray | None = None,
+    mix: np.ndarray | None = None,
 ) -> Whitener:
     """The noise model of residuals [(C, n), …], from each channel of which what was fitted and subtracted has `taken` so many degrees of
     freedom (2, C), in all and at the lowest frequencies; of the highest `order` that they bear, unless it is given. The noise `grows` so
     with the load, or is steady. A `floor` (C, C) N^2 is given where the words of two noise models are compared: one that falls with what
-    is taken out would shorten them. Constant channels are given a tiny floor so that nothing divides by zero."""
+    is taken out would shorten them. The mixtures are uncorrelated ones unless their `mix` is given. Constant channels are given a tiny
+    floor so that nothing divides by zero."""
     n_channels, order = residuals[0].shape[0], order_for([s.weight for s in sessions]) if order is None else order
     grows = grows or Growth.none(n_channels)
     begun = Whitener(np.eye(n_channels), np.ones((n_channels, 1)), np.zeros((n_channels, MEMORIES.size)), np.eye(n_channels), grows)
@@ -135,7 +137,7 @@ def fit_whitener(
     kept = np.concatenate([e[:, w.min(axis=0) > 0] for e, w in zip(steady, weights, strict=True)], axis=1)
     energy = np.atleast_2d(kept @ kept.T / max(kept.shape[1], 1))
     floor = FLOOR * energy if floor is None else floor
-    _, vectors = np.linalg.eigh(energy)
+    vectors = np.linalg.eigh(energy)[1] if mix is None else mix.T
     mixed = [vectors.T @ e for e in steady]
     together = [w.min(axis=0) for w in weights]
     unseen = np.zeros((2, n_channels)) if taken is None else taken @ vectors**2

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.blurred import blurred
-from skin_ident.criticism.gates.description import description_length
+from skin_ident.criticism.gates.description import shorter_by
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.gates.second_opinion import at_any_scale
 from skin_ident.criticism.search.doubt import shadowed, unproven
@@ -71,8 +71,7 @@ def _doubtless(search: Search, trial: Trial) -> float:
 
 def _is_shorter(search: Search, after: Fit) -> bool:
     """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
-    before, behind = (description_length(f, search.train, search.noise.growth) for f in (search.present, after))
-    return before - behind > SHORTER
+    return shorter_by(search.present, after, search.train, search.noise.growth) > SHORTER
 
 
 def _gain_of(search: Search, trial: Trial, best: float) -> Gain:
