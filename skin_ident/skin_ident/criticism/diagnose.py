@@ -210,8 +210,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
         *find_noise(recordings, channels, rest, calm, by_encoder(model, sessions, recordings, calm)),
     ]
-    names, dts = [s.name for s in sessions], [r.dt for r in recordings]
-    told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, names, channels, rest, dts, model)]
+    told = [told_of_bursts(s, channels, rest, [r.dt for r in recordings]) for s in known if remains(s, recordings, channels, rest, model)]
     return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]
 
 

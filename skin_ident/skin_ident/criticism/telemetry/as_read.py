@@ -27,6 +27,10 @@ class AsRead:
         """Mask (N,) of the recording's samples that hang on readings of the `mask` (M,)."""
         return mask if self.own is None else self.own.spanned(mask, self.t)
 
+    def beside(self, on_grid: np.ndarray) -> np.ndarray:
+        """Mask (M,) of the readings nearest to which the recording's samples are in a mask (N,)."""
+        return on_grid if self.own is None else on_grid[nearest_samples(self.own, self.t)]
+
     def kept(self, mask: np.ndarray, on_grid: np.ndarray) -> np.ndarray:
         """The runs of readings of the `mask` (M,) of which the recording's samples, or some, are among those of another mask (N,)."""
         if self.own is None:
@@ -39,10 +43,15 @@ def as_read(e: np.ndarray, y: np.ndarray, jumps: np.ndarray, t: np.ndarray | Non
     put in the place of samples, so that nothing is left of them, it is in that of the readings beside them."""
     if own is None:
         return AsRead(e, y, jumps)
-    beside = np.clip(np.searchsorted(0.5 * (t[1:] + t[:-1]), own.t), 0, t.size - 1)
+    beside = nearest_samples(own, t)
     model = np.interp(own.t, t, y - e)
     left = np.where(e[beside] == 0.0, 0.0, own.y - model)
     return AsRead(left, model + left, own.ringing(jumps, t[1] - t[0])[beside], t, own)
+
+
+def nearest_samples(own: Readings, t: np.ndarray) -> np.ndarray:
+    """Which of the instants t (N,) is nearest to each reading, (M,)."""
+    return np.searchsorted(0.5 * (t[1:] + t[:-1]), own.t)
 
 
 def calm_lines(channel: str, row: int, recordings: list, residuals: list[np.ndarray], calm: list[np.ndarray]) -> list[AsRead]:

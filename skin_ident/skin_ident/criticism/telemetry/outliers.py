@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from scipy.stats import binom, poisson
 
-from skin_ident.criticism.telemetry.as_read import AsRead, as_read
+from skin_ident.criticism.telemetry.as_read import AsRead, as_read, calm_lines
 from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
@@ -83,12 +83,24 @@ def _line(channel: str, c: int, e: np.ndarray, y: np.ndarray, jumps: np.ndarray,
     return as_read(e[c], y[c], jumps) if own is None else as_read(e[c], y[c], jumps, recording.t, own)
 
 
-def are_left(symptom: Symptom, names: list[str], row: list[np.ndarray]) -> bool:
-    """Whether samples that were found to be outliers lie as far from those around them in what a model leaves that knows more, e (N,) for
-    each session by name, as they did: with a depth that gives way a landing is no jump away and back."""
-    masks = [symptom.bad.get((name, symptom.channels[0]), np.zeros(e.size, bool)) for name, e in zip(names, row, strict=True)]
-    wrong = np.concatenate([_away(e, m) for e, m in zip(row, masks, strict=True)])
+def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residuals: list[np.ndarray]) -> bool:
+    """Whether samples that were found to be outliers lie as far from those around them as they did, in `row` of what a model leaves that
+    knows more, (C, N) for each recording: with a depth that gives way a landing is no jump away and back."""
+    channel = symptom.channels[0]
+    lines = calm_lines(channel, row, recordings, residuals, [np.ones(len(r), bool) for r in recordings])
+    masks = [symptom.bad.get((r.name, channel), np.zeros(len(r), bool)) for r in recordings]
+    wrong = np.concatenate([_farthest(line, m) for line, m in zip(lines, masks, strict=True)])
     return wrong.size == 0 or rms(wrong) > LEFT * symptom.parameters["size"]["value"]
+
+
+def _farthest(line: AsRead, on_grid: np.ndarray) -> np.ndarray:
+    """How far a residual lies away in the samples of a mask (N,); of readings between these, which may be more, the farthest of a run."""
+    mask = line.beside(on_grid)
+    if line.own is None:
+        return _away(line.e, mask)
+    far = np.zeros(mask.size)
+    far[mask] = np.abs(_away(line.e, mask))
+    return np.array([far[a:b].max() for a, b in zip(*runs(mask), strict=True)])
 
 
 def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:

@@ -11,14 +11,14 @@ from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.model import Model
 
 
-def remains(symptom: Symptom, names: list[str], channels: tuple[str, ...], rests: list[np.ndarray], dts: list[float], model: Model) -> bool:
-    """Whether a symptom is still there in measured less simulated (C, N) N of each session by name, sampled every `dts` s, under the
-    extended `model`. Symptoms that no model could account for remain."""
+def remains(symptom: Symptom, recordings: list, channels: tuple[str, ...], rests: list[np.ndarray], model: Model) -> bool:
+    """Whether a symptom is still there in measured less simulated (C, N) N of each recording under the extended `model`. Symptoms that no
+    model could account for remain."""
     if symptom.evidence.get("kind") == more_than_applied.KIND:
         return more_than_applied.is_left(symptom, model)
     if symptom.channels[0] not in channels:
         return True
-    row = [e[channels.index(symptom.channels[0])] for e in rests]
+    row = channels.index(symptom.channels[0])
     if symptom.cause == "interference":
-        return lines.is_left(symptom, row, dts)
-    return symptom.cause != "outliers" or outliers.are_left(symptom, names, row)
+        return lines.is_left(symptom, [e[row] for e in rests], [r.dt for r in recordings])
+    return symptom.cause != "outliers" or outliers.are_left(symptom, recordings, row, rests)
