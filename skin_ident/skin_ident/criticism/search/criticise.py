@@ -44,7 +44,10 @@ def criticise(
     run(search, fitted)
     while len(search.rounds) < search.most and exchange(search):
         run(search, search.present)
-    eliminate(search)
+    if eliminate(search):
+        search.go_on()
+        run(search, search.present)
+        eliminate(search)
     unweigh(search)
     if given:
         check_numbers(search, given)

@@ -69,8 +69,9 @@ def _believing_none(search: Search, last: Survey, trials: list[Trial], runs: lis
     return False
 
 
-def eliminate(search: Search) -> None:
-    """Take out causes, last found first, without which the rest predicts as well. The last was just asked, if nothing came after it."""
+def eliminate(search: Search) -> bool:
+    """Take out causes, last found first, without which the rest predicts as well, and say whether there were any. The last was just asked,
+    if nothing came after it."""
     named = search.named
     asked = named[:-1] if named and named[-1].model is search.present.model else named
     for finding in reversed([n for n in asked if not n.courses]):
@@ -78,3 +79,5 @@ def eliminate(search: Search) -> None:
         gain = search.gain(without.model, search.present.model, finding.where)
         if not (gain.passed or search.second_opinion(without.model, search.present.model, finding.where, gain).passed):
             search.present, search.named = without, [n for n in search.named if n is not finding]
+            search.dropped.add(finding.key)
+    return search.named != named

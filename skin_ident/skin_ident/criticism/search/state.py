@@ -58,6 +58,7 @@ class Search:
         self.doubting = False  # whether held-out sessions alone decide, for a cause was taken for granted
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
         self.put_out: set[tuple[str, str]] = set()  # causes in whose place another was put: they do not come back into its
+        self.dropped: set[tuple[str, str]] = set()  # causes without which the rest predicted as well: what they took is asked of others
         self.suspected: set[tuple[str, str]] = set()
         self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
         self.tared: dict[tuple[str, str], Seen] = {}  # zeros of sessions that were taken into the baseline
@@ -113,7 +114,8 @@ class Search:
         def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
             return (t for t in map(self._trial, causes) if plausible(t, self.train))
 
-        return shortlisted(last.ranked, tried, {n.key for n in self.named}, self.suspected)
+        ranked = [r for r in last.ranked if r.key not in self.dropped]
+        return shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected)
 
     def _trial(self, r: Ranked) -> Trial:
         self.progress(f"trying {r.cause} in the {r.where}")
