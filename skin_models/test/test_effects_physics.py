@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import trapezoid
+from scipy.integrate import solve_ivp, trapezoid
 from scipy.signal import lsim
 from scipy.special import gamma
 
@@ -20,7 +20,7 @@ from skin_models.effects.friction import Friction, StribeckFriction
 from skin_models.effects.gain_error import GainStep
 from skin_models.effects.hysteresis import BoucWenHysteresis, LaggingHysteresis, SkinHysteresis
 from skin_models.effects.lag import Lag, OneSidedLag, SecondOrderLag
-from skin_models.effects.mount_compliance import JointedMount, MountCompliance
+from skin_models.effects.mount_compliance import JointedMount, MountCompliance, PowerMount
 from skin_models.effects.preisach import PreisachHysteresis
 from skin_models.effects.quantization import SensorQuantization
 from skin_models.effects.rate_dependence import OneSidedDamping
@@ -250,6 +250,26 @@ def test_a_joint_gives_with_the_logarithm_of_the_force(give, closing):
     assert np.array_equal(tip[~pressed], x[~pressed])
     assert (tip + give * np.log1p(np.maximum(tip, 0.0) / closing))[pressed] == pytest.approx(x[pressed], rel=1e-9)
     assert (np.diff(tip) > 0.0).all() and (tip[pressed] <= x[pressed]).all()
+
+
+@pytest.mark.parametrize("give", [2e-6, 10e-6])
+def test_a_ball_gives_by_two_thirds_of_the_power_of_the_force_of_skin_behind_it(give):
+    """Beside both in series, x = tip + L (u / 1 mm)^p under u = tip + T tip', to less than a tenth of what the ball gives."""
+    recovery, p, t = 0.1, 2 / 3, np.linspace(0.0, 0.8, 400)
+
+    def depth(at):
+        return MM * np.sin(np.pi * at / 0.8) ** 2 + 0.02 * MM
+
+    def speed(at, tip):
+        return (MM * (np.maximum(depth(at) - tip, 0.0) / give) ** (1 / p) - tip) / recovery
+
+    start = depth(0.0) - give * (depth(0.0) / MM) ** p
+    true = solve_ivp(speed, (0.0, t[-1]), [start], "Radau", t, rtol=1e-8, atol=1e-12).y[0]
+    s = motion(t, depth(t))
+    tip = PowerMount(where="rig", give=give, recovery=recovery).apply(s.x, s)
+    loaded = s.x + recovery * s.v > 0.1 * MM
+    assert np.abs(tip - true)[loaded].max() < 0.1 * give and np.abs(s.x - true)[loaded].max() > 0.8 * give
+    assert PowerMount(where="rig", give=give).apply(-s.x, s) == pytest.approx(-s.x)
 
 
 def test_quantized_readings_are_multiples_of_the_step():

@@ -17,7 +17,13 @@ each other, so that the joint gives by L ln(1 + F / F1). Under a linear skin tha
 
     joint     tip depth + L ln(1 + tip depth / X) = x in contact, x in the air
 
-Sources: two springs in series; W. C. Oliver and G. M. Pharr, J. Materials Research 7 (1992) 1564-1583 (compliance of the load frame);
+A ball, a roller or an edge on which the mount leans gives by a power of the force, p = 2/3 of a ball, and so much the more while the skin
+is pressed fast. To the first order, where it gives little beside the skin,
+
+    power     tip depth = x - L (max(x + T v, 0) / 1 mm)^p >= 0 in contact, x in the air    T = B / K
+
+Sources: two springs in series; K. L. Johnson, Contact Mechanics, Cambridge 1985, ch. 4 (Hertz);
+W. C. Oliver and G. M. Pharr, J. Materials Research 7 (1992) 1564-1583 (compliance of the load frame);
 J. A. Greenwood and J. B. P. Williamson, Proc. Royal Society A 295 (1966) 300-319 (rough faces of exponentially distributed heights).
 """
 
@@ -74,6 +80,27 @@ class JointedMount(Memoryless):
             return y
         u = a * wrightomega((1.0 + np.maximum(y, 0.0) / self.closing) / a - np.log(a)).real
         return np.where(y > 0.0, self.closing * (u - 1.0), y)[()]
+
+
+@dataclass(frozen=True)
+class PowerMount(Memoryless):
+    """A ball or an edge between encoder and tip, which gives by a power of the force that it bears."""
+
+    cause: ClassVar[str] = "mount_compliance"
+    form: ClassVar[str] = "power"
+    places: ClassVar = {"rig": Place.DEPTH}
+    source: ClassVar[str] = "Johnson 1985"
+
+    reference: ClassVar[float] = 1e-3  # m
+
+    give: float = quantity("m", 0.0, lower=0.0, upper=1e-3, typical=10e-6, doc="length L, given under a skin that is 1 mm deep")
+    recovery: float = quantity("s", 0.1, lower=0.0, upper=2.0, role=SHAPE, typical=0.1, scan=(0.1,), doc="T = B / K of the skin")
+    exponent: float = quantity("1", 2 / 3, lower=0.2, upper=3.0, role=SHAPE, typical=2 / 3, scan=(2 / 3,), doc="power p of the force")
+
+    def apply(self, y, s):
+        """x - L (max(x + T v, 0) / 1 mm)^p, at least 0, in contact; x in the air."""
+        gives = self.give * (np.maximum(y + self.recovery * s.v, 0.0) / self.reference) ** self.exponent
+        return np.where(y > 0.0, np.maximum(y - gives, 0.0), y)[()]
 
 
 @dataclass(frozen=True)

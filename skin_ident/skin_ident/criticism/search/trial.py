@@ -14,7 +14,7 @@ from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.pull import is_pulled
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
-from skin_models.effects.mount_compliance import DampedMount, JointedMount, YieldingMount
+from skin_models.effects.mount_compliance import DampedMount, JointedMount, PowerMount, YieldingMount
 from skin_models.effects.rate_dependence import OneSidedDamping
 from skin_models.parameter import AMPLITUDE, parameters_of
 
@@ -123,6 +123,8 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[tuple[str, str]]
     if joints:
         deepest = max(float(s.motion.x.max()) for s in sessions)
         others += [*STIFFER, *([SWALLOWED] if max(e.closing for e in joints) < CLOSES * deepest else [])]
+    elif any(isinstance(e, PowerMount) for e in mine):
+        others += STIFFER
     elif any(isinstance(e, (DampedMount, YieldingMount)) for e in mine):
         others.append(RELAXATION)
     if trial.key == RELAXATION and len(sessions[0].channels) > 2 and _told_by_taxels_alone(trial, sessions):
