@@ -190,7 +190,8 @@ def _track(d: Decoded, log_time: bool, warnings: list[str]) -> Track:
 def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.ndarray, dict[str, Aligned]]:
     """Stamps (N,) s from the first sample on, and every role's rows (R, N) at them; NaN where a role has no sample near."""
     warnings += [f"{role}: {w}" for role, track in tracks.items() for w in track.warnings]
-    base = next(iter(tracks.values())).t
+    first = next(iter(tracks))
+    base = tracks[first].t
     overlap = (base >= max(k.t[0] for k in tracks.values())) & (base <= min(k.t[-1] for k in tracks.values()))
     if overlap.sum() < 2:
         if min(track.t.size for track in tracks.values()) < 2:
@@ -199,13 +200,13 @@ def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.nda
     base = base[overlap]
     if (~overlap).mean() > EDGES:
         warnings.append(f"{counted((~overlap).sum(), 'sample')} before or after one of the topics left out")
-    rows = {role: _aligned(role, track, base, warnings) for role, track in tracks.items()}
+    rows = {role: _aligned(role, track, first, base, warnings) for role, track in tracks.items()}
     return (base - base[0]) * 1e-9, rows
 
 
-def _aligned(role: str, track: Track, base: np.ndarray, warnings: list[str]) -> Aligned:
-    """The rows of a track at the stamps `base` (ns): its own samples where stamps agree, else what lies in between, and then with the steps
-    between the levels on which they were read, the digits that were, and the readings themselves with their instants, s."""
+def _aligned(role: str, track: Track, first: str, base: np.ndarray, warnings: list[str]) -> Aligned:
+    """The rows of a track at the stamps `base` (ns) of the `first` one: its own samples where stamps agree, else what lies in between, and
+    then the steps between the levels on which they were read, the digits that were, and the readings themselves with their instants, s."""
     rows = track.blocks[0]
     if np.array_equal(track.t, base):
         return rows, None, None, None
@@ -217,7 +218,7 @@ def _aligned(role: str, track: Track, base: np.ndarray, warnings: list[str]) -> 
         return picked, None, None, None
     period = float(np.median(np.diff(track.t)))
     far = track.t[at] - track.t[np.clip(at - 1, 0, None)] > (BRIDGED + 1.5) * period
-    warnings.append(f"{role}: interpolated to the instants of the first channel (its own samples come every {period * 1e-6:.4g} ms)")
+    warnings.append(f"{role}: interpolated to the instants of the {first} (its own samples come every {period * 1e-6:.2g} ms)")
     when, known = ((stamps - base[0]).astype(float) for stamps in (base, track.t))
     out = between(when, known, rows)
     out[:, far] = np.nan
