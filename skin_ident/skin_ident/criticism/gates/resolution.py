@@ -11,6 +11,7 @@ from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.sessions.band import Band
+from skin_ident.criticism.sessions.cutoff import dilution
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.estimators.scale import normal_scale
 from skin_models.effect import Effect, Place
@@ -55,12 +56,15 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     unless the likelihood gains much by it and nobody is `strict`. A stage that trembles at rest does so no more while it moves: a fall
     there may be smaller. White noise of the encoder averages out within the band; what smooths the depth, or leaves some of the damping to
     something else, spares the forces what is left of it, and explains no more than that."""
-    k, drag, b = stiffness(before, gain.channel), damping(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
+    k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
+    drag = max(damping(m, gain.channel) for m in ((before, after) if cause in SMOOTHING else (before,)))
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     moves, step = partial(_moves, encoder_step), _without_noise(encoder_step, train)
     chance = AT_FEW_DEPTHS if held_depths(train, step) < FEW else OPEN
     bent = (k * UNZEROED * step) ** 2 if cause in OF_READING else 0.0
     trembling = OPEN * _trembling(train, k, drag if cause in SMOOTHING else 0.0) ** 2
+    if cause in SMOOTHING:  # spares the fit what noise of the depth has made of damping
+        trembling += (drag * dilution(train) * _speed_rms(train)) ** 2
     still, moving = (chance * (k * unread_depth(train, step, part)) ** 2 + uneven + bent + trembling for part in (None, moves))
     if cause in OF_SPEED:
         beats = OPEN * max((drag * _beat([s], step)) ** 2 for s in train)
@@ -138,6 +142,12 @@ def _trembling(sessions: list[Session], k: float, b: float) -> float:
         return s.depth_noise * replace(s.band, dt=s.period).passes * float(np.hypot(k, b * _per_length(s.band)))
 
     return max(force(s) for s in sessions)
+
+
+def _speed_rms(sessions: list[Session]) -> float:
+    """Of the plunger in contact, m/s."""
+    squares = np.concatenate([s.motion.v[s.motion.x > 0.0] ** 2 for s in sessions])
+    return float(np.sqrt(squares.mean())) if squares.size else 0.0
 
 
 def _per_length(band: Band) -> float:

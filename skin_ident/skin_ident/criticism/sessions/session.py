@@ -8,8 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.noise.growth import load_of
 from skin_ident.criticism.sessions.band import Band
-from skin_ident.criticism.sessions.cutoff import ALONE, Common
-from skin_ident.estimators.scale import white_noise
+from skin_ident.criticism.sessions.cutoff import ALONE, Common, beside_rounding
 from skin_ident.recordings.staircase import drawn_again
 from skin_models.dispersion import Dispersion
 from skin_models.operators.lagging import lagged
@@ -87,13 +86,8 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
     rows, kept, driven = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight, recording.dt), (drive, drive_noise)
     steps = tuple(recording.step(c) or 0.0 for c in channels)
-    depth_noise = _beside_rounding(recording) if drive is None else 0.0
+    depth_noise = beside_rounding(recording) if drive is None else 0.0
     return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact, steps=steps, depth_noise=depth_noise)
-
-
-def _beside_rounding(recording) -> float:
-    """The white noise of the depth beside that of rounding to its steps, m rms."""
-    return float(np.sqrt(max(white_noise(recording.depth) ** 2 - (recording.step("depth") or 0.0) ** 2 / 12.0, 0.0)))
 
 
 def with_reference(sessions: list[Session]) -> list[Session]:
