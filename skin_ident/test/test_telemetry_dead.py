@@ -207,3 +207,13 @@ def test_one_that_is_open_throughout_a_session_is_dead_there_too(since, elsewher
     made = [session("a", 1.0, 1.0), session("b", living, 1.0), session("c", 0.0, 2.0 if elsewhere else 1.0)]
     found = {name: float(m.mean()) for s in find_dead_taxels(made) for (name, _), m in s.bad.items()}
     assert found == pytest.approx(({"c": 1.0} if not elsewhere else {}) | ({"b": 0.5} if since < 1.0 else {}), abs=0.02)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_one_that_reads_noise_in_every_session_did_not_live_in_a_piece_of_one(seed):
+    """It lies apart, and its noise follows the load for a moment, now and then."""
+    rng, t = np.random.default_rng(seed), np.arange(6000) / 100.0
+    pressed = 6.0 * np.maximum(np.sin(0.3 * t), 0.0)
+    step = 0.05
+    taxels = [np.array([0.5 * pressed, step * np.round(0.4 * rng.standard_normal(t.size))]) for _ in range(3)]
+    assert not find_dead_taxels([Recording(f"s{i}", t, 1e-4 * pressed, pressed, y) for i, y in enumerate(taxels)])

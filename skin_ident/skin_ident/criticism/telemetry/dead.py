@@ -12,6 +12,7 @@ from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
 FOLLOWS = 0.1  # correlation with the load, below which a taxel says nothing
+FOLLOWED = 0.3  # and from which it follows in a session: a piece or two may seem to by chance
 PIECES = 24  # of a session
 MOVED = 0.2  # of the load's standard deviation, by which a piece must move to be asked
 ALIVE = 0.3  # of the usual slope in a piece
@@ -128,8 +129,9 @@ def _is_open(recording, i: int, living: list) -> bool:
     load, row = _load(recording), recording.taxels[i]
     if load is None or abs(_correlation(load, row)) >= FOLLOWS:
         return False
-    moved = [usual for other, usual in living if _would_move(recording, i, other, usual) and _felt_alike(recording, other, i)]
-    return any(abs(_slope(load, row)) <= GONE * usual for usual in moved)
+    followed = [(other, usual) for other, usual in living if abs(_correlation(_load(other), other.taxels[i])) > FOLLOWED]
+    moved = [usual for other, usual in followed if _would_move(recording, i, other, usual) and _felt_alike(recording, other, i)]
+    return any(abs(_slope(load, row)) <= GONE * usual and usual * np.std(load) > PROMISED * np.std(row) for usual in moved)
 
 
 def _usual(recording, i: int) -> float:
