@@ -1,4 +1,6 @@
-"""The band of a comparison ends where an encoder's steps are more of the motion than the motion."""
+"""The band of a comparison ends where an encoder's steps and noise are more of the motion than the motion."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,7 +8,8 @@ from scipy.signal import lfilter
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.sessions.band import CUTOFF_HZ
-from skin_ident.criticism.sessions.cutoff import LOWEST_HZ, cutoff_for
+from skin_ident.criticism.sessions.cutoff import LOWEST_HZ, common_to, cutoff_for, dilution
+from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
@@ -52,3 +55,32 @@ def test_damping_is_not_lost_in_the_steps_of_an_encoder(seed):
     skin = outcome.baseline.dispersion
     assert skin.b1 + skin.b2 == pytest.approx(913.6 + 635.1, rel=0.12)
     assert outcome.findings["verdict"] == "nothing_wrong"
+
+
+def trembling(r, noise=4e-6):
+    """The same record by an encoder with white noise."""
+    read = r.depth + noise * np.random.default_rng(len(r.name)).standard_normal(T.size)
+    return replace(r, depth=read)
+
+
+def test_noise_of_the_encoder_narrows_the_band_of_a_slow_motion_as_steps_as_loud_do():
+    as_loud = np.sqrt(12.0) * 4e-6
+    by_noise, by_steps = cutoff_for([trembling(slow(step=0.0), 4e-6)], 0.0), cutoff_for([slow(step=as_loud)], as_loud)
+    assert by_noise < CUTOFF_HZ and by_noise == pytest.approx(by_steps, rel=0.2)
+    assert cutoff_for([trembling(quick(1e-7), 4e-6)], 1e-7) == CUTOFF_HZ
+
+
+@pytest.mark.parametrize("seed", [0, 10])
+def test_damping_is_not_lost_in_the_noise_of_an_encoder(seed):
+    every = [trembling(slow(seed + i, step=0.0)) for i in range(3)]
+    outcome = diagnose(every[:2], every[2:])
+    skin = outcome.baseline.dispersion
+    assert skin.b1 + skin.b2 == pytest.approx(913.6 + 635.1, rel=0.12)
+    assert outcome.findings["verdict"] == "nothing_wrong"
+
+
+def test_what_is_left_of_the_noise_in_the_band_is_told():
+    """Little of a quick motion; of a slow one about what the lowest end of the band lets in."""
+    by_slow, by_quick = (dilution([prepare(r, common=common_to([r], 0.0))]) for r in map(trembling, (slow(step=0.0), quick(1e-7))))
+    assert 1e-3 < by_slow < 0.1 and by_quick < 1e-3
+    assert dilution([prepare(slow(step=1e-8))]) < 1e-6
