@@ -4,11 +4,11 @@ The method, in the order in which `diagnose` runs it:
 
 1.  `telemetry` looks at each recording before any model (`record`): quantization, saturation, spikes, frozen samples, dead taxels, copied
     data, and by a first fit at pieces that one channel alone knows of, stretches in which two channels are exchanged, and ceilings that
-    quick touches alone reach.
+    quick touches alone reach. Of topics that come at instants of their own, single readings are asked (`telemetry.as_read`).
     `telemetry.odd_session` puts a session right that differs from all others in whole (columns in another order, a unit, a sign).
 2.  `sessions` puts measured and simulated channels through one and the same low-pass, at full rate, then thins them out. A depth in coarse
-    steps is drawn again first (`recordings.staircase`), and the band ends where its steps would be more of the motion than the motion
-    (`sessions.cutoff`). Moments when the plunger may have left the skin are not compared, and do not pass the filter either
+    steps is drawn again first (`recordings.staircase`), and the band ends where its steps and noise would be more of the motion than the
+    motion, or a fifth of the slowest topic's rate (`sessions.cutoff`). Moments when the plunger may have left the skin are not compared, and do not pass the filter either
     (`sessions.parting`): a jump's tail is louder than the noise.
 3.  `baseline` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error; damping is not below
     nothing. Sessions that press at different places have shares of their own for every taxel, fitted with whatever model stands beside
@@ -37,7 +37,7 @@ The method, in the order in which `diagnose` runs it:
     alone.
 10. `search.criticise` repeats this; each cause is then asked for again beside the others, and where much is left that none is believed for,
     its rivals in its place; of two accounts that explain as much the one with clearly fewer numbers is kept (`search.exchange`). What
-    nothing needs is eliminated. `telling` asks whether a general model still predicts something of the residual on held-out data, and
+    nothing needs is eliminated, and what it had explained is asked of the others once more. `telling` asks whether a general model still predicts something of the residual on held-out data, and
     whether more is left than where every cause may bend every session by itself, or many times more than in the air; it measures every
     gain beside what noise alone leaves, and writes findings.json. `telemetry.pull` looks at the moments that were left out.
 
