@@ -8,8 +8,8 @@ The method, in the order in which `diagnose` runs it:
     `telemetry.odd_session` puts a session right that differs from all others in whole (columns in another order, a unit, a sign).
 2.  `sessions` puts measured and simulated channels through one and the same low-pass, at full rate, then thins them out. A depth in coarse
     steps is drawn again first (`recordings.staircase`), and the band ends where its steps and noise would be more of the motion than the
-    motion, or a fifth of the slowest topic's rate (`sessions.cutoff`). Moments when the plunger may have left the skin are not compared, and do not pass the filter either
-    (`sessions.parting`): a jump's tail is louder than the noise.
+    motion, or a fifth of the slowest topic's rate (`sessions.cutoff`). Moments when the plunger may have left the skin are not compared,
+    and do not pass the filter either (`sessions.parting`): a jump's tail is louder than the noise.
 3.  `baseline` fits the dispersion model (or takes the given one) to all training sessions jointly, by output error; damping is not below
     nothing. Sessions that press at different places have shares of their own for every taxel, fitted with whatever model stands beside
     them.
@@ -37,9 +37,10 @@ The method, in the order in which `diagnose` runs it:
     alone.
 10. `search.criticise` repeats this; each cause is then asked for again beside the others, and where much is left that none is believed for,
     its rivals in its place; of two accounts that explain as much the one with clearly fewer numbers is kept (`search.exchange`). What
-    nothing needs is eliminated, and what it had explained is asked of the others once more. `telling` asks whether a general model still predicts something of the residual on held-out data, and
-    whether more is left than where every cause may bend every session by itself, or many times more than in the air; it measures every
-    gain beside what noise alone leaves, and writes findings.json. `telemetry.pull` looks at the moments that were left out.
+    nothing needs is eliminated, and what it had explained is asked of the others once more. `telling` asks whether a general model still
+    predicts something of the residual on held-out data, and whether more is left than where every cause may bend every session by itself,
+    or many times more than in the air; it measures every gain beside what noise alone leaves, and writes findings.json. `telemetry.pull`
+    looks at the moments that were left out.
 
 `many` divides the search where taxels are many; `scan` is the same idea for static spread scans.
 
