@@ -8,6 +8,7 @@ from making import KINDS, recording, serialised, typestore
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.load import load
 from skin_ident.recordings.readings import Readings, between
@@ -77,6 +78,12 @@ def test_faults_of_single_readings_are_found_in_a_slow_taxel(tmp_path, change, c
     assert told(tmp_path, change) == [(cause, "taxel_0")]
 
 
+def test_a_topic_that_hardly_ever_comes_is_refused_by_its_name(tmp_path):
+    recordings = [one for i in range(2) for one in load(bag_of(tmp_path / f"bag_{i}", session(i), 250))]
+    with pytest.raises(DiagnosisError, match="taxel_0 comes every 0.5 s only"):
+        diagnose(recordings)
+
+
 def test_what_lies_between_readings_keeps_its_size():
     """At a sixth of the rate, straight lines lose a twelfth."""
     known, t = np.arange(0.0, 20.0, 0.02), np.arange(1.0, 19.0, 0.001)
@@ -118,6 +125,7 @@ def test_readings_go_with_their_taxels_signs_and_stretches(tmp_path):
     assert np.array_equal(turned.readings["taxel_0"].y, -r.readings["taxel_0"].y) and np.array_equal(turned.taxels[0], -r.taxels[0])
     cut = r.part(1000, 2000).readings["taxel_0"]
     assert r.t[1000] <= cut.t[0] and cut.t[-1] <= r.t[1999] and abs(cut.t.size - 200) <= 1
+    assert r.part(1000, 1050).own("taxel_0") is None
     assert "taxel_0" not in r.with_channels({"taxel_0": r.taxels[0]}).readings
 
 

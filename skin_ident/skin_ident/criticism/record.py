@@ -190,7 +190,7 @@ def bad_samples(recording, symptoms) -> np.ndarray:
     channels = [c for c in recording.channels if c != "force" or recording.depth is not None]
     bad = np.zeros((len(channels), len(recording)), bool)
     for c, channel in enumerate(channels):
-        own = recording.readings.get(channel)
+        own = recording.own(channel)
         for mask in _masks(recording.name, channel, symptoms):
             bad[c] |= mask if own is None else own.ringing(mask, recording.dt)
     for mask in _masks(recording.name, "depth", symptoms):

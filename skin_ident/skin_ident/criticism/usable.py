@@ -24,6 +24,7 @@ VANISHED = 0.1  # if less than so much of the load is left there: a skin would n
 DOUBTED, GONE = 0.3, 0.05  # the same, from which it is doubted
 SHALLOWEST, DEEPEST = 5.0, 95.0  # percentiles
 FEWEST = 40  # samples in the common band, of which the noise needs eight to be predicted from
+SELDOM = 5.0  # times the recording's period, between readings that come so seldom that it is said
 LONE_S = 10.0  # s, of a lone session, which is to be fitted and tested by turns
 
 
@@ -154,9 +155,10 @@ def _is_long_enough(r, slowest: float) -> None:
     kept = (len(r) - band.kernel.size) // band.every + 1
     if kept < FEWEST:
         least = r.dt * (band.kernel.size + FEWEST * band.every)
-        raise DiagnosisError(
-            f"{r.name} lasts {r.t[-1] - r.t[0]:.3g} s, too short to tell anything from noise: {least:.2g} s are needed at least"
-        )
+        lasts = f"{r.name} lasts {r.t[-1] - r.t[0]:.3g} s, too short to tell anything from noise: {least:.2g} s are needed at least"
+        slow = [name for name, own in r.readings.items() if own.period > SELDOM * r.dt]
+        seldom = f", for {slow[0]} comes every {r.longest_period:.2g} s only; leave it out, or record it faster" if slow else ""
+        raise DiagnosisError(lasts + seldom)
 
 
 def _touches(r) -> None:

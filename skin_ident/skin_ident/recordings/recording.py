@@ -95,6 +95,11 @@ class Recording:
             return self.digits[channel][part]
         return digits_of((self.depth if channel == "depth" else self.channels[channel])[part])
 
+    def own(self, channel: str) -> Readings | None:
+        """The readings of a channel at instants of their own, where there are enough to be asked."""
+        readings = self.readings.get(channel)
+        return readings if readings is not None and readings.t.size >= FEWEST else None
+
     def with_taxels(self, rows: Sequence[int], **more: Any) -> "Recording":
         """The recording with these of its taxels, in this order, their names and units, and with all that is known of how they were read;
         with `more` changed."""

@@ -57,4 +57,4 @@ def nearest_samples(own: Readings, t: np.ndarray) -> np.ndarray:
 def calm_lines(channel: str, row: int, recordings: list, residuals: list[np.ndarray], calm: list[np.ndarray]) -> list[AsRead]:
     """A channel as every recording read it, where that is `row` of residuals (C, N): `jumps` is where it is not `calm` (N,)."""
     every = zip(recordings, residuals, calm, strict=True)
-    return [as_read(e[row], r.channels[channel], ~still, r.t, r.readings.get(channel)) for r, e, still in every]
+    return [as_read(e[row], r.channels[channel], ~still, r.t, r.own(channel)) for r, e, still in every]

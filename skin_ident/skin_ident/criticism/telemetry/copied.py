@@ -53,7 +53,7 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
 
 def _as_read(recording, channel: str) -> tuple[np.ndarray, np.ndarray]:
     """Samples (M,) beside which a channel was read, and its digits (M,): all of them, unless its topic came at instants of its own."""
-    own = recording.readings.get(channel)
+    own = recording.own(channel)
     if own is None:
         return np.arange(len(recording)), recording.read(channel)
     return nearest(own.t, recording.t), digits_of(own.y)
