@@ -80,7 +80,7 @@ def test_faults_of_single_readings_are_found_in_a_slow_taxel(tmp_path, change, c
 
 def test_a_topic_that_hardly_ever_comes_is_refused_by_its_name(tmp_path):
     recordings = [one for i in range(2) for one in load(bag_of(tmp_path / f"bag_{i}", session(i), 250))]
-    with pytest.raises(DiagnosisError, match="taxel_0 comes every 0.5 s only"):
+    with pytest.raises(DiagnosisError, match="taxel_0 comes every"):
         diagnose(recordings)
 
 
