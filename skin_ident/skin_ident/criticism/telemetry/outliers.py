@@ -10,12 +10,12 @@ from functools import partial
 import numpy as np
 from scipy.stats import binom, poisson
 
-from skin_ident.criticism.telemetry.as_read import AsRead, as_read, calm_lines
+from skin_ident.criticism.telemetry.as_read import AsRead, as_read
 from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clusters, held
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
 from skin_ident.criticism.telemetry.unlikely import unlikely_runs
-from skin_ident.estimators.scale import rms
+from skin_ident.criticism.telemetry.wrong_samples import told
 from skin_ident.recordings.recording import Recording
 from skin_ident.stretches import runs, without
 
@@ -32,7 +32,6 @@ SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
 EARLY = 0.25  # of that change, which the first half of the run must have missed
 SEEN = 0.4  # of that change, which another channel must have seen by the end of the run if it can see it
 CLEAR = 3.0  # noise widths above which it can
-LEFT = 0.5  # of their size, that outliers still have under a model that knows more
 BOUNCING = 0.05  # chance below which it is none that excursions are at landings
 
 
@@ -73,7 +72,7 @@ def find_outliers(
             own = [np.zeros_like(s) for s in own]
         if sum(runs(m)[0].size for m in lost) >= FEWEST:
             own = [s | m for s, m in zip(own, lost, strict=True)]
-        found.append(_symptom(names, channels[c], lines[c], read[c], away, own, n_taxels, dt))
+        found.append(told(names, channels[c], lines[c], read[c], away, own, n_taxels, dt))
     return [s for s in found if s is not None]
 
 
@@ -81,26 +80,6 @@ def _line(channel: str, c: int, e: np.ndarray, y: np.ndarray, jumps: np.ndarray,
     """Row `c` of a session as its channel was read."""
     own = None if recording is None else recording.own(channel)
     return as_read(e[c], y[c], jumps) if own is None else as_read(e[c], y[c], jumps, recording.t, own)
-
-
-def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residuals: list[np.ndarray]) -> bool:
-    """Whether samples that were found to be outliers lie as far from those around them as they did, in `row` of what a model leaves that
-    knows more, (C, N) for each recording: with a depth that gives way a landing is no jump away and back."""
-    channel = symptom.channels[0]
-    lines = calm_lines(channel, row, recordings, residuals, [np.ones(len(r), bool) for r in recordings])
-    masks = [symptom.bad.get((r.name, channel), np.zeros(len(r), bool)) for r in recordings]
-    wrong = np.concatenate([_farthest(line, m) for line, m in zip(lines, masks, strict=True)])
-    return wrong.size == 0 or rms(wrong) > LEFT * symptom.parameters["size"]["value"]
-
-
-def _farthest(line: AsRead, on_grid: np.ndarray) -> np.ndarray:
-    """How far a residual lies away in the samples of a mask (N,); of readings between these, which may be more, the farthest of a run."""
-    mask = line.beside(on_grid)
-    if line.own is None:
-        return _away(line.e, mask)
-    far = np.zeros(mask.size)
-    far[mask] = np.abs(_away(line.e, mask))
-    return np.array([far[a:b].max() for a, b in zip(*runs(mask), strict=True)])
 
 
 def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
@@ -237,45 +216,3 @@ def _frozen(y: np.ndarray, e: np.ndarray, limit: float, step: float, resting: np
         if jump > least and missed and not resting[a : b + 1].any() and abs(e[b] - e[a]) < 0.5 * jump:
             mask[a:b] = True
     return mask
-
-
-def _away(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """How far the residual lies, in the samples of the mask, from the straight lines between the good samples around them."""
-    if not mask.any() or mask.all():
-        return np.zeros(0)
-    good = np.flatnonzero(~mask)
-    return e[mask] - np.interp(np.flatnonzero(mask), good, e[good])
-
-
-def _symptom(
-    names: list[str],
-    channel: str,
-    lines: list[AsRead],
-    read: tuple[list[np.ndarray], ...],
-    away: list[np.ndarray],
-    still: list[np.ndarray],
-    n_taxels: int,
-    dt: float,
-) -> Symptom | None:
-    """What is told of the excursions `away` and the frozen runs `still`, masks (N,) of each session, by those `read` (M,)."""
-    excursions_, frozen, unlikely = read
-    ran = [line.kept(a, grid) for line, a, grid in zip(lines, excursions_, away, strict=True)]
-    stood = [line.kept(f | u, grid) for line, f, u, grid in zip(lines, frozen, unlikely, still, strict=True)]
-    masks = [a | s for a, s in zip(ran, stood, strict=True)]
-    count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
-    if count == 0:
-        return None
-    wrong = np.concatenate([_away(line.e, m) for line, m in zip(lines, masks, strict=True)])
-    largest = float(np.max(np.abs(wrong)))
-    runs_still, runs_away = (sum(runs(m)[0].size for m in each) for each in (stood, ran))
-    what = [
-        f"{runs_away} excursions that jump away and back" if runs_away else "",
-        f"{runs_still} frozen runs that miss a movement" if runs_still else "",
-    ]
-    belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
-    why = f"{belong}, up to {largest:.3g} N from where the samples around them lead"
-    bad = {(name, channel): a | s for name, a, s in zip(names, away, still, strict=True) if (a | s).any()}
-    rate = (runs_still + runs_away) / (sum(a.size for a in away) * dt)
-    parameters = {"rate": quantity(rate, "1/s"), "size": quantity(rms(wrong), "N")}
-    evidence = {"why": why, "count": count, "excursions": runs_away}
-    return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, evidence, bad)

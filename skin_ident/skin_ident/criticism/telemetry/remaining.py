@@ -6,7 +6,7 @@ model accounts for was none.
 
 import numpy as np
 
-from skin_ident.criticism.telemetry import lines, more_than_applied, outliers
+from skin_ident.criticism.telemetry import lines, more_than_applied, wrong_samples
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.model import Model
 
@@ -21,4 +21,4 @@ def remains(symptom: Symptom, recordings: list, channels: tuple[str, ...], rests
     row = channels.index(symptom.channels[0])
     if symptom.cause == "interference":
         return lines.is_left(symptom, [e[row] for e in rests], [r.dt for r in recordings])
-    return symptom.cause != "outliers" or outliers.are_left(symptom, recordings, row, rests)
+    return symptom.cause != "outliers" or wrong_samples.are_left(symptom, recordings, row, rests)

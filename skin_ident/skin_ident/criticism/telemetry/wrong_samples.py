@@ -1,0 +1,76 @@
+"""What is told of samples that are wrong: how many, and how far from where those around them lead; and whether they are left."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from skin_ident.criticism.telemetry.as_read import AsRead, calm_lines
+from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.estimators.scale import rms
+from skin_ident.recordings.recording import Recording
+from skin_ident.stretches import runs
+
+LEFT = 0.5  # of their size, that outliers still have under a model that knows more
+
+
+def told(
+    names: list[str],
+    channel: str,
+    lines: list[AsRead],
+    read: tuple[list[np.ndarray], ...],
+    away: list[np.ndarray],
+    still: list[np.ndarray],
+    n_taxels: int,
+    dt: float,
+) -> Symptom | None:
+    """What is told of a channel's excursions `away` and frozen runs `still`, masks (N,) of each session, by those `read` (M,): excursions,
+    frozen runs, and those that no noise makes. None where there are none."""
+    jumps, frozen, unlikely = read
+    ran = [line.kept(a, grid) for line, a, grid in zip(lines, jumps, away, strict=True)]
+    stood = [line.kept(f | u, grid) for line, f, u, grid in zip(lines, frozen, unlikely, still, strict=True)]
+    masks = [a | s for a, s in zip(ran, stood, strict=True)]
+    count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
+    if count == 0:
+        return None
+    wrong = np.concatenate([_away(line.e, m) for line, m in zip(lines, masks, strict=True)])
+    largest = float(np.max(np.abs(wrong)))
+    runs_still, runs_away = (sum(runs(m)[0].size for m in each) for each in (stood, ran))
+    what = [
+        f"{runs_away} excursions that jump away and back" if runs_away else "",
+        f"{runs_still} frozen runs that miss a movement" if runs_still else "",
+    ]
+    belong = f"{count} of {total} samples of {channel} belong to {' and '.join(w for w in what if w)}"
+    why = f"{belong}, up to {largest:.3g} N from where the samples around them lead"
+    bad = {(name, channel): a | s for name, a, s in zip(names, away, still, strict=True) if (a | s).any()}
+    rate = (runs_still + runs_away) / (sum(a.size for a in away) * dt)
+    parameters = {"rate": quantity(rate, "1/s"), "size": quantity(rms(wrong), "N")}
+    evidence = {"why": why, "count": count, "excursions": runs_away}
+    return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, evidence, bad)
+
+
+def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residuals: list[np.ndarray]) -> bool:
+    """Whether samples that were found to be outliers lie as far from those around them as they did, in `row` of what a model leaves that
+    knows more, (C, N) for each recording: with a depth that gives way a landing is no jump away and back."""
+    channel = symptom.channels[0]
+    lines = calm_lines(channel, row, recordings, residuals, [np.ones(len(r), bool) for r in recordings])
+    masks = [symptom.bad.get((r.name, channel), np.zeros(len(r), bool)) for r in recordings]
+    wrong = np.concatenate([_farthest(line, m) for line, m in zip(lines, masks, strict=True)])
+    return wrong.size == 0 or rms(wrong) > LEFT * symptom.parameters["size"]["value"]
+
+
+def _farthest(line: AsRead, on_grid: np.ndarray) -> np.ndarray:
+    """How far a residual lies away in the samples of a mask (N,); of readings between these, which may be more, the farthest of a run."""
+    mask = line.beside(on_grid)
+    if line.own is None:
+        return _away(line.e, mask)
+    far = np.zeros(mask.size)
+    far[mask] = np.abs(_away(line.e, mask))
+    return np.array([far[a:b].max() for a, b in zip(*runs(mask), strict=True)])
+
+
+def _away(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """How far the residual lies, in the samples of the mask, from the straight lines between the good samples around them."""
+    if not mask.any() or mask.all():
+        return np.zeros(0)
+    good = np.flatnonzero(~mask)
+    return e[mask] - np.interp(np.flatnonzero(mask), good, e[good])
