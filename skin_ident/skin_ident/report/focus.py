@@ -126,6 +126,8 @@ def _astray(trace: Trace, row: int, view: View) -> float:
 
 
 def _row(trace: Trace, view: View) -> int:
-    """The channel that the first finding names; else the one whose error fell most."""
-    named = [f.gain.channel for f in view.findings if f.gain.channel in trace.channels and f.gain.channel not in view.silent]
-    return trace.channels.index(named[0]) if named else by_fall(trace, view.silent)[0]
+    """The sensor in which the first finding lies, where its error falls; the one that it names; else the one whose error fell most."""
+    alive = [c for c in trace.channels if c not in view.silent]
+    named = [(f, c) for f in view.findings for c in f.shown_in if c in alive]
+    shown = [c for f, c in named if c == f.gain.channel or _fall(trace, trace.channels.index(c)) > LEAST_FALL]
+    return trace.channels.index(shown[0]) if shown else by_fall(trace, view.silent)[0]

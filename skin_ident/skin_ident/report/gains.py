@@ -23,7 +23,7 @@ class Figure:
 
 
 def better(v: View) -> Figure:
-    """The gain in the channel that the first judged finding names, or in the one that gained most."""
+    """The gain in the sensor in which the first judged finding lies, in the channel that it names, or in the one that gained most."""
     told = [e for e in v.errors if None not in e.pair and e.pair[0]]
     if not told:
         return Figure("Not measured", "", () if v.errors else ("No simulation was compared with these data.",))
@@ -32,9 +32,10 @@ def better(v: View) -> Figure:
         return _gain(max(alive, key=fall), v)
     if not v.judged:
         return _no_gain(v, told)
-    named = v.judged[0].gain.channel
     told = [e for e in told if e.channel not in v.silent] or told
-    return _gain(next((e for e in told if e.channel == named), None) or max(told, key=fall), v)
+    *own, gained = ([e for e in told if e.channel == c] for c in v.judged[0].shown_in)
+    own = [e for each in own for e in each if fall(e) > LEAST]
+    return _gain(next(iter([*own, *gained]), None) or max(told, key=fall), v)
 
 
 def fall(e: ChannelError) -> float:

@@ -58,6 +58,12 @@ class Finding:
     behind: tuple[float | None, ...] = ()  # of the alternatives: the share by which each explains less, clearly and yet too little
 
     @property
+    def shown_in(self) -> tuple[str, ...]:
+        """The channels to look at first: that of the sensor in which it lies, then the one that gained most."""
+        own = {"load_cell": ("force",)}.get(self.where, (self.where,) if self.where.startswith("taxel_") else ())
+        return (*own, self.gain.channel)
+
+    @property
     def names(self) -> tuple[tuple[str, str], ...]:
         """Cause and place of everything that it may be, the named cause first."""
         return (self.cause, self.where), *((c, w) for c, w, _ in self.alternatives)
