@@ -44,9 +44,7 @@ def criticise(
     run(search, fitted)
     while len(search.rounds) < search.most and exchange(search):
         run(search, search.present)
-    if eliminate(search):
-        search.go_on()
-        run(search, search.present)
+    if eliminate(search) and _resumed(search):
         eliminate(search)
     unweigh(search)
     if given:
@@ -57,3 +55,11 @@ def criticise(
         baseline = fit(weighted, weighed(train, search.train[0].heaviest), noise) if search.train[0].free_mass else search.baseline
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
     return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.seen)
+
+
+def _resumed(search: Search) -> bool:
+    """Whether more is named where what has been taken out is left to others."""
+    named = list(search.named)
+    search.go_on()
+    run(search, search.present)
+    return search.named != named
