@@ -95,7 +95,8 @@ def test_few_drops_stand_out_of_heavy_tails_where_all_end_at_one_reading(drops_t
 def test_noise_that_is_not_as_declared_is_told_in_newtons_and_simulated():
     outcome = diagnosed(lambda y, rng: y, declared=Declared(force_noise_n=0.01))
     finding = outcome.findings["findings"][0]
-    assert entries(outcome) == [("noise", "load_cell")] and "N, 3 times what is expected" in finding["evidence"]["why"]
+    assert entries(outcome) == [("noise", "load_cell")] and "times what is expected" in finding["evidence"]["why"]
+    assert finding["parameters"]["times_expected"]["value"] == pytest.approx(3.0, rel=0.15)  # what all channels share is the encoder's
     noisy = outcome.model.simulate(motion(T, np.full(T.size, 4e-4)), seed=1).force
     assert np.std(noisy) == pytest.approx(NOISE, rel=0.15)
 

@@ -10,7 +10,7 @@ from rows import rows
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.sessions.session import prepare
-from skin_ident.criticism.telemetry.noise_level import find_noise
+from skin_ident.criticism.telemetry.noise_level import _with_shared, find_noise
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -89,3 +89,12 @@ def test_noise_grows_with_the_load_not_with_its_own_readings(grows):
     r = Recording("a", T, 1e-3 * np.sin(0.5 * T), load, taxel[None], declared=declared)
     found = find_noise([r], ("force", "taxel_0"), [np.stack([0.0 * load, taxel - load])], [np.ones(T.size, bool)], np.zeros(2))
     assert [s.evidence["kind"] for s in found] == ["growth"] * grows
+
+
+@pytest.mark.parametrize("shared", [0.0, 0.05])
+def test_what_several_channels_share_is_the_encoders(shared):
+    """It presses on all of them in proportion; a further draw of white noise may tell too little of an encoder whose noise wanders."""
+    rng, ratio = np.random.default_rng(2), np.array([1.0, 0.6, 0.3])
+    e = np.outer(ratio, shared * rng.standard_normal(4000)) + 0.02 * rng.standard_normal((3, 4000))
+    told = _with_shared(1e-3 * ratio, e)
+    assert told == pytest.approx(np.maximum(shared, 1e-3) * ratio, rel=0.1 if shared else 3.0)

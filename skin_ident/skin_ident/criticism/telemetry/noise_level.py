@@ -2,7 +2,7 @@
 
 Looks at what the extended model leaves of what was read, far from contact made or lost, less its own running median: what is slow may be
 the model's. Speaks only where a level is declared (`force_noise_n`, `taxel_noise_n`, as white noise), and widens it by the converter's step
-q and by u, rms of what the encoder's noise and steps d do to the simulation, through stiffness and damping:
+q and by u, rms of what errors of the depth do to the simulation, through stiffness and damping, or of what all channels share of them:
 
     expected^2 = declared^2 + q^2 / 12 + u^2.
 
@@ -10,7 +10,7 @@ An encoder that adds as much as was declared makes any noise coloured and load-d
 """
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.read_again import read_again
@@ -24,6 +24,7 @@ OTHER_LEVEL = 1.5  # times as much, or as little, as expected
 COLOURED = 0.5  # correlation of neighbouring samples of noise that should have none
 GROWN = 1.6  # times the spread in the air, in the third of the samples with the greatest load
 FEWEST = 300  # samples that a verdict needs
+AROUND_S = 0.3  # within which the plunger's greatest speed counts
 SEED = 0  # any: the same record is told the same
 
 
@@ -51,15 +52,37 @@ def find_noise(
     return found
 
 
-def by_encoder(model: Model, sessions: list[Session], recordings: list, believed: list[np.ndarray]) -> np.ndarray:
-    """What noise and steps of the encoder do to what is simulated of each channel, (C,) N rms, over samples of masks (N,): the difference
-    that a further draw of them makes. Nothing where a force drives the test."""
+def at_leisure(s: Session) -> np.ndarray:
+    """Mask (N,) of the slower half of a session: where the plunger hurries, stamps that tremble and corners of its way make errors that are
+    no noise of a channel."""
+    fastest = maximum_filter1d(np.abs(s.motion.v), 2 * int(0.5 * AROUND_S / s.motion.dt) + 1)
+    return fastest <= np.median(fastest)
+
+
+def by_encoder(
+    model: Model, sessions: list[Session], recordings: list, residuals: list[np.ndarray], believed: list[np.ndarray]
+) -> np.ndarray:
+    """What errors of the depth do to what is simulated of each channel, (C,) N rms, over samples of masks (N,): the difference that a
+    further draw of the encoder's noise and steps makes, or more, where `residuals` (C, N) of several channels share more in that
+    proportion. Nothing where a force drives the test."""
     if any(s.drive is not None for s in sessions):
         return np.zeros(len(sessions[0].channels))
     rng, step = np.random.default_rng(SEED), _encoder_step(recordings[0]) / np.sqrt(12.0)
     again = [read_again(s, float(np.hypot(step, s.depth_noise)), rng) for s in sessions]
     changes = [(simulated(model, b) - simulated(model, a))[:, calm] for a, b, calm in zip(sessions, again, believed, strict=True)]
-    return np.array([_spread(row) if row.size else 0.0 for row in np.concatenate(changes, axis=1)])
+    unread = np.array([_spread(row) if row.size else 0.0 for row in np.concatenate(changes, axis=1)])
+    rows = [np.array([_quick(row, r.dt)[calm] for row in e]) for e, r, calm in zip(residuals, recordings, believed, strict=True)]
+    return _with_shared(unread, np.concatenate(rows, axis=1))
+
+
+def _with_shared(unread: np.ndarray, e: np.ndarray) -> np.ndarray:
+    """What is `unread` (C,) of the channels, or what residuals e (C, n) share with others, if that is more: an encoder's error z times a_c
+    in each channel makes covariances of a_c a_o z^2, of which a_c / a_o is known."""
+    if e.shape[1] == 0 or len(unread) < 2 or not unread.all():
+        return unread
+    shared = e @ e.T / e.shape[1] * np.divide.outer(unread, unread)
+    others = ~np.eye(len(unread), dtype=bool)
+    return np.sqrt(np.maximum(unread**2, [np.median(row[other]) for row, other in zip(shared, others, strict=True)]))
 
 
 def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[float]) -> tuple[str, str, dict] | None:
@@ -67,14 +90,12 @@ def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[
     its noise, too), beside what `steps` of the converter and the encoder do, N."""
     rows = [_quick(line.e, period) for line, period in zip(lines, periods, strict=True)]
     loads, believed = [line.y - line.e for line in lines], [~line.jumps for line in lines]
-    changes = [np.abs(np.gradient(load)) for load in loads]
-    e, y, moving = (np.concatenate([r[b] for r, b in zip(of, believed, strict=True)]) for of in (rows, loads, changes))
+    e, y = (np.concatenate([r[b] for r, b in zip(of, believed, strict=True)]) for of in (rows, loads))
     if e.size < FEWEST:
         return None
     expected = float(np.hypot(level, np.hypot(*steps)))
     low, high = np.percentile(y, [33.0, 67.0])
-    slow = moving <= np.median(moving[y >= high])  # what trembling stamps make of a load that moves is no noise of its own
-    idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[(y >= high) & slow])
+    idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[y >= high])
     declared = f"rig.yaml declares white noise of {level:.3g} N"
     plain = steps[1] < 0.5 * level
     if plain and high > low + expected and loaded > GROWN * idle:
@@ -86,7 +107,7 @@ def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[
             "proportional": quantity(min(share, 1.0), "1"),
         }
         return "growth", f"{said}; {declared}, the same at any load", numbers
-    measured = _spread(e[moving <= np.median(moving)])
+    measured = _spread(e)
     ratio = measured / expected
     colour = float(np.median([_neighbours(r, b) for r, b in zip(rows, believed, strict=True)]))
     if plain and colour > COLOURED:
