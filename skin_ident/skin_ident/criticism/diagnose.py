@@ -209,7 +209,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
     found = [
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
-        *find_noise(recordings, channels, rest, slow, by_encoder(model, sessions, recordings, rest, slow)),
+        *find_noise(recordings, channels, rest, slow, lambda: by_encoder(model, sessions, recordings, rest, slow)),
     ]
     told = [told_of_bursts(s, channels, rest, [r.dt for r in recordings]) for s in known if remains(s, recordings, channels, rest, model)]
     return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]

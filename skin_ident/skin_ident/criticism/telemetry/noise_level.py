@@ -9,6 +9,8 @@ q and by u, rms of what errors of the depth do to the simulation, through stiffn
 An encoder that adds as much as was declared makes any noise coloured and load-dependent; then only the level is looked at.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
@@ -29,21 +31,19 @@ SEED = 0  # any: the same record is told the same
 
 
 def find_noise(
-    recordings: list, channels: tuple[str, ...], residuals: list[np.ndarray], believed: list[np.ndarray], unread: np.ndarray
+    recordings: list, channels: tuple[str, ...], residuals: list[np.ndarray], believed: list[np.ndarray], unread: Callable[[], np.ndarray]
 ) -> list[Symptom]:
     """Channels whose noise is not as declared, from residuals (C, N) at full rate and masks (N,) of the samples to look at.
 
-    `unread` (C,) N rms is what errors of the depth do to the simulation (`by_encoder`).
+    `unread` gives what errors of the depth do to the simulation, (C,) N rms (`by_encoder`): dear, and asked only where a level is declared.
     """
-    declared, n_taxels = recordings[0].declared, len(recordings[0].taxels)
-    found = []
-    for c, channel in enumerate(channels):
-        level = declared.force_noise_n if channel == "force" else _of_taxel(recordings[0], int(channel.rpartition("_")[2]))
-        if not level:
-            continue
+    levels = {c: level for c, channel in enumerate(channels) if (level := _declared(recordings[0], channel))}
+    errors, n_taxels, found = unread() if levels else np.zeros(0), len(recordings[0].taxels), []
+    for c, level in levels.items():
+        channel = channels[c]
         lines = calm_lines(channel, c, recordings, residuals, believed)
         periods = [r.dt if line.own is None else line.own.period for line, r in zip(lines, recordings, strict=True)]
-        steps = np.array([(recordings[0].step(channel) or 0.0) / np.sqrt(12.0), unread[c]])
+        steps = np.array([(recordings[0].step(channel) or 0.0) / np.sqrt(12.0), errors[c]])
         why = _unlike(level, steps, lines, periods)
         if why:
             kind, sentence, parameters = why
@@ -122,8 +122,11 @@ def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[
     return None
 
 
-def _of_taxel(recording, i: int) -> float | None:
-    """What is declared of a taxel, N; of one that is left in volts nothing is."""
+def _declared(recording, channel: str) -> float | None:
+    """What is declared of a channel, N; of a taxel that is left in volts nothing is."""
+    if channel == "force":
+        return recording.declared.force_noise_n
+    i = int(channel.rpartition("_")[2])
     return recording.declared.of_taxel("taxel_noise_n", i) if recording.taxel_units[i] == "N" else None
 
 

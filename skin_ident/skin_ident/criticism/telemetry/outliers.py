@@ -78,8 +78,8 @@ def find_outliers(
 
 def _line(channel: str, c: int, e: np.ndarray, y: np.ndarray, jumps: np.ndarray, recording: Recording | None) -> AsRead:
     """Row `c` of a session as its channel was read."""
-    own = None if recording is None else recording.own(channel)
-    return as_read(e[c], y[c], jumps) if own is None else as_read(e[c], y[c], jumps, recording.t, own)
+    read = () if recording is None else (recording.t, recording.own(channel))
+    return as_read(e[c], y[c], jumps, *read)
 
 
 def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
