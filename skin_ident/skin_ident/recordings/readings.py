@@ -21,7 +21,7 @@ from skin_ident.stretches import runs
 CLOSEST = 0.5  # of a period: of stamps that tremble more, a spline would swing between two that nearly meet
 NEXT = 1.5  # periods, from one reading to the next; in a longer gap a reading was lost, and nobody knows how the channel curved
 RINGS = 2.0  # periods beside a wrong reading and its neighbours, to which a spline carries it: 0.27 of it in the first, 0.07 in the second
-HALF, BETA = 2, 5.0  # of the low-pass before, half its length in the recording's periods, and its Kaiser window
+HALF, BETA = 2, 5.0  # of the low-pass before, half its length in samples that are kept, its Kaiser window: flat to a tenth of their rate
 PIECE = 1 << 15  # instants in one go, which bounds the memory
 
 
@@ -95,6 +95,13 @@ def _still(rows: np.ndarray) -> np.ndarray:
 
 def _low_passed(rows: np.ndarray, few: int) -> np.ndarray:
     """Rows (R, M) without what is quicker than half the rate that one in so many of them has; ends extended."""
+    padded, taps = before_thinning(rows, few)
+    return oaconvolve(padded, taps[None], mode="valid", axes=1)
+
+
+def before_thinning(rows: np.ndarray, few: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rows (R, M) with their ends extended, and the taps of the low-pass of which one sample in so many may be kept: nothing is folded into
+    the lower half of what is left."""
     half = HALF * few
     padded = np.pad(rows, ((0, 0), (half, half)), mode="reflect", reflect_type="odd")
-    return oaconvolve(padded, firwin(2 * half + 1, 1.0 / few, window=("kaiser", BETA))[None], mode="valid", axes=1)
+    return padded, firwin(2 * half + 1, 1.0 / few, window=("kaiser", BETA))

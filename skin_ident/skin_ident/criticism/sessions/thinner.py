@@ -7,13 +7,12 @@ record of 1 kHz four samples in five only cost time. Its telemetry is read at fu
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import firwin
 
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.recordings.readings import before_thinning
 
 ENOUGH_HZ = 200.0
-HALF, BETA = 2, 5.0  # of the low-pass before, half its length in samples that are kept, and its Kaiser window: flat up to 20 Hz
 BELIEVED = 0.999  # of a sample that lies between two of the record's band, which must both be
 
 
@@ -49,8 +48,6 @@ def _thinner(s: Session, every: int, slowest: float) -> Session:
 
 def _decimated(rows: np.ndarray, every: int) -> np.ndarray:
     """One in so many samples of `rows` (C, N), low-passed so that nothing is folded into the band of the depth; ends extended."""
-    half = HALF * every
-    taps = firwin(2 * half + 1, 1.0 / every, window=("kaiser", BETA))
-    padded = np.pad(rows, ((0, 0), (half, half)), mode="reflect", reflect_type="odd")
+    padded, taps = before_thinning(rows, every)
     windows = np.lib.stride_tricks.sliding_window_view(padded, taps.size, axis=1)[:, ::every]
     return windows @ taps
