@@ -18,3 +18,6 @@ def test_the_mass_of_table_4_4_is_called_what_it_is(tmp_path, capsys):
         assert abs(rows["k1"]["value"] / rows["k1"]["specimen"] - 1) < 1e-3 and abs(rows["b1"]["value"] / rows["b1"]["specimen"] - 1) < 0.03
         assert max(found["validation"][mm]["same_sample"]) < 0.01
     assert found["frubber"]["relative_mse"]["slower"] > 10 * found["frubber"]["relative_mse"]["same_speed"]
+    assert [f["cause"] for f in found["table_4_10"]["findings"]] == ["nonlinear_stiffness", "spread_shape"]
+    assert "spread_shape (the spread is not a Gaussian)" in said and "RMSE 0.163 to 0.131 N" in said
+    assert "Table 4-11, 2.5 mm, all distances" in said and len(found["data_error"]) == 25
