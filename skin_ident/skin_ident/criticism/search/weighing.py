@@ -155,12 +155,17 @@ def said_of(mass: float, before: float, declared: bool) -> str:
             f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "
             "load cell that was tared with it, and to be felt by its inertia alone"
         )
-    of = "the declared one" if declared else "that of the skin"
-    if mass < before:
+    if mass < before and declared:
         return (
-            f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.3g} g) the record cannot be explained, "
+            f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({1e3 * before:.3g} g) the record cannot be explained, "
             f"since its weight would take {force:.3g} N from the load cell while the plunger touches"
         )
+    if mass < before:
+        return (
+            f"no mass was declared: {1e3 * before:.3g} g had been assumed of the skin, and {1e3 * mass:.3g} g fits better: the load "
+            f"cell reads no weight of {force:.3g} N in contact. That is common, after a tare for one, and no fault"
+        )
+    of = "the declared one" if declared else "that of the skin"
     return (
         f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.3g} g) the record cannot be explained. It "
         f"stands for a force of {force:.3g} N that is missing while the plunger touches; weigh what moves with the skin "
