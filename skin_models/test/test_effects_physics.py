@@ -13,7 +13,8 @@ from skin_models.effect import Place
 from skin_models.effects.adhesion import Adhesion
 from skin_models.effects.backlash import Backlash, WindUp, ZeroedBacklash
 from skin_models.effects.crosstalk import Crosstalk
-from skin_models.effects.cyclic_softening import CyclicSoftening
+from skin_models.effects.cyclic_softening import CyclicSoftening, SofterSprings
+from skin_models.effects.damage import DamagedSprings
 from skin_models.effects.dead_zone import GatedTaxel, GradualTaxel, HardDeadZone, SkinDeadZone, TaxelDeadZone
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.friction import Friction, StribeckFriction
@@ -122,6 +123,18 @@ def test_softening_spares_the_virgin_curve_and_weakens_the_second_cycle():
     second = slice(850, 1100)
     assert np.all(out[:, second] < 0.75 * y[:, second])
     assert out[:, 1200:] == pytest.approx(y[:, 1200:])
+
+
+@pytest.mark.parametrize("cls", [SofterSprings, DamagedSprings])
+def test_springs_that_soften_leave_dashpots_and_the_virgin_curve_alone(cls):
+    """Two springs and dashpots of which the springs have lost k x share: what is lost does not depend on the damping force beside it."""
+    x = triangle([0.0, MM, 0.0, MM, 2 * MM])
+    springs, damped = np.array([8e3 * x, 2e3 * x]), np.array([900.0 * np.gradient(x), 500.0 * np.gradient(x)])
+    softer = cls(where="skin", k_sensed=1600.0, k_dispersed=400.0, length=0.3 * MM)
+    lost = springs - softer.batch(springs, at_times(x))
+    assert springs + damped - softer.batch(springs + damped, at_times(x)) == pytest.approx(lost, abs=1e-12)
+    assert lost[:, :401] == pytest.approx(0.0) and lost[:, 1200:] == pytest.approx(0.0)
+    assert np.all(lost[:, 500:700] > 0.0) and lost[0] == pytest.approx(4.0 * lost[1])
 
 
 def test_adhesion_pulls_only_on_the_way_out_and_costs_the_work_it_says():

@@ -1,10 +1,11 @@
 """Damage: cyclic softening that takes part of the stiffness for good, by D(z) = 1 - d (1 - exp(-z / l)).
 
-    damage         y' = y D(X)             X = greatest depth so far
-    virgin         y' = y D(X) / D(x)      the same, where y is the force on the virgin curve (x = X)
-    fatigue        y' = y D(s)             s = path travelled in the skin, to and fro
+    damage            y' = y D(X)             X = greatest depth so far
+    virgin            y' = y D(X) / D(x)      the same, where y is the force on the virgin curve (x = X)
+    damaged_springs   y' = y - k x (exp(-x / l) - exp(-X / l))    the same of the springs alone, beside dashpots that stay
+    fatigue           y' = y D(s)             s = path travelled in the skin, to and fro
 
-The first two are done with the first deep cycle and repeat from then on; the third goes on from cycle to cycle, fastest at first. Moves
+The first three are done with the first deep cycle and repeat from then on; the last goes on from cycle to cycle, fastest at first. Moves
 of less than 5 um to and fro are no path: an encoder at rest flickers by as much (a play operator takes them out).
 
 Sources: J. C. Simo, On a fully three-dimensional finite-strain viscoelastic damage model, Comput. Methods Appl. Mech. Eng. 60 (1987)
@@ -19,7 +20,7 @@ import numpy as np
 
 from skin_models.effect import Dynamic, Place
 from skin_models.operators.contact import depth_in_contact
-from skin_models.operators.greatest_depth import ByGreatestDepth
+from skin_models.operators.greatest_depth import OfTheForce, OfTheSprings
 from skin_models.operators.play import play, play_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
@@ -33,7 +34,7 @@ def left(loss: float, measure: Any, scale: float) -> Any:
 
 
 @dataclass(frozen=True)
-class Damage(ByGreatestDepth):
+class Damage(OfTheForce):
     """The virgin curve softens as the skin is damaged, and unloading keeps what is left."""
 
     cause: ClassVar[str] = "cyclic_softening"
@@ -62,6 +63,27 @@ class DamageBelow(Damage):
     def factor(self, x, greatest):
         """D(X) / D(x)."""
         return left(self.loss, greatest, self.length) / left(self.loss, x, self.length)
+
+
+@dataclass(frozen=True)
+class DamagedSprings(OfTheSprings):
+    """The springs alone are softer below the greatest depth so far."""
+
+    cause: ClassVar[str] = "cyclic_softening"
+    form: ClassVar[str] = "damaged_springs"
+    places: ClassVar = {"skin": Place.SKIN}
+    source: ClassVar[str] = "Simo 1987, beside linear damping"
+    linear: ClassVar[bool] = True
+
+    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=1200.0, doc="stiffness k, sensed")
+    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=400.0, doc="stiffness k, dispersed")
+    length: float = quantity(
+        "m", 0.5e-3, lower=1e-5, upper=0.05, role=SHAPE, typical=0.5e-3, scan=(0.2e-3, 0.5e-3, 1e-3, 2e-3), doc="depth scale l"
+    )
+
+    def share(self, x, greatest):
+        """exp(-x / l) - exp(-X / l)."""
+        return np.exp(-x / self.length) - np.exp(-greatest / self.length)
 
 
 @dataclass(frozen=True)
