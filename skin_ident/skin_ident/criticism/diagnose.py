@@ -38,7 +38,7 @@ from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest
 from skin_ident.criticism.sessions.thinner import at_every_sample, thinner
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
-from skin_ident.criticism.telemetry.noise_level import at_leisure, by_encoder, find_noise
+from skin_ident.criticism.telemetry.noise_level import at_leisure, by_drive, find_noise
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import depth_resolution, find_buried
@@ -209,7 +209,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
     found = [
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
-        *find_noise(recordings, channels, rest, slow, lambda: by_encoder(model, sessions, recordings, rest, slow)),
+        *find_noise(recordings, channels, rest, slow, lambda: by_drive(model, sessions, recordings, rest, slow)),
     ]
     told = [told_of_bursts(s, channels, rest, [r.dt for r in recordings]) for s in known if remains(s, recordings, channels, rest, model)]
     return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]

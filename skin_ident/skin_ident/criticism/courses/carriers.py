@@ -53,8 +53,10 @@ def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
 
 
 def _pushed(model: Model, s: Session, plain: np.ndarray, by: np.ndarray | float = 1.0) -> np.ndarray:
-    """What a unit more of `by` (N) in the driving force changes, (C, N)."""
-    return (simulated(model, replace(s, drive=s.drive + PUSH * by)) - plain) / PUSH
+    """What a unit more of `by` (N) in the driving force changes, (C, N): by the smaller of a push and a pull, of which one may make or lose
+    a contact, and that is a jump and no derivative."""
+    push, pull = ((simulated(model, replace(s, drive=s.drive + of * by)) - plain) / of for of in (PUSH, -PUSH))
+    return np.where(np.abs(push) < np.abs(pull), push, pull)
 
 
 def after_jump(model: Model, s: Session, plain: np.ndarray, moment: float) -> np.ndarray:

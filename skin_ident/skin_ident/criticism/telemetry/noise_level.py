@@ -2,7 +2,8 @@
 
 Looks at what the extended model leaves of what was read, far from contact made or lost, less its own running median: what is slow may be
 the model's. Speaks only where a level is declared (`force_noise_n`, `taxel_noise_n`, as white noise), and widens it by the converter's step
-q and by u, rms of what errors of the depth do to the simulation, through stiffness and damping, or of what all channels share of them:
+q and by u, rms of what errors of the depth do to the simulation, through stiffness and damping (or those of the force, where that drives
+the test), or of what all channels share of them:
 
     expected^2 = declared^2 + q^2 / 12 + u^2.
 
@@ -35,7 +36,8 @@ def find_noise(
 ) -> list[Symptom]:
     """Channels whose noise is not as declared, from residuals (C, N) at full rate and masks (N,) of the samples to look at.
 
-    `unread` gives what errors of the depth do to the simulation, (C,) N rms (`by_encoder`): dear, and asked only where a level is declared.
+    `unread` gives what errors of what drives the test do to the simulation, (C,) N rms (`by_drive`): dear, and asked only where a level is
+    declared.
     """
     levels = {c: level for c, channel in enumerate(channels) if (level := _declared(recordings[0], channel))}
     errors, n_taxels, found = unread() if levels else np.zeros(0), len(recordings[0].taxels), []
@@ -59,24 +61,27 @@ def at_leisure(s: Session) -> np.ndarray:
     return fastest <= np.median(fastest)
 
 
-def by_encoder(
+def by_drive(
     model: Model, sessions: list[Session], recordings: list, residuals: list[np.ndarray], believed: list[np.ndarray]
 ) -> np.ndarray:
-    """What errors of the depth do to what is simulated of each channel, (C,) N rms, over samples of masks (N,): the difference that a
-    further draw of the encoder's noise and steps makes, or more, where `residuals` (C, N) of several channels share more in that
-    proportion. Nothing where a force drives the test."""
-    if any(s.drive is not None for s in sessions):
-        return np.zeros(len(sessions[0].channels))
+    """What errors of the depth, or of the force that drives a test, do to what is simulated of each channel, (C,) N rms, over samples of
+    masks (N,): the difference that a further draw of its noise and steps makes, or more, where `residuals` (C, N) of several channels share
+    more in that proportion."""
     rng, step = np.random.default_rng(SEED), _encoder_step(recordings[0]) / np.sqrt(12.0)
-    again = [read_again(s, float(np.hypot(step, s.depth_noise)), rng) for s in sessions]
+    again = [read_again(s, _unread(s, step), rng) for s in sessions]
     changes = [(simulated(model, b) - simulated(model, a))[:, calm] for a, b, calm in zip(sessions, again, believed, strict=True)]
     unread = np.array([_spread(row) if row.size else 0.0 for row in np.concatenate(changes, axis=1)])
     rows = [np.array([_quick(row, r.dt)[calm] for row in e]) for e, r, calm in zip(residuals, recordings, believed, strict=True)]
     return _with_shared(unread, np.concatenate(rows, axis=1))
 
 
+def _unread(s: Session, step: float) -> float:
+    """The errors of one reading of the depth whose steps leave `step`, m rms, or of the force that drives the test, N rms."""
+    return float(np.hypot(step, s.depth_noise)) if s.drive is None else s.drive_noise / s.band.passes
+
+
 def _with_shared(unread: np.ndarray, e: np.ndarray) -> np.ndarray:
-    """What is `unread` (C,) of the channels, or what residuals e (C, n) share with others, if that is more: an encoder's error z times a_c
+    """What is `unread` (C,) of the channels, or what residuals e (C, n) share with others, if that is more: an error z times a_c
     in each channel makes covariances of a_c a_o z^2, of which a_c / a_o is known."""
     if e.shape[1] == 0 or len(unread) < 2 or not unread.all():
         return unread
