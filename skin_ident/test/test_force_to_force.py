@@ -60,3 +60,15 @@ def test_a_push_that_makes_a_contact_is_no_slope():
         driven = replace(session, drive=session.drive - of)
         assert np.abs(carried(DRIVE, (), model, driven, simulated(model, driven))).max() < 1.1 * share
     assert carried(DRIVE, (), model, session, plain)[0, session.drive > 0.3] == pytest.approx(share, rel=1e-3)
+
+
+def test_a_taxel_that_nothing_predicts_is_not_called_sound():
+    """A loose contact that takes a fifth of the reading away, and gives it back, at random: many times louder than while nobody presses."""
+
+    def loose(seed: int) -> Recording:
+        r, rng = pressed_by_hand(seed, 0.02, 0.01, (0.005, 0.004)), np.random.default_rng([seed, 7])
+        switched = np.cumsum(rng.random(r.t.size) < DT / 0.4) % 2
+        return replace(r, taxels=r.taxels * (1.0 - 0.2 * switched), declared=Declared())
+
+    found = diagnose([loose(1), loose(2)], [loose(3)]).findings
+    assert found["verdict"] == "unexplained" or ("gain_error", "taxel") in {(f["cause"], f["where"]) for f in found["findings"]}

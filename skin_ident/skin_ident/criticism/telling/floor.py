@@ -38,6 +38,7 @@ DOUBTED = 1.25  # times the floor of the session that tells most, from which the
 WELL_ABOVE = 1.4  # times the floor of the very sessions: more than noise. Of 25 sound sets the most had 1.2, of what was fitted 1.1
 UNSURE = 4.0  # standard errors of how loud noise is, by which floor and rest together may be off
 LOUDER = 6.0  # times the noise of the air: so much does no load make of it
+HARDLY = 0.02  # of the greatest depth: noise of the force that drives a test is as much
 AIR_S = 3.0  # of the air, that tell its noise
 TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
 BLOCK_S = 4.0
@@ -159,9 +160,10 @@ def _loudest(c: Criticism) -> np.ndarray:
 
 
 def _in_the_air(model: Model, s: Session) -> np.ndarray:
-    """Mask (n,) of the samples in which the plunger does not touch the skin."""
+    """Mask (n,) of the samples in which the plunger does not touch the skin; where force drives the test, hardly presses it."""
     moved = motion_under(s, model.dispersion)
-    return np.interp(s.t, moved.t, model.dispersion.contact(moved)) == 0.0
+    touched = model.dispersion.contact(moved) > 0.0 if s.drive is None else moved.x > HARDLY * moved.x.max()
+    return np.interp(s.t, moved.t, touched.astype(float)) == 0.0
 
 
 def _fitted(c: Criticism, floor: dict[str, dict[str, Any]]) -> tuple[np.ndarray, np.ndarray]:
