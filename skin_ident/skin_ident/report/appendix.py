@@ -33,6 +33,9 @@ def parameters(v: View) -> Safe | None:
         )
     elif [(a.name, a.value) for a in v.before] == [(a.name, a.value) for a in v.after]:
         note = "Nothing was added to the model, so its parameters stay as they were."
+    elif not v.findings:
+        own = f", and after with each session's own {' and '.join(v.own_zeros)}, which is no fault" if v.own_zeros else ""
+        note = f"Nothing was added to the model. Before is as it was fitted first{own}."
     note += f" {SPREAD}"
     held = [el("p", sentence(said), class_="note") for said in held_at(v)]
     return section("parameters", "Parameters before and after", el("p", note, class_="note"), parameter_table(v), held)
@@ -166,7 +169,7 @@ def reading(v: View, folder: str) -> Safe:
     """A glossary, and where the other files are: beside the page, or what belongs to the diagnosis in its `folder`. Of records in which too
     little can be believed there is no model."""
     words = (
-        ("before, after", _before_after(v)),
+        *([("before, after", _before_after(v))] if v.findings else []),
         ("measured − simulated", "what the simulation misses; zero is perfect"),
         ("typical error", "root mean square of measured − simulated"),
         ("data not used for fitting", "a session kept aside: a model that merely memorised the other sessions would fail on it"),

@@ -13,27 +13,30 @@ from skin_ident.report.words import capital, channel
 MOST_RANKED = 8
 
 
-def error_table(errors: tuple[ChannelError, ...]) -> Safe:
-    """Error of every channel before and after, with bars on a scale of their own and the noise floor as a tick."""
+def error_table(v: View) -> Safe:
+    """Error of every channel before and after, with bars on a scale of their own and the noise floor as a tick; of the one simulation that
+    there is where nothing is named."""
+    errors = v.errors
     both = any(None not in e.held_out for e in errors)
     head = ["channel", "before", "after", "change", "fall, 95 % interval", "noise alone", ""] + ["on training data"] * both
-    rows = [_error_row(e)[: len(head)] for e in errors]
-    if not any(e.interval for e in errors):
+    rows = [_error_row(e, v)[: len(head)] for e in errors]
+    if not v.findings:
+        head, *rows = [[r[i] for i in (0, 2, 5, 6)] for r in (["channel", "", "error", "", "", "noise alone", ""], *rows)]
+    elif not any(e.interval for e in errors):
         head, *rows = [r[:4] + r[5:] for r in (head, *rows)]
     return table(head, rows, numeric=tuple(i for i, h in enumerate(head) if i and h), class_="errors")
 
 
-def _error_row(e: ChannelError) -> list:
+def _error_row(e: ChannelError, v: View) -> list:
     before, after = e.pair
-    like = [before, after, e.floor]
+    like = v.small or [before, after, e.floor]
     change = percent(-fall(e)) if before and after is not None else UNKNOWN
-    training = (
-        f"{amount(e.train[0], e.unit, like=e.train)} → {amount(e.train[1], e.unit, like=e.train)}" if None not in e.train else UNKNOWN
-    )
-    top = max((v for v in like if v), default=0.0)
-    bars = [_bar(v, top, kind) for v, kind in ((before, "before"), (after, "after"))]
+    training = " → ".join(amount(x, e.unit, like=like) for x in e.train) if None not in e.train else UNKNOWN
+    shown = ((before, "before"), (after, "after")) if v.findings else ((after, "after"),)
+    top = max((x for x in (*(x for x, _ in shown), e.floor) if x), default=0.0)
+    bars = [_bar(x, top, kind) for x, kind in shown]
     floor = el("u", style=f"left:{100 * e.floor / top:.1f}%", title="noise alone") if top and e.floor else None
-    cells = [amount(v, e.unit, like=like) for v in (before, after)]
+    cells = [amount(x, e.unit, like=like) for x in (before, after)]
     fell = span(*e.interval, e.unit, like) if e.interval else UNKNOWN
     return [channel(e.channel), *cells, change, fell, amount(e.floor, e.unit, like=like), el("div", bars, floor, class_="duel"), training]
 

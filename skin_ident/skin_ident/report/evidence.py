@@ -35,7 +35,7 @@ def _card(f: Finding, v: View, number: int) -> Safe:
         ("Seen in", ", ".join(channel(c) for c in f.channels)),
         ("Size", [el("div", line) for line in sizes(f, v, 12)]),
         ("Why", sentence(f.why)),
-        *_gain_rows(f),
+        *_gain_rows(f, v),
         ("Had been hiding in", [el("div", _bent(*pair)) for pair in f.hid_in]),
         *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k not in UNTOLD),
         *(("Could also be", join([cause_at(c, w), f" ({why})" if why else ""])) for c, w, why in f.alternatives),
@@ -52,13 +52,13 @@ def _bent(before: Amount, after: Amount) -> str:
     return f"{before.words}: {both}"
 
 
-def _gain_rows(f: Finding) -> list[tuple[str, str]]:
+def _gain_rows(f: Finding, v: View) -> list[tuple[str, str]]:
     g = f.gain
     if f.direct or g.before is None or g.after is None:
         return []
-    both = " → ".join(amount(value, g.unit, like=[g.before, g.after]) for value in (g.before, g.after))
+    both = " → ".join(amount(value, g.unit, like=v.small or [g.before, g.after]) for value in (g.before, g.after))
     rows = [("Error on unused data", f"{both} in the {signal(g.channel)}")]
-    return rows + ([("Fall, 95 % interval", span(g.low, g.high, g.unit))] if g.low is not None and g.high is not None else [])
+    return rows + ([("Fall, 95 % interval", span(g.low, g.high, g.unit, v.small))] if g.low is not None and g.high is not None else [])
 
 
 def _evidence_text(key: str, value) -> str:

@@ -28,7 +28,7 @@ def better(v: View) -> Figure:
     if not told:
         return Figure("Not measured", "", () if v.errors else ("No simulation was compared with these data.",))
     alive = [e for e in told if e.channel not in v.silent]
-    if not v.judged and any(fall(e) > LEAST and e.interval and e.interval[0] > 0.0 for e in alive):
+    if v.findings and not v.judged and any(fall(e) > LEAST and e.interval and e.interval[0] > 0.0 for e in alive):
         return _gain(max(alive, key=fall), v)
     if not v.judged:
         return _no_gain(v, told)
@@ -47,7 +47,8 @@ def fall(e: ChannelError) -> float:
 def _no_gain(v: View, told: list[ChannelError]) -> Figure:
     """Nothing was added: where the model stands against the noise."""
     at_noise = all(e.floor is not None and e.pair[1] < NEAR * e.floor for e in told)
-    said = [f"Typical error of the {signal(e.channel)}: {amount(e.pair[1], e.unit)}{_when_fitted(e)}." + _floor(e) for e in told[:2]]
+    said = [f"Typical error of the {signal(e.channel)}: {_error(e.pair[1], e, v)}{_when_fitted(e, v)}." + _floor(e, v) for e in told[:2]]
+    said += [allowed(v)] if allowed(v) else []
     unmeasured = dict.fromkeys(f.unmeasured for f in v.findings if f.unmeasured)
     if v.findings and all(f.unmeasured for f in v.findings):
         return Figure("Not measured", f"by this comparison, for {' and '.join(unmeasured)}", tuple(said))
@@ -58,27 +59,44 @@ def _no_gain(v: View, told: list[ChannelError]) -> Figure:
     return Figure("Nothing to gain" if at_noise else "No gain", "" if at_noise else "no cause could be added to the model", tuple(said))
 
 
-def _when_fitted(e: ChannelError) -> str:
+def _error(x: float | None, e: ChannelError, v: View) -> str:
+    """An error of a channel, in the unit that all have."""
+    return amount(x, e.unit, like=v.small or e.pair)
+
+
+def allowed(v: View) -> str:
+    """Where nothing is named: what the simulation was let have that is no fault, and what its error would be without. No gain is claimed of
+    it; empty where it makes no difference to a reader."""
+    changed = [e for e in v.errors if None not in e.pair and fall(e) > LEAST and e.channel not in v.silent]
+    if v.findings or not changed:
+        return ""
+    own = f"each session has its own {' and '.join(v.own_zeros)}, no further off than good hardware and a tare leave it"
+    had = own if v.own_zeros else "what is fitted is no fault, see the warnings"
+    without = " and ".join(f"{_error(e.pair[0], e, v)} in the {signal(e.channel)}" for e in changed)
+    return f"In this {had}; without that it would be {without}."
+
+
+def _when_fitted(e: ChannelError, v: View) -> str:
     """The error on the sessions that were fitted, where it is clearly more than on those that were not."""
     fitted = e.train[1]
     if fitted is None or e.held_out[1] is None or fitted < NEAR * e.held_out[1]:
         return ""
-    return f", and {amount(fitted, e.unit)} on the data it was fitted to"
+    return f", and {_error(fitted, e, v)} on the data it was fitted to"
 
 
-def _floor(e: ChannelError) -> str:
+def _floor(e: ChannelError, v: View) -> str:
     if e.floor is not None and e.pair[1] is not None and e.pair[1] <= ALIKE * e.floor:
         return " That is no more than noise."
-    return "" if e.floor is None else f" Noise alone leaves {amount(e.floor, e.unit, like=[*e.pair, e.floor])}."
+    return "" if e.floor is None else f" Noise alone leaves {_error(e.floor, e, v)}."
 
 
 def _gain(e: ChannelError, v: View) -> Figure:
-    before, after = pair = _tested_pair(e, v)
+    before, after = _tested_pair(e, v)
     share = 1.0 - after / before
     together = "" if len(v.findings) == 1 else " with everything named here together"
     caption = f"{'less' if share >= 0 else 'more'} error in the {signal(e.channel)}{together}, on {TESTED[v.tested]}"
     said = [
-        f"Typical error: {amount(before, e.unit, like=pair)} before, {amount(after, e.unit, like=pair)} after.",
+        f"Typical error: {_error(before, e, v)} before, {_error(after, e, v)} after.",
         _interval(v, e),
         _where_it_lies(e, v),
         _bound(e, after, v),
@@ -94,12 +112,12 @@ def _tested_pair(e: ChannelError, v: View) -> tuple[float, float]:
 
 def _interval(v: View, e: ChannelError) -> str:
     if e.interval:
-        return f"The fall is {span(*e.interval, e.unit, e.pair)} with 95 % confidence."
+        return f"The fall is {span(*e.interval, e.unit, instead=v.small)} with 95 % confidence."
     gains = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
     if not gains:
         return ""
     step = "The fall is" if len(v.judged) == 1 else "The first cause alone is worth"
-    return f"{step} {span(gains[0].low, gains[0].high, gains[0].unit)} with 95 % confidence."
+    return f"{step} {span(gains[0].low, gains[0].high, gains[0].unit, instead=v.small)} with 95 % confidence."
 
 
 def _where_it_lies(e: ChannelError, v: View) -> str:
@@ -107,14 +125,14 @@ def _where_it_lies(e: ChannelError, v: View) -> str:
     own = next((o for o in v.errors if v.findings and o.channel == v.findings[0].where), None)
     if own is None or own.channel == e.channel or own.channel in v.silent or None in own.pair or not own.pair[0]:
         return ""
-    both = " before, ".join(amount(x, own.unit, like=own.pair) for x in own.pair)
+    both = " before, ".join(_error(x, own, v) for x in own.pair)
     return f"{capital(spoken(own.channel))}, in which the first of them lies: {both} after."
 
 
 def _bound(e: ChannelError, after: float, v: View) -> str:
     if e.floor is None:
         return ""
-    floor = amount(e.floor, e.unit, like=[*e.pair, e.floor])
+    floor = _error(e.floor, e, v)
     if after <= ALIKE * e.floor:
         return "What is left is no more than noise."
     if v.verdict in (PARTLY, UNEXPLAINED):

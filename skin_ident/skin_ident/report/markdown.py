@@ -7,7 +7,7 @@ from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.sizes import number
 from skin_ident.report.story import Told, Wrong
 from skin_ident.report.tolerant import named_at, text
-from skin_ident.report.view import Amount, View
+from skin_ident.report.view import Amount, ChannelError, View
 from skin_ident.report.words import capital, channel, sentence
 
 
@@ -52,15 +52,13 @@ def _rows(title: str, head: list[str], rows: list[list[str]]) -> list[str]:
 
 
 def _errors(v: View) -> list[str]:
-    rows = [
-        [
-            channel(e.channel),
-            *(amount(x, e.unit, like=[*e.pair, e.floor]) for x in e.pair),
-            percent(-fall(e)),
-            amount(e.floor, e.unit, like=[*e.pair, e.floor]),
-        ]
-        for e in v.errors
-    ]
+    def said(x: float | None, e: ChannelError) -> str:
+        return amount(x, e.unit, like=v.small or [*e.pair, e.floor])
+
+    if not v.findings:
+        rows = [[channel(e.channel), said(e.pair[1], e), said(e.floor, e)] for e in v.errors]
+        return _rows("Error of every channel", ["channel", "error", "noise alone"], rows)
+    rows = [[channel(e.channel), *(said(x, e) for x in e.pair), percent(-fall(e)), said(e.floor, e)] for e in v.errors]
     return _rows("Error of every channel", ["channel", "before", "after", "change", "noise alone"], rows)
 
 

@@ -101,13 +101,13 @@ def _with_spread(value: float, std: float) -> str:
     return f"{text}{_SPACE}±{_SPACE}{spread}"
 
 
-def span(low: Any, high: Any, unit: str, like: Any = ()) -> str:
-    """An interval, `1.00 to 2.00 N`. `like` are more values whose scale it shares."""
-    factor, name = scale([low, high, *like], unit)
+def span(low: Any, high: Any, unit: str, instead: Any = ()) -> str:
+    """An interval, `1.0 to 2.0 N`. `instead` are values whose scale it takes, where there are any."""
+    factor, name = scale([*instead] or [low, high], unit)
     low, high = finite(low), finite(high)
     if low is None or high is None:
         return UNKNOWN
-    return f"{plain(low * factor)} to {plain(high * factor)}{_SPACE}{name}".rstrip()
+    return f"{plain(low * factor, 2)} to {plain(high * factor, 2)}{_SPACE}{name}".rstrip()
 
 
 def percent(share: Any) -> str:

@@ -19,7 +19,7 @@ MOST_POINTS = 160_000  # points in all charts together: about 1 MB of text
 
 def measured(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     """Measured against simulated: the errors of every channel, then whole sessions."""
-    table_ = [el("p", _error_note(v), class_="note"), error_table(v.errors)] if v.errors else []
+    table_ = [el("p", _error_note(v), class_="note"), error_table(v)] if v.errors else []
     if seen is None and not outcome.scans:
         return section("measured", "Measured against simulated", table_) if table_ else None
     return section(

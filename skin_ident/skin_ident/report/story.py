@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.criticism.telling.outcome import Outcome, Round
+from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace, Trace
 from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, next_steps, rebuild_answer, sure
 from skin_ident.report.focus import Focus, focus, rms
@@ -19,6 +19,7 @@ from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import DIRECT, Finding, View, unit_of
 from skin_ident.report.words import capital, meaning, sentence, signal
 
+CLEARLY = 0.9  # of what the simulation strays by without what is named, which must be more than with it to speak for it
 MOST_SIZES = 3  # findings whose sizes fit on the first screen in full
 
 
@@ -72,10 +73,16 @@ def tell(outcome: Outcome, folder: str = "") -> Told:
     v = view(outcome.findings)
     if _has_one_taxel(v):
         outcome = replace(outcome, rounds=tuple(replace(r, ranked=_lone(r.ranked)) for r in outcome.rounds))
+    outcome = outcome if v.findings else replace(outcome, traces=tuple(map(_kept, outcome.traces)), scans=tuple(map(_kept, outcome.scans)))
     seen = focus(outcome.traces, v)
     wrong, why = tuple(_wrong(v, seen)), tuple(_why(v, seen, outcome.rounds))
     story = Story(_headline(v), wrong, why, better(v), *sure(v), *rebuild_answer(v), tuple(next_steps(v, folder)))
     return Told(outcome, v, seen, story, folder)
+
+
+def _kept(trace: Trace | ScanTrace) -> Trace | ScanTrace:
+    """Where nothing is named there is one simulation, the one that was kept: its zeros are no gain to show."""
+    return replace(trace, baseline=trace.extended)
 
 
 def _has_one_taxel(v: View) -> bool:
@@ -169,11 +176,11 @@ def _in_newtons(seen: Focus, v: View) -> str:
     change = (seen.trace.extended[seen.row] - seen.trace.baseline[seen.row])[seen.trace.compared]
     peak = float(np.nanmax(np.abs(change), initial=0.0))
     top = float(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0))
-    unit, name = unit_of(v, seen.channel), signal(seen.channel)
+    unit, name, like = unit_of(v, seen.channel), signal(seen.channel), v.small or [rms(change)]
     adding = "Adding it changes" if len(v.findings) == 1 else "Adding them changes"
     adding = "Putting them right changes" if all(f.cause == "parameters" for f in v.findings) else adding
     return (
-        f"{adding} the simulated {name} by up to {amount(peak, unit, like=[top])}, typically {amount(rms(change), unit, like=[top])}, "
+        f"{adding} the simulated {name} by up to {amount(peak, unit, like=like)}, typically {amount(rms(change), unit, like=like)}, "
         f"where the measurement reaches {amount(top, unit)}."
     )
 
@@ -182,8 +189,8 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
     yield from (s for s in (_against_rivals(f, rounds) for f in v.findings[:2]) if s)
     if len(v.findings) > 2:
         yield f"The other {len(v.findings) - 2} were accepted in the same way, one after the other."
-    if (v.judged and (seen is None or seen.changes)) or (seen is not None and seen.beside):
-        yield _in_the_picture(seen, v) if seen is not None else "The picture shows what the model misses without it, and with it."
+    if v.findings and ((v.judged and (seen is None or seen.changes)) or (seen is not None and seen.beside)):
+        yield from _in_the_picture(seen, v) if seen is not None else ("The picture shows what the model misses without it, and with it.",)
     if v.findings:
         return
     tested = {c for r in rounds for c, _, _ in r.ranked} | {text(e.get("cause")) for e in v.excluded}
@@ -198,23 +205,27 @@ def _stray(seen: Focus, v: View) -> str:
     """How wrong a simulation is that nothing explains."""
     left = smooth(seen.trace.t, residuals(seen.trace, seen.row)[1], v.band_hz)[seen.trace.compared]
     unit, worst = unit_of(v, seen.channel), float(np.nanmax(np.abs(left), initial=0.0))
+    like = v.small or [worst]
     return (
-        f"The simulated {signal(seen.channel)} strays from the measured one by up to {amount(worst, unit)}, typically "
-        f"{amount(rms(left), unit, like=[worst])}, in a pattern that noise does not make."
+        f"The simulated {signal(seen.channel)} strays from the measured one by up to {amount(worst, unit, like=like)}, typically "
+        f"{amount(rms(left), unit, like=like)}, in a pattern that noise does not make."
     )
 
 
-def _in_the_picture(seen: Focus, v: View) -> str:
+def _in_the_picture(seen: Focus, v: View) -> Iterator[str]:
+    """How far the simulation strays without what is named, and with it, where that speaks for it."""
     looked_at = seen.trace.compared | seen.beside
     cut = np.flatnonzero(looked_at[seen.start : seen.stop]) + seen.start
     cut = cut if cut.size else np.arange(seen.start, seen.stop)
     worst = [float(np.nanpercentile(np.abs(smooth(seen.trace.t, r, v.band_hz)[cut]), 99.0)) for r in residuals(seen.trace, seen.row)]
-    unit = unit_of(v, seen.channel)
+    if worst[1] > CLEARLY * worst[0]:
+        return
+    unit, like = unit_of(v, seen.channel), v.small or worst
     few = "this" if len(v.findings) == 1 else "these"
     beside = ", in moments that were not compared" if seen.beside else ""
-    return (
+    yield (
         f"The picture: without {few} the simulated {signal(seen.channel)} strays from the measured one by up to "
-        f"{amount(worst[0], unit, like=worst)}, with {few} by up to {amount(worst[1], unit, like=worst)}{beside}."
+        f"{amount(worst[0], unit, like=like)}, with {few} by up to {amount(worst[1], unit, like=like)}{beside}."
     )
 
 

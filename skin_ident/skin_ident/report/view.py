@@ -4,10 +4,13 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from skin_ident.criticism.vocabulary import place
 from skin_ident.report.tolerant import mapping, text
 
 SCAN = "static spread scan"  # the kind of its recordings
 DIRECT = {"quantization", "saturation", "outliers", "dead_taxel", "noise", "data_error", "interference"}
+OWN = "single sessions"  # in the reason for which a zero is no finding
+ZEROS = {"position_offset": "zero of depth", "force_offset": "zero of {}"}
 HELD_OUT, STRETCHES, IN_TURN, UNTESTED = "held_out", "stretches", "in_turn", ""  # how a gain was tested
 
 
@@ -141,9 +144,21 @@ class View:
     given: bool = False  # the model before was given, not fitted
 
     @property
+    def small(self) -> list[float]:
+        """What the unit of every error on the page suits: the smallest of them. Two units for one kind of number invite misreading."""
+        errors = [x for e in self.errors if e.channel not in self.silent for x in e.pair if x]
+        return [min(errors)] if errors else []
+
+    @property
     def doubts(self) -> tuple[dict[str, Any], ...]:
         """What the data speak for and do not bear out."""
         return tuple(e for e in self.untestable if e.get("in_doubt"))
+
+    @property
+    def own_zeros(self) -> tuple[str, ...]:
+        """The zeros that every session was let have of its own, since good hardware and tares leave them so: no fault."""
+        own = [e for e in self.untestable if OWN in text(e.get("because")) and text(e.get("cause")) in ZEROS]
+        return tuple(dict.fromkeys(ZEROS[text(e.get("cause"))].format(place(text(e.get("where")))) for e in own))
 
     @property
     def tested(self) -> str:

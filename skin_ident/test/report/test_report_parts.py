@@ -59,7 +59,7 @@ def test_amounts_have_three_digits_a_fitting_unit_and_their_error(value, unit, s
 
 def test_values_that_are_compared_share_their_unit():
     assert [amount(v, "N", like=[0.9, 0.02]) for v in (0.9, 0.02)] == [f"0.900{NB}N", f"0.0200{NB}N"]
-    assert span(0.0123, 0.2, "N") == f"0.0123 to 0.200{NB}N"
+    assert span(0.0123, 0.2, "N") == f"0.012 to 0.20{NB}N"
     assert percent(-0.0001) == f"0{NB}%" and percent(0.0512) == f"5.1{NB}%"
 
 

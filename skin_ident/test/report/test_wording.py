@@ -82,6 +82,29 @@ def test_sizes_of_each_session_are_printed():
     )
 
 
+def test_zeros_that_are_no_fault_are_no_gain():
+    """With nothing named there is one simulation, that with the zeros, and one sentence says that it has them."""
+    own = {"cause": "position_offset", "where": "rig", "because": "within single sessions the zero of depth would step by 2 µm"}
+    before = {c: {"train": 0.07, "held_out": 0.07, "unit": "N"} for c in ("force", "taxel_0")}
+    content = findings() | {"untestable": [own]}
+    content["baseline"] = content["baseline"] | {"rmse": before}
+    moved = trace("one", True, None)
+    all_ = tell(examples.Outcome(content, traces=(replace(moved, baseline=moved.baseline + 0.01),)))
+    story, text = all_.story, markdown(all_)
+    assert story.better.number == "Nothing to gain" and "its own zero of depth" in story.better.sentences[-1]
+    assert not any("picture" in s for s in story.why) and not all_.seen.changes
+    assert "| channel | error |" in text and "less error" not in text and "confidence" not in text
+
+
+def test_a_picture_that_does_not_speak_for_what_is_named_is_not_called_a_reason():
+    entry = rivals(("lag", "taxel_0"), gain={"held_out_rmse_before": 0.03, "held_out_rmse_after": 0.02, "channel": "taxel_0"})
+    seen = trace("one", True, 1)
+    for better_, said in ((0.1 * np.sin(seen.t), True), (1e-3 * np.sin(seen.t), False)):
+        found_ = replace(seen, extended=seen.extended + np.stack([0.0 * seen.t, better_]))
+        why = tell(examples.Outcome(findings("explained", entries=[entry]), traces=(found_,))).story.why
+        assert any("picture" in s for s in why) is said
+
+
 def trace(name: str, held: bool, astray: int | None) -> Trace:
     t = np.arange(3000) / 100.0
     noise = np.random.default_rng(len(name)).normal(0.0, 0.02, (2, t.size))
@@ -220,7 +243,7 @@ def test_given_numbers_are_not_said_to_be_fitted_nor_to_hide_anything():
     assert "not as given" in table and "hiding" not in table and "nobody fitted them" in table and table.count("±") == 2
     assert "that was given, not fitted" in read and "both fitted" not in read
     assert "recorded as a twin" in str(reading(view(given(model="twin")), ""))
-    assert "both fitted" in str(reading(view(findings()), "")) and "| as given |" in markdown(told)
+    assert "both fitted" in str(reading(view(findings("explained", entries=[adhesion()])), "")) and "| as given |" in markdown(told)
 
 
 def test_what_is_held_is_no_wrong_number():
