@@ -12,7 +12,10 @@ from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
 from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, meaning, sentence, signal
 
-UNTOLD = ("why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std", "sessions")  # said elsewhere, or for programs
+UNTOLD = (  # said elsewhere, or for programs
+    "likelihood_gain", "held_out_fall_of_mean_square", "why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std",
+    "sessions",
+)  # fmt: skip
 
 
 def evidence(outcome: Outcome, v: View) -> Safe | None:
@@ -22,8 +25,9 @@ def evidence(outcome: Outcome, v: View) -> Safe | None:
     if not cards and not rounds:
         return None
     note = (
-        "The longer the bar, the more of the mismatch that cause alone would explain (fall of the squared error, in units of the noise). "
-        "The model's own parameters were free to explain it first. The blue bar was named; a name also had to predict unused data better."
+        "The longer the bar, the more of the mismatch that cause alone would explain, as estimated when the round began (fall of the "
+        "squared error, as a multiple of the noise's). The model's own parameters were free to explain it first. The best few were then "
+        "fitted in full: percentages in words are of that. The blue bar was named; a name also had to predict unused data better."
     )
     ranks = [el("h3", "How the causes compare"), el("p", note, class_="note"), el("div", rounds, class_="grid wide")] if rounds else None
     return section("evidence", "The evidence", el("div", cards, class_="cards"), ranks)
@@ -36,7 +40,7 @@ def _card(f: Finding, v: View, number: int) -> Safe:
         ("Size", [el("div", line) for line in sizes(f, v, 12)]),
         ("Why", sentence(f.why)),
         *_gain_rows(f, v),
-        ("Had been hiding in", [el("div", _bent(*pair)) for pair in f.hid_in]),
+        ("Had been hiding in", [el("div", _bent(*pair, v)) for pair in f.hid_in]),
         *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k not in UNTOLD),
         *(("Could also be", join([cause_at(c, w), f" ({why})" if why else ""])) for c, w, why in f.alternatives),
         ("Would tell them apart", sentence(f.separating)),
@@ -46,7 +50,10 @@ def _card(f: Finding, v: View, number: int) -> Safe:
     return el("article", el("h3", f"{number}. {capital(cause_at(f.cause, f.where))}"), el("dl", entries), class_="card")
 
 
-def _bent(before: Amount, after: Amount) -> str:
+def _bent(before: Amount, after: Amount, v: View) -> str:
+    """A parameter before the cause was named and after: at the end, as the table has it, where no other cause came between."""
+    at_the_end = next((a for a in v.after if a.name == before.name), after)
+    after = at_the_end if len(v.findings) == 1 else after
     like = [before.value, after.value]
     both = " → ".join(amount(a.value, a.unit, like=like) for a in (before, after))
     return f"{before.words}: {both}"

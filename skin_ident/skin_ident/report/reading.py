@@ -6,8 +6,8 @@ from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.gates.gate import EACH_IN_TURN
 from skin_ident.criticism.search.rivals import CHANCE
 from skin_ident.criticism.vocabulary import cause_at, spoken
-from skin_ident.report.numbers import finite, plain
-from skin_ident.report.tolerant import mapping, sequence, text
+from skin_ident.report.numbers import finite, percent
+from skin_ident.report.tolerant import mapping, place_in, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
 from skin_ident.report.words import advice, effect_words, parameter_words, sentence
 
@@ -117,7 +117,7 @@ def _held(name: str, entry: dict[str, Any]) -> tuple[Amount, str]:
 
 
 def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
-    cause, where = text(f.get("cause")), text(f.get("where"))
+    cause, where = text(f.get("cause")), place_in(f)
     channels = tuple(text(c) for c in sequence(f.get("channels")))
 
     sizes = {str(name).rpartition(".")[2]: entry for name, entry in mapping(f.get("parameters")).items()}
@@ -129,7 +129,7 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         tuple(_amount(name, entry, words.get(name) or spoken(name)) for name, entry in sizes.items()),
         tuple(mapping(f.get("evidence")).items()),
         _gain(mapping(f.get("gain")), channels, baseline, mapping(f.get("evidence")).get("held_out")),
-        tuple(_alternative(a) for a in sequence(f.get("alternatives"))),
+        tuple(_alternative(a, mapping(f.get("evidence"))) for a in sequence(f.get("alternatives"))),
         text(f.get("separating_experiment")),
         tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
         text(f.get("battery")),
@@ -159,13 +159,14 @@ def _gain(g: dict[str, Any], channels: tuple[str, ...], baseline: dict[str, Any]
     )
 
 
-def _alternative(a: Any) -> tuple[str, str, str]:
+def _alternative(a: Any, evidence: dict[str, Any]) -> tuple[str, str, str]:
     if not isinstance(a, dict):
         return text(a), "", ""
     less = finite(_short_by(a))
-    rest = {k: v for k, v in a.items() if k not in ("cause", "where", "explains_less_by", "short_by")}
-    said = [f"explains {plain(less)} less, in units of the noise"] if less is not None else []
-    return text(a.get("cause")), text(a.get("where")), "; ".join([*said, *([text(rest)] if rest else [])])
+    rest = {k: v for k, v in a.items() if k not in ("cause", "where", "channel_clock", "explains_less_by", "short_by")}
+    behind = _behind(a, evidence)
+    said = [] if less is None else [f"explains {percent(behind)} less" if behind is not None else "explains about as much"]
+    return text(a.get("cause")), place_in(a), "; ".join([*said, *([text(rest)] if rest else [])])
 
 
 def _behind(a: Any, evidence: dict[str, Any]) -> float | None:

@@ -17,9 +17,10 @@ from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import DIRECT, Finding, View, unit_of
-from skin_ident.report.words import capital, meaning, sentence, signal
+from skin_ident.report.words import capital, either, meaning, sentence, signal
 
 CLEARLY = 0.9  # of what the simulation strays by without what is named, which must be more than with it to speak for it
+MOST_NAMES = 3  # of one finding, in the headline
 MOST_SIZES = 3  # findings whose sizes fit on the first screen in full
 
 
@@ -132,7 +133,7 @@ def _names(v: View) -> str:
     if not said:
         return "no single cause"
     if len(said) == 1 and v.findings[0].alternatives:
-        return " or ".join([*said, *(cause_at(c, w) for c, w, _ in v.findings[0].alternatives[:2])])
+        return either([cause_at(*name) for name in v.findings[0].names], MOST_NAMES)
     if len(said) == 2 and v.findings[0].where == v.findings[1].where:
         said[0] = spoken(v.findings[0].cause)
     return said[0] if len(said) == 1 else f"{said[0]}, and {len(said) - 1} more" if len(said) > 2 else " and ".join(said)
@@ -143,8 +144,9 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     for f in v.findings:
         size = "; ".join(sizes(f, v, brief=len(v.findings) > MOST_SIZES))
         yield Wrong(capital(cause_at(f.cause, f.where)), sentence(meaning(f.cause)), size)
-        for (cause, where, _), behind in zip(f.alternatives[:3], f.behind, strict=False):
-            yield Wrong(f"Or {cause_at(cause, where)}", f"{sentence(meaning(cause))} {_as_well(behind)}")
+        shown = f.alternatives[:MOST_NAMES]
+        yield from (Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause))) for cause, where, _ in shown)
+        yield from (Wrong("", said) for said in _as_well(f))
     if v.judged and seen is not None and seen.changes:
         yield Wrong("", _in_newtons(seen, v))
     elif v.verdict == UNEXPLAINED and seen is not None:
@@ -156,11 +158,19 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     yield from (Wrong("Not settled", sentence(said)) for said in _unsettled(v))
 
 
-def _as_well(behind: float | None) -> str:
-    """How well a rival fits that was kept, where it explains less by the share `behind`."""
-    if behind is None:
-        return "It fits these data almost as well."
-    return f"It explains {percent(behind)} less of the mismatch: more than chance, yet too little to rule it out, since no model is exact."
+def _as_well(f: Finding) -> Iterator[str]:
+    """How well the rivals fit, those that explain less together, and how many are left to the card."""
+    less = sorted(b for b in f.behind if b is not None)
+    equal, alone = len(f.behind) - len(less), len(f.behind) == 1
+    if equal:
+        one = "It fits" if alone else "One of them fits" if equal == 1 else f"{equal if less else 'All'} of them fit"
+        yield f"{one} these data almost as well."
+    if less:
+        one = "It explains" if alone else "They explain" if not equal else "The rest explain" if len(less) > 1 else "One explains"
+        by = " to ".join(dict.fromkeys(percent(b) for b in (less[0], less[-1])))
+        yield f"{one} {by} less of the mismatch: more than chance, yet too little to rule out, since no model is exact."
+    if len(f.alternatives) > MOST_NAMES:
+        yield f"{len(f.alternatives) - MOST_NAMES} more names are on its card below."
 
 
 def _unsettled(v: View) -> Iterator[str]:
@@ -240,20 +250,24 @@ def explaining(round_: Round, most: int) -> list[tuple[str, str, float]]:
 
 
 def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
-    """What the finding says itself, or how far ahead of the next cause it was when it was named."""
+    """What the finding says itself, or how far ahead it was, when it was named, of the best cause that is not listed beside it."""
     if f.why:
         return sentence(f.why)
     ranked = next((r.ranked for r in rounds if r.named and named_cause(r.named) == f.cause), ())
-    own = next((g for c, w, g in ranked if (c, w) == (f.cause, f.where)), None)
-    rival = next(((c, w, g) for c, w, g in ranked if (c, w) != (f.cause, f.where) and g > 0), None)
+    names = {(cause, _coarse(where)) for cause, where in f.names}
+    own = max((g for c, w, g in ranked if (c, _coarse(w)) == (f.cause, _coarse(f.where))), default=None)
+    rival = max((r for r in ranked if (r[0], _coarse(r[1])) not in names and r[2] > 0.0), key=lambda r: r[2], default=None)
     if own is None:
         return ""
-    name = capital(cause_at(f.cause, f.where))
+    which = f"{capital(cause_at(f.cause, f.where))} explains" if len(names) == 1 else "The names above explain"
     if rival is None:
-        return f"{name} is the only cause that explains any of the mismatch."
-    ratio = own / rival[2]
-    if ratio >= 1.1:
-        return f"{name} explains {plain(ratio, 2)} times as much of the mismatch as the next best, {cause_at(rival[0], rival[1])}."
-    return (
-        f"{name} and {cause_at(rival[0], rival[1])} explain about as much; {spoken(f.cause)} was kept after both had been fitted in full."
-    )
+        return f"{which} the mismatch, and no other cause explains any of it."
+    other = cause_at(rival[0], rival[1])
+    if (ratio := own / rival[2]) >= 1.1:
+        each = "" if len(names) == 1 else "each "
+        return f"{which} {each}about {plain(ratio, 2)} times as much of the mismatch as the next best, {other}."
+    return f"{which} about as much as the next best, {other}, at first; that fell behind when all had been fitted in full."
+
+
+def _coarse(where: str) -> str:
+    return "clock" if where.startswith("clock") else where

@@ -39,6 +39,12 @@ def advice(cause: str) -> str:
 _NAME = re.compile(r"[\w-]+[._/\\]\w")
 
 
+def either(names: list[str], most: int = 9) -> str:
+    """`a, b or c`; of more than `most` the first, and how many others there are."""
+    shown = names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} others"]
+    return " or ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
+
+
 def capital(text: str) -> str:
     """The text with its first letter in upper case, unless it begins with a name, which is written as it is."""
     return text if _NAME.match(text) else text[:1].upper() + text[1:]

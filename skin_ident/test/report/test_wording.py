@@ -206,6 +206,10 @@ def test_the_clocks_of_the_catalogue_are_one_rival_as_near_as_the_nearest():
     entry = found(Named("lag", "taxel", gain, 1.0, near), examples.Model(examples.SILICONE), {}, {})
     told = [(a["cause"], a["where"], a["explains_less_by"]) for a in entry["alternatives"]]
     assert told == [("time_shift", "clock", 1.0), ("hysteresis", "skin", 5.0)]
+    nearest = (replace(near[2], short_by=0.5), *near)
+    entry = found(Named("lag", "taxel", gain, 1.0, nearest), examples.Model(examples.SILICONE), {}, {})
+    assert entry["alternatives"][0] == {"cause": "time_shift", "where": "clock", "channel_clock": "taxels", "explains_less_by": 0.5}
+    assert view({"findings": [entry]}).findings[0].names[1] == ("time_shift", "clock_taxels")
 
 
 def test_it_is_said_which_clock_could_not_be_tested():
@@ -220,8 +224,16 @@ def test_it_is_said_which_clock_could_not_be_tested():
 def test_a_rival_that_explains_clearly_less_is_not_said_to_fit_as_well():
     entry = rivals(("lag", "load_cell"), ("stress_relaxation", "skin"), evidence={"likelihood_gain": 51184.0})
     entry["alternatives"][0]["explains_less_by"] = 1168.0
-    (said,) = [w.means for w in tell(examples.Outcome(findings("explained", entries=[entry]))).story.wrong if w.name.startswith("Or ")]
+    said = " ".join(w.means for w in tell(examples.Outcome(findings("explained", entries=[entry]))).story.wrong)
     assert "explains 2.3\u00a0% less of the mismatch" in said and "almost as well" not in said
+
+
+def test_the_headline_drops_no_name_and_the_reasons_compare_with_what_is_not_one_of_them():
+    entry = rivals(("rate_dependence", "skin"), ("position_offset", "rig"), ("nonlinear_stiffness", "skin"), ("time_shift", "clock"))
+    bars = (("rate_dependence", "skin", 700.0), ("time_shift", "clock_taxels", 600.0), ("drift", "taxel", 350.0))
+    story = tell(examples.Outcome(findings("explained", entries=[entry]), rounds=(Round(bars, "rate_dependence"),))).story
+    assert story.headline.title == "Explained: rate dependence in the skin, position offset in the rig or 2 others"
+    assert "2.0 times" in story.why[0] and "next best, drift in the taxel" in story.why[0]
 
 
 def given(**more) -> dict:

@@ -95,7 +95,7 @@ def test_first_screen_answers_in_numbers(rendered):
 
 def test_rivals_stand_beside_the_name_with_the_experiment_that_parts_them(rendered):
     text = (rendered["ambiguous"][1] / "report.md").read_text(encoding="utf-8")
-    assert "hysteresis in the skin or stress relaxation in the skin or lag in the taxel" in text
+    assert "hysteresis in the skin, stress relaxation in the skin or lag in the taxel" in text
     assert "hold at 0.8 mm for 10 s" in text
     assert "Not before the next experiment" in text  # one rival would be the sensor's fault
 

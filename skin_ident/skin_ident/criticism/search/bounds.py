@@ -61,9 +61,13 @@ def place(where: str) -> str:
 
 
 def _placed(entry: dict[str, Any]) -> dict[str, Any]:
-    """The entry with its place in the word of the vocabulary; which clock it is, where it is not the load cell's, in `channel_clock`."""
-    where = entry.get("where", "")
-    return entry if place(where) == where else {**entry, "where": place(where), "channel_clock": where.partition("_")[2]}
+    """The entry with its place in the word of the vocabulary, and which clock it is."""
+    return {**entry, **placed(entry["where"])} if "where" in entry else entry
+
+
+def placed(where: str) -> dict[str, str]:
+    """The place in the word of the vocabulary; which clock it is, where it is not the load cell's, in `channel_clock`."""
+    return {"where": place(where)} | ({} if place(where) == where else {"channel_clock": where.partition("_")[2]})
 
 
 def undecided(cause: Cause, where: str, seen: Seen) -> dict[str, Any]:

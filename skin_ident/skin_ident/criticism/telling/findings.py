@@ -8,9 +8,10 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
-from skin_ident.criticism.search.bounds import excluded_and_untestable, place
+from skin_ident.criticism.search.bounds import excluded_and_untestable, place, placed
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named, Seen
+from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
@@ -55,7 +56,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
     gain = named.gain
     return {
         "cause": named.cause,
-        "where": place(named.where),
+        **placed(named.where),
         "channels": list(gain.carried),
         "parameters": parameters,
         "evidence": {
@@ -93,13 +94,13 @@ def _of_each_session(named: Named) -> dict[str, Any]:
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:
-    """Every other name once, in the order of the search and as near as it comes: the clocks of the catalogue are one to the reader."""
-    nearest: dict[tuple[str, str], float] = {}
+    """Every other name once, in the order of the search and as near as it comes: of the clocks of the catalogue that which is nearest."""
+    nearest: dict[tuple[str, str], Rival] = {}
     for a in named.alternatives:
         key = a.cause, place(a.where)
-        nearest[key] = min(float(a.short_by), nearest.get(key, np.inf))
+        nearest[key] = min(a, nearest.get(key, a), key=lambda rival: rival.short_by)
     nearest.pop((named.cause, place(named.where)), None)
-    return [{"cause": c, "where": w, "explains_less_by": short} for (c, w), short in nearest.items()]
+    return [{"cause": a.cause, **placed(a.where), "explains_less_by": float(a.short_by)} for a in nearest.values()]
 
 
 def _refitted(model: Model, std: dict[str, float]) -> dict[str, Any]:
