@@ -132,6 +132,8 @@ def test_what_an_experiment_decides_is_said_in_words_and_its_numbers_are_for_pro
     assert found.numbers == {"expected": 4.09e3, "recorded": 0.15}
     unsure = replace(found, together=(("lag", "time shift"),), unasked=()).sentence("a.yaml")
     assert "does most to tell lag from time shift, though it may leave lag with time shift" in unsure
+    several = replace(found, rivals=("a", "b", "c"), together=(("a", "b"), ("b", "c")), unasked=()).sentence("a.yaml")
+    assert several.endswith("it does most to tell a, b and c apart, though perhaps not a from b, nor b from c")
     assert renamed(found.sentence("a.yaml"), [4, 7]).endswith("drift in taxel 7")
 
 

@@ -6,7 +6,7 @@ from skin_ident.criticism.vocabulary import cause_at, place
 from skin_ident.report.numbers import percent
 from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
-from skin_ident.report.words import Rebuild, capital, rebuild, sentence
+from skin_ident.report.words import Rebuild, advice, capital, either, rebuild, sentence
 
 NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
 TESTED = {
@@ -17,7 +17,8 @@ TESTED = {
 }
 MOST_ADVICE = 4
 GAIN = "gain_error"
-LATER = "not before the next experiment"
+LATER, BY_HAND = "not before the next experiment", "not before a check by hand"
+NO_MOTION = "no motion that was tried"  # begins what a finding says where no experiment helps
 
 
 def sure(v: View) -> tuple[str, tuple[str, ...]]:
@@ -85,7 +86,7 @@ def rebuild_answer(v: View) -> tuple[str, str]:
     if not v.findings:
         return "Not on this evidence", "what is in doubt is not borne out" if v.doubts else "no cause could be named"
     answers = [_of_all_names(f) for f in v.findings]
-    for grave in ("yes", "perhaps", "cannot say", LATER):
+    for grave in ("yes", "perhaps", "cannot say", BY_HAND, LATER):
         for a in answers:
             if a.answer == grave:
                 return capital(grave), a.because
@@ -94,13 +95,14 @@ def rebuild_answer(v: View) -> tuple[str, str]:
 
 def _but_a_gain(v: View) -> str:
     """What must be said beside a no: a slope that is wrong throughout looks like another skin, unless something else tells."""
-    return "; a gain that was wrong all the time would not show in them" if any(e.get("cause") == GAIN for e in v.untestable) else ""
+    return ". Not testable here: a constant error of gain" if any(e.get("cause") == GAIN for e in v.untestable) else ""
 
 
 def _of_all_names(f: Finding) -> Rebuild:
     """What is true of a finding whichever of its names it is: a reason holds that all share."""
     each = [rebuild(cause, where) for cause, where in f.names]
     answers, reasons = {a.answer for a in each}, {a.because for a in each}
+    later = BY_HAND if f.separating.startswith(NO_MOTION) else LATER
     if len(reasons) == 1:
         return each[0]
     if answers == {"no"} and not any(where.startswith("taxel") for _, where in f.names):
@@ -110,8 +112,8 @@ def _of_all_names(f: Finding) -> Rebuild:
     if answers <= {"yes", "perhaps"}:
         return Rebuild("perhaps", "every name that is left puts the fault in a sensor, and not every one asks for another")
     if answers == {"no", "cannot say"}:
-        return Rebuild(LATER, "one of the names that are left is a wrong record, which proves nothing about a sensor")
-    return Rebuild(LATER, "of the names that are left, one puts the fault in a sensor, and another does not")
+        return Rebuild(later, "one of the names that are left is a wrong record, which proves nothing about a sensor")
+    return Rebuild(later, "of the names that are left, one puts the fault in a sensor, and another does not")
 
 
 def next_steps(v: View, folder: str = "") -> Iterator[str]:
@@ -119,8 +121,10 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
     for f in v.findings:
         if f.battery:
             yield sentence(f.separating.replace(f.battery, f"{folder}/{f.battery}" if folder else f.battery, 1))
+        elif f.separating.startswith(NO_MOTION):
+            yield from _by_hand(f)
         elif f.separating:
-            yield sentence(f"To tell {cause_at(f.cause, f.where)} from {_rivals(f)}: {f.separating}")
+            yield sentence(f"{_between(f)}: {f.separating}")
     yield from _advice(v)
     if any(f.carried for f in v.findings):
         lies = f"in {folder}" if folder else "beside this report"
@@ -134,6 +138,18 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
         yield sentence(f"To settle {' and '.join(names)}: record {needs}")
     if v.verdict == NOTHING:
         yield "Keep the model." + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")
+
+
+def _by_hand(f: Finding) -> Iterator[str]:
+    """What a person can do where no motion tells the names of a finding apart: what is to be done about each, one at a time."""
+    yield sentence(f"{_between(f)}: {f.separating}")
+    each = [(cause_at(*name), f.act if name == f.names[0] else advice(name[0])) for name in f.names]
+    yield from (sentence(f"If it is {name}: {act}") for name, act in each if act)
+    yield "Do one of these at a time and record again: what makes the mismatch go was the cause."
+
+
+def _between(f: Finding) -> str:
+    return f"To tell {cause_at(f.cause, f.where)} from {_rivals(f)}"
 
 
 def _carried(v: View) -> str:
@@ -154,4 +170,4 @@ def _advice(v: View) -> Iterator[str]:
 
 
 def _rivals(f: Finding) -> str:
-    return " or ".join(cause_at(*name) for name in f.names[1:]) or "its rivals"
+    return either([cause_at(*name) for name in f.names[1:]]) if f.alternatives else "its rivals"

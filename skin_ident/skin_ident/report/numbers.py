@@ -19,6 +19,8 @@ _SCALES = {
     "V": ((0.1, 1.0, "V"), (0.0, 1e3, "mV")),
     "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
     "N/s": ((0.1, 1.0, "N/s"), (0.0, 1e3, "mN/s")),
+    "N*s/m^2": ((0.0, 1e-3, "N·s/m per mm"),),
+    "ppm": ((0.0, 1.0, "µs per s"),),
     "m/N": ((0.0, 1e6, "µm/N"),),
 }
 
@@ -88,12 +90,15 @@ def amount(value: Any, unit: str, std: Any = None, like: Any = None, digits: int
 
 
 def _with_spread(value: float, std: float) -> str:
-    """`0.800 ± 0.008`: three digits, or as many (up to six) as the standard error makes worth printing."""
+    """`0.800 ± 0.008`, `58 ± 4`, `9.7 ± 1.6`: as many digits (up to six) as the standard error makes worth printing."""
     if value == 0.0 or std < 1e-6 * abs(value):
         return f"{plain(value)}{_SPACE}±{_SPACE}{plain(std, 1)}" if value == 0.0 else plain(value)
-    digits = min(max(3, 1 + math.floor(math.log10(abs(value))) - math.floor(math.log10(std))), 6)
+    power = math.floor(math.log10(std))
+    counts = power - (1.05 < std / 10.0**power < 1.95)  # of the last digit that does; of a 1 in front two do
+    digits = min(max(1, 1 + math.floor(math.log10(abs(value))) - counts), 6)
     text = plain(value, digits)
     if "×" in text:
+        digits = max(digits, 3)
         power = 10.0 ** _exponent(value, digits)
         return f"({plain(value / power, digits)}{_SPACE}±{_SPACE}{plain(std / power, 1)}){text[text.index('×') - 1 :]}"
     decimals = len(text.partition(".")[2])

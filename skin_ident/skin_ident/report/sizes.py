@@ -6,17 +6,25 @@ from skin_ident.report.tolerant import mapping, text
 from skin_ident.report.view import Amount, Finding, View
 
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
+LEAST = 2.0  # standard errors, within which a parameter may be none
 BRIEFLY = 2  # where many findings share the first screen
 GIVEN, MEASURED = 4, 3  # digits of a number without an error
 
 
 def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) -> list[str]:
-    """The sizes of a finding, `relaxation time 0.800 s`, that which matters most first; parameters that are zero are left out. With
-    `brief` only what says how large it is, and that there are more is not said."""
+    """The sizes of a finding, `relaxation time 0.800 s`, that which matters most first; parameters that are zero, or may be, are left
+    out. With `brief` only what says how large it is, and that there are more is not said."""
     said = put_right(v) if f.cause == "parameters" and v.given else []
-    said = said or [f"{a.words} {amount(a.value, a.unit, a.std)}" for a in f.amounts if a.value] or _of_each_session(f)
+    told = [a for a in f.amounts if _tells(a)] or f.amounts
+    said = said or [f"{a.words} {amount(a.value, a.unit, a.std)}" for a in told if a.value] or _of_each_session(f)
     more = [] if brief or len(said) <= most else [f"and {len(said) - most} more"]
     return said[: BRIEFLY if brief else most] + more
+
+
+def _tells(a: Amount) -> bool:
+    """Whether a parameter is clearly another than none: than zero, or of a ratio than one."""
+    none = 1.0 if a.words.startswith("ratio") else 0.0
+    return a.value is None or not a.std or abs(a.value - none) > LEAST * a.std
 
 
 def put_right(v: View) -> list[str]:

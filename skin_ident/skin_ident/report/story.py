@@ -163,10 +163,18 @@ def _as_well(f: Finding) -> Iterator[str]:
     less = sorted(b for b in f.behind if b is not None)
     equal, alone = len(f.behind) - len(less), len(f.behind) == 1
     if equal:
-        one = "It fits" if alone else "One of them fits" if equal == 1 else f"{equal if less else 'All'} of them fit"
+        one = "The other name fits" if alone else "One of them fits" if equal == 1 else f"{equal if less else 'All'} of them fit"
         yield f"{one} these data almost as well."
     if less:
-        one = "It explains" if alone else "They explain" if not equal else "The rest explain" if len(less) > 1 else "One explains"
+        one = (
+            "The other name explains"
+            if alone
+            else "The other names explain"
+            if not equal
+            else "The rest explain"
+            if len(less) > 1
+            else "One explains"
+        )
         by = " to ".join(dict.fromkeys(percent(b) for b in (less[0], less[-1])))
         yield f"{one} {by} less of the mismatch: more than chance, yet too little to rule out, since no model is exact."
     if len(f.alternatives) > MOST_NAMES:
@@ -259,14 +267,14 @@ def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
     rival = max((r for r in ranked if (r[0], _coarse(r[1])) not in names and r[2] > 0.0), key=lambda r: r[2], default=None)
     if own is None:
         return ""
-    which = f"{capital(cause_at(f.cause, f.where))} explains" if len(names) == 1 else "The names above explain"
+    name, others = capital(cause_at(f.cause, f.where)), " but those named beside it" if len(names) > 1 else ""
     if rival is None:
-        return f"{which} the mismatch, and no other cause explains any of it."
-    other = cause_at(rival[0], rival[1])
+        return f"{name} explains the mismatch, and no other cause{others} explains any of it."
+    next_ = f"the best cause that is not named beside it, {cause_at(rival[0], rival[1])}"
+    next_ = next_ if others else f"the next best, {cause_at(rival[0], rival[1])}"
     if (ratio := own / rival[2]) >= 1.1:
-        each = "" if len(names) == 1 else "each "
-        return f"{which} {each}about {plain(ratio, 2)} times as much of the mismatch as the next best, {other}."
-    return f"{which} about as much as the next best, {other}, at first; that fell behind when all had been fitted in full."
+        return f"{name} explains {plain(ratio, 2)} times as much of the mismatch as {next_}."
+    return f"{name} explained about as much at first as {next_}, and more when all had been fitted in full."
 
 
 def _coarse(where: str) -> str:

@@ -65,9 +65,14 @@ class Experiment:
             return none + (other if self.apart else "")
         left = " and ".join(" with ".join(pair) for pair in self.together)
         hope = f"though it may leave {left}" if left else "which what was recorded cannot"
+        tell = " from ".join(self.rivals)
+        if len(self.rivals) > 2:
+            tell = f"{', '.join(self.rivals[:-1])} and {self.rivals[-1]} apart"
+            pairs = ", nor ".join(" from ".join(pair) for pair in self.together)
+            hope = f"though perhaps not {pairs}" if pairs else hope
         rest = f"; it says nothing of {' or '.join(self.unasked)}" if self.unasked else ""
         does = "would clearly tell" if self.decides else "does most to tell"
-        return f"record {file} ({self.name}; {self.seconds:.0f} s): it {does} {' from '.join(self.rivals)}, {hope}{rest}"
+        return f"record {file} ({self.name}; {self.seconds:.0f} s): it {does} {tell}, {hope}{rest}"
 
     @property
     def numbers(self) -> dict[str, float]:

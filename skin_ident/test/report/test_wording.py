@@ -176,7 +176,7 @@ def test_an_experiment_speaks_for_itself_and_words_without_one_are_said_for_whom
     first, second = (tell(examples.Outcome(findings("explained", entries=[e]))).story for e in (battery, words))
     assert first.next[0] == "Record separating.yaml (x; 20 s): it would tell."
     assert second.next[0] == "To tell lag in taxel 1 from time shift of the clock: record quick motion."
-    assert any(w.means.endswith("It fits these data almost as well.") for w in first.wrong)
+    assert any(w.means == "The other name fits these data almost as well." for w in first.wrong)
     elsewhere = tell(examples.Outcome(findings("explained", entries=[battery])), "/there").story.next
     assert "Record /there/separating.yaml (x" in elsewhere[0] and any("model.yaml, in /there," in s for s in elsewhere)
 
@@ -228,12 +228,30 @@ def test_a_rival_that_explains_clearly_less_is_not_said_to_fit_as_well():
     assert "explains 2.3\u00a0% less of the mismatch" in said and "almost as well" not in said
 
 
+def test_what_may_be_nothing_is_no_size():
+    """A parameter within its noise of none, or a ratio of one, is not printed as a size."""
+    sizes = {"delay": {"value": 8e-4, "unit": "s", "std": 1e-4}, "skew": {"value": -2.1, "unit": "ppm", "std": 3.7}}
+    entry = rivals(("time_shift", "clock"), parameters=sizes, channel_clock="depth")
+    (wrong, *_) = tell(examples.Outcome(findings("explained", entries=[entry]))).story.wrong
+    assert wrong.name == "Time shift of the clock of the encoder" and "0.8" in wrong.size and "later it gets" not in wrong.size
+
+
+def test_where_no_motion_helps_it_is_said_what_a_person_can_do():
+    nothing = "no motion that was tried in simulation tells them apart"
+    entry = rivals(("lag", "taxel_1"), ("time_shift", "clock"), advice="remove the filter", separating_experiment=nothing)
+    story = tell(examples.Outcome(findings("explained", entries=[entry]))).story
+    assert story.rebuild == "Not before a check by hand"
+    assert story.next[1] == "If it is lag in taxel 1: remove the filter." and story.next[2].startswith(
+        "If it is time shift of the clock: sync"
+    )
+
+
 def test_the_headline_drops_no_name_and_the_reasons_compare_with_what_is_not_one_of_them():
     entry = rivals(("rate_dependence", "skin"), ("position_offset", "rig"), ("nonlinear_stiffness", "skin"), ("time_shift", "clock"))
     bars = (("rate_dependence", "skin", 700.0), ("time_shift", "clock_taxels", 600.0), ("drift", "taxel", 350.0))
     story = tell(examples.Outcome(findings("explained", entries=[entry]), rounds=(Round(bars, "rate_dependence"),))).story
     assert story.headline.title == "Explained: rate dependence in the skin, position offset in the rig or 2 others"
-    assert "2.0 times" in story.why[0] and "next best, drift in the taxel" in story.why[0]
+    assert "2.0 times" in story.why[0] and "not named beside it, drift in" in story.why[0]
 
 
 def given(**more) -> dict:

@@ -35,7 +35,7 @@ class TimeShift(Dynamic):
     source: ClassVar[str] = "Laakso et al. 1996"
 
     delay: float = quantity("s", 0.0, lower=-1.0, upper=1.0, typical=0.03, scan=(0.003, 0.1), doc="how late the channel is at first")
-    skew: float = quantity("ppm", 0.0, lower=-1e4, upper=1e4, typical=200.0, doc="how much later it gets, in µs per s")
+    skew: float = quantity("ppm", 0.0, lower=-1e4, upper=1e4, typical=200.0, doc="how much later it gets with time")
 
     def initial(self, rng=None) -> tuple[int, tuple]:
         """How many samples there were, and the last of them, newest last: none."""
