@@ -45,14 +45,13 @@ def _bar(value: float | None, top: float, kind: str) -> Safe | None:
     return el("s", class_=kind, style=f"width:{100 * value / top:.1f}%") if value and top else None
 
 
-def ranking(round_: Round, number: int) -> Safe:
-    """One round of the search: what each cause explains, the longest bar first."""
+def ranking(round_: Round, number: int, top: float) -> Safe:
+    """One round of the search: what each cause explains, the longest bar first; `top` fills the width in every round."""
     ranked = explaining(round_, MOST_RANKED)
     named = named_cause(round_.named or "")
     title = f"Round {number}: {cause_at(named, '')} named" if named else f"Round {number}: nothing more could be named"
     if not ranked:
         return el("div", el("h4", title), el("p", "No cause explains anything of what was left.", class_="note"), class_="rank")
-    top = ranked[0][2]
     first = True
     rows = []
     for cause, where, gain in ranked:

@@ -24,6 +24,11 @@ def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], 
     return (("before", "simulated before", trace.baseline), ("after", "simulated after", trace.extended))
 
 
+def above(both: list[tuple[str, str, np.ndarray]]) -> list[tuple[str, str, np.ndarray]]:
+    """In the order to draw them: what was simulated before lies striped over what is now, so that both show where they are alike."""
+    return [(f"{kind} over" if kind == "before" else kind, name, y) for kind, name, y in reversed(both)]
+
+
 def key(trace: Trace | ScanTrace) -> Safe:
     """The legend of measured against simulated."""
     out = [("leftout", "not compared")] if isinstance(trace, Trace) and not trace.compared.all() else []
@@ -40,16 +45,17 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
     t, y, unit = trace.t[cut], trace.measured[row], unit_of(v, trace.channels[row])
     x = Axis(float(t[0]), float(t[-1]), "time, s")
     both = [(kind, name, curves[row]) for kind, name, curves in simulations(trace)]
-    left = _left_in_band(trace, row, v, cut)
+    left = left_in_band(trace, row, v, cut)
     factor, printed = scale(np.nanmax(np.abs(y[cut]), initial=0.0), unit)
-    small, small_printed = scale(max(float(np.nanmax(np.abs(r[trace.compared[cut]]), initial=0.0)) for _, _, r in left), unit)
-    top = [Line(*thinned(t, factor * s[cut], buckets), kind, name) for kind, name, s in (("measured", "measured", y), *both)]
+    small, small_printed = scale(v.small or max(float(np.nanmax(np.abs(r[trace.compared[cut]]), initial=0.0)) for _, _, r in left), unit)
+    drawn = (("measured", "measured", y), *above(both))
+    top = [Line(*thinned(t, factor * s[cut], buckets), kind, name) for kind, name, s in drawn]
     below = [Line(*thinned(t, small * r, buckets), kind, _briefly(name)) for kind, name, r in left]
     y_top = axis([line.y for line in top], f"{channel(trace.channels[row])}, {printed}")
     judged = trace.compared[cut]
-    cut_at = " (axis cut)" if _goes_beyond(left, judged) else ""
+    cut_at = " (axis cut)" if goes_beyond(left, judged) else ""
     label = f"measured − simulated{below_band(v)}, {small_printed}{cut_at}"
-    y_below = axis([small * r[judged] for _, _, r in left], label, zero=True)
+    y_below = axis([small * np.array(held(left, judged))], label, zero=True)
     grey = _not_compared(t, judged)
     return el(
         "div",
@@ -60,22 +66,38 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
 
 
 def cut_off(trace: Trace, row: int, v: View, cut: slice) -> bool:
-    """Whether what is left leaves the lower picture, whose axis holds what was compared."""
-    return _goes_beyond(_left_in_band(trace, row, v, cut), trace.compared[cut])
+    """Whether what is left leaves the lower picture, whose axis holds what was compared and most of the rest."""
+    return goes_beyond(left_in_band(trace, row, v, cut), trace.compared[cut])
 
 
-def _left_in_band(trace: Trace, row: int, v: View, cut: slice) -> list[tuple[str, str, np.ndarray]]:
+def left_in_band(trace: Trace, row: int, v: View, cut: slice) -> list[tuple[str, str, np.ndarray]]:
     """(kind, name, what is left in the band of errors) of each simulation."""
     y = trace.measured[row]
     return [(kind, name, smooth(trace.t, y - curves[row], v.band_hz)[cut]) for kind, name, curves in simulations(trace)]
 
 
-def _goes_beyond(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> bool:
+def held(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> tuple[float, float]:
+    """The range that an axis of what is left holds: what was compared, and of the rest all that goes no more than as far again beyond, or
+    else its middle 96 % as far as that."""
     every = np.stack([r for _, _, r in left])
-    inside = every[:, judged]
-    if not np.isfinite(inside).any():
+    inside, every = every[:, judged], every[np.isfinite(every)]
+    inside = inside[np.isfinite(inside)]
+    if not inside.size:
+        return (float(every.min()), float(every.max())) if every.size else (0.0, 0.0)
+    low, high = min(0.0, float(inside.min())), max(0.0, float(inside.max()))
+    further = low - (high - low), high + (high - low)
+    ends = every.min(), every.max()
+    if ends[0] < further[0] or ends[1] > further[1]:
+        ends = np.percentile(every, [2.0, 98.0])
+    return min(low, max(float(ends[0]), further[0])), max(high, min(float(ends[1]), further[1]))
+
+
+def goes_beyond(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> bool:
+    """Whether what is left clearly leaves the axis that holds it."""
+    every = np.stack([r for _, _, r in left])
+    if not np.isfinite(every).any():
         return False
-    low, high = min(0.0, float(np.nanmin(inside))), max(0.0, float(np.nanmax(inside)))
+    low, high = held(left, judged)
     beyond = max(float(np.nanmax(every)) - high, low - float(np.nanmin(every)))
     return beyond > CUT * (high - low)
 
@@ -107,6 +129,7 @@ def against_motion(trace: Trace, row: int, unit: str) -> list[Safe]:
     for quantity, label, factor in ((trace.depth, "depth, mm", 1e3), (trace.speed, "speed, mm/s (pressing is positive)", 1e3)):
         found = span_of(quantity)
         if found is not None:
+            found = (max(found[0], 0.0), found[1]) if label.startswith("depth") and found[1] > 0.0 else found  # in the air nothing is left
             panels.append(_against(quantity, _left(trace, row), found, label, factor, unit, trace.speed))
     return [p for p in panels if p is not None]
 

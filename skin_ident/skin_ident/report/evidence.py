@@ -21,13 +21,15 @@ UNTOLD = (  # said elsewhere, or for programs
 def evidence(outcome: Outcome, v: View) -> Safe | None:
     """Each finding on a card, then the ranking of every round."""
     cards = [_card(f, v, i + 1) for i, f in enumerate(v.findings)]
-    rounds = [ranking(r, i + 1) for i, r in enumerate(outcome.rounds)]
+    top = max((gain for r in outcome.rounds for _, _, gain in r.ranked), default=0.0)
+    rounds = [ranking(r, i + 1, top) for i, r in enumerate(outcome.rounds)]
     if not cards and not rounds:
         return None
     note = (
-        "The longer the bar, the more of the mismatch that cause alone would explain, as estimated when the round began (fall of the "
-        "squared error, as a multiple of the noise's). The model's own parameters were free to explain it first. The best few were then "
-        "fitted in full: percentages in words are of that. The blue bar was named; a name also had to predict unused data better."
+        "The longer the bar (one scale for all rounds), the more of the mismatch that cause alone would explain, as estimated when the "
+        "round began (fall of the squared error, as a multiple of the noise's). The model's own parameters were free to explain it first. "
+        "The best few were then fitted in full: percentages in words are of that. The blue bar was named; a name also had to predict "
+        "unused data better."
     )
     ranks = [el("h3", "How the causes compare"), el("p", note, class_="note"), el("div", rounds, class_="grid wide")] if rounds else None
     return section("evidence", "The evidence", el("div", cards, class_="cards"), ranks)

@@ -6,18 +6,19 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from skin_ident.criticism.telling.outcome import Outcome, ScanTrace
+from skin_ident.criticism.telling.outcome import Outcome, ScanTrace, Trace
 from skin_ident.criticism.vocabulary import cause_at
-from skin_ident.report.charts import below_band, simulations
+from skin_ident.report.charts import below_band, goes_beyond, held, left_in_band, simulations
 from skin_ident.report.focus import Focus
 from skin_ident.report.numbers import scale
-from skin_ident.report.shapes import residuals, smooth, spectrum, thinned
+from skin_ident.report.shapes import residuals, spectrum, thinned
 from skin_ident.report.story import Told, explaining, named_cause
 from skin_ident.report.view import View, unit_of
 from skin_ident.report.words import capital, channel, short
+from skin_ident.stretches import runs
 
 COLOURS = {"measured": "#9aa0aa", "before": "#c8500a", "after": "#0068b0"}
-WIDTHS = {"measured": 3.2, "before": 1.3, "after": 1.3}
+WIDTHS = {"measured": 4.0, "before": 1.3, "after": 1.3}
 POINTS = 1500
 MOST_RANKED, MOST_ROUNDS = 6, 6
 
@@ -51,10 +52,10 @@ def _before_after(seen: Focus, v: View, title: str) -> Figure:
         _curves(seen, slice(start, stop), v, top, below)
         top.set_title("the whole session" if stop - start == seen.trace.t.size else seen.words, fontsize=10)
     if len(parts) == 2:
-        axes[0, 1].axvspan(seen.trace.t[seen.start], seen.trace.t[seen.stop - 1], color="#f0e6c0", zorder=0)
+        axes[0, 1].axvspan(seen.trace.t[seen.start], seen.trace.t[seen.stop - 1], ymin=0.97, color="#c9a400", zorder=0)
     y_unit = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)[1]
     axes[0, 0].set_ylabel(f"{channel(seen.channel)}, {y_unit}")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
     figure.suptitle(title, fontsize=11)
     return figure
 
@@ -69,23 +70,42 @@ def _curves(seen: Focus, cut: slice, v: View, top, below) -> None:
     y, unit = seen.trace.measured[seen.row], unit_of(v, seen.channel)
     both = simulations(seen.trace)
     factor, _ = scale(np.nanmax(np.abs(y), initial=0.0), unit)
-    for kind, label, curves in (("measured", "measured", seen.trace.measured), *both):
-        top.plot(*thinned(t, factor * curves[seen.row][cut], POINTS), color=COLOURS[kind], lw=WIDTHS[kind], label=label)
-    small, name = _small(seen, unit, v.band_hz)
-    for kind, _, curves in both:
-        left = smooth(seen.trace.t, y - curves[seen.row], v.band_hz)[cut]
-        below.plot(*thinned(t, small * left, POINTS), color=COLOURS[kind], lw=1.0)
+    for order, (kind, label, curves) in enumerate((("measured", "measured", seen.trace.measured), *reversed(both))):
+        style = (0, (5, 4)) if kind == "before" else "-"  # striped over what is simulated now, so that both show where they are alike
+        top.plot(
+            *thinned(t, factor * curves[seen.row][cut], POINTS),
+            color=COLOURS[kind],
+            lw=WIDTHS[kind],
+            ls=style,
+            label=label,
+            zorder=2 + order,
+        )
+    small, name = _small(seen, unit, v)
+    left = left_in_band(seen.trace, seen.row, v, slice(None))
+    for kind, _, r in left:
+        below.plot(*thinned(t, small * r[cut], POINTS), color=COLOURS[kind], lw=1.0)
+    low, high = held(left, seen.trace.compared)
+    margin = small * max(0.05 * (high - low), 1e-12)
+    below.set_ylim(small * low - margin, small * high + margin)
     below.set_xlabel("time, s")
     if below.get_subplotspec().is_first_col():
-        below.set_ylabel(f"measured −\nsimulated, {name}" + below_band(v).replace(" below", "\nbelow"))
+        cut_at = "\n(axis cut)" if goes_beyond(left, seen.trace.compared) else ""
+        below.set_ylabel(f"measured −\nsimulated, {name}" + below_band(v).replace(" below", "\nbelow") + cut_at)
     for axes in (top, below):
+        _shaded(seen.trace, cut, axes)
         _tidy(axes)
 
 
-def _small(seen: Focus, unit: str, band_hz: float | None = None) -> tuple[float, str]:
-    """Factor and unit that suit what is left."""
-    left = (smooth(seen.trace.t, r, band_hz) for r in residuals(seen.trace, seen.row))
-    return scale(max(float(np.nanmax(np.abs(r), initial=0.0)) for r in left), unit)
+def _shaded(trace: Trace, cut: slice, axes) -> None:
+    """The stretches that were not compared, in grey."""
+    t = trace.t[cut]
+    for i, (a, b) in enumerate(zip(*runs(~trace.compared[cut]), strict=True)):
+        axes.axvspan(t[a], t[min(b, t.size - 1)], color="#e3e5e9", lw=0, zorder=0, label="" if i else "not compared")
+
+
+def _small(seen: Focus, unit: str, v: View) -> tuple[float, str]:
+    """Factor and unit that suit what is left, those of all errors."""
+    return scale(v.small or max(float(np.nanmax(np.abs(r), initial=0.0)) for r in residuals(seen.trace, seen.row)), unit)
 
 
 def _tidy(axes) -> None:
@@ -104,12 +124,13 @@ def _left(seen: Focus, v: View) -> Figure:
     ]
     figure = Figure(figsize=(4.2 * (len(moving) + 1), 3.6), dpi=110, layout="constrained")
     axes = figure.subplots(1, len(moving) + 1, squeeze=False)[0]
-    small, name = _small(seen, unit)
+    small, name = _small(seen, unit, v)
     every = max(1, trace.t.size // 6000)
     for kind, label, curves in simulations(trace):
         left = trace.measured[seen.row] - curves[seen.row]
+        told = trace.compared & ~(np.nan_to_num(trace.depth) < 0.0) if trace.depth is not None else trace.compared  # in contact
         for ax, (quantity, _) in zip(axes, moving, strict=False):
-            ax.plot(1e3 * quantity[::every], small * left[::every], ".", ms=1.5, alpha=0.5, color=COLOURS[kind])
+            ax.plot(1e3 * quantity[told][::every], small * left[told][::every], ".", ms=1.5, alpha=0.5, color=COLOURS[kind])
         if trace.t.size >= 64:
             axes[-1].loglog(*spectrum(trace.t, left), color=COLOURS[kind], lw=1.3, label=label.removeprefix("simulated ") or label)
     for ax, (_, label) in zip(axes, moving, strict=False):
@@ -148,7 +169,7 @@ def _evidence(outcome: Outcome) -> Figure:
     rounds = [(i, r.named, best) for i, r in enumerate(outcome.rounds, 1) if (best := explaining(r, MOST_RANKED))][:MOST_ROUNDS]
     heights = [len(best) + 2 for _, _, best in rounds]
     figure = Figure(figsize=(8.5, 0.3 + 0.25 * sum(heights)), dpi=110, layout="constrained")
-    axes = figure.subplots(len(rounds), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
+    axes = figure.subplots(len(rounds), 1, squeeze=False, sharex=True, gridspec_kw={"height_ratios": heights})[:, 0]
     for ax, (number, named, best) in zip(axes, rounds, strict=True):
         chosen = next((i for i, (cause, _, _) in enumerate(best) if named and cause == named_cause(named)), None)
         colours = [COLOURS["after" if i == chosen else "measured"] for i in range(len(best))]

@@ -92,6 +92,9 @@ def ticks(a: Axis, most: int) -> list[tuple[float, str]]:
     """Round values on an axis with their text."""
     if a.log:
         decades = range(math.ceil(math.log10(a.low) - 1e-9), math.floor(math.log10(a.high) + 1e-9) + 1)
+        if len(decades) < 3:
+            every = [m * 10.0**d for d in range(math.floor(math.log10(a.low)), math.ceil(math.log10(a.high))) for m in (1, 2, 5)]
+            return [(v, plain(v, 1)) for v in every if a.low <= v <= a.high]
         step = max(1, math.ceil(len(decades) / most))
         return [(10.0**d, plain(10.0**d, 1)) for d in list(decades)[::step]]
     step = _round_step((a.high - a.low) / most)

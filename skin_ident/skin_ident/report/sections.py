@@ -89,6 +89,6 @@ def left(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
         "a lean, a step or a hump says when the model fails."
     )
     if seen is not None:
-        note += f" Medians, with the middle 80 % of the samples shaded against speed; session {short(seen.trace.session)}."
+        note += f" Medians, with the middle 80 % of the samples shaded against speed; from {short(seen.trace.session)}."
     title = "What is left: against depth, speed and frequency" if seen is not None else "What is left"
     return section("left", title, el("p", note, class_="note"), key_left(seen.trace if seen else outcome.scans[0]), blocks)
