@@ -123,14 +123,14 @@ def _briefly(name: str) -> str:
     return name.replace("simulated", "").strip() or "left"
 
 
-def against_motion(trace: Trace, row: int, unit: str) -> list[Safe]:
+def against_motion(trace: Trace, row: int, v: View) -> list[Safe]:
     """Residual against depth and against speed; nothing where the recording has neither."""
     panels = []
     for quantity, label, factor in ((trace.depth, "depth, mm", 1e3), (trace.speed, "speed, mm/s (pressing is positive)", 1e3)):
         found = span_of(quantity)
         if found is not None:
             found = (max(found[0], 0.0), found[1]) if label.startswith("depth") and found[1] > 0.0 else found  # in the air nothing is left
-            panels.append(_against(quantity, _left(trace, row), found, label, factor, unit, trace.speed))
+            panels.append(_against(quantity, _left(trace, row), found, label, factor, v, unit_of(v, trace.channels[row]), trace.speed))
     return [p for p in panels if p is not None]
 
 
@@ -140,7 +140,7 @@ def _left(trace: Trace, row: int) -> list[tuple[str, np.ndarray]]:
     return [(kind, trace.measured[row] - curves[row] + out) for kind, _, curves in simulations(trace)]
 
 
-def _against(quantity, pair, found, label: str, factor: float, unit: str, speed) -> Safe | None:
+def _against(quantity, pair, found, label: str, factor: float, v: View, unit: str, speed) -> Safe | None:
     low, high = found
     split = label.startswith("depth") and np.isfinite(speed).all()
     sides = ((speed > 0, "", "pressing"), (speed < 0, " dashed", "releasing")) if split else ((np.isfinite(quantity), "", ""),)
@@ -151,7 +151,7 @@ def _against(quantity, pair, found, label: str, factor: float, unit: str, speed)
     parts = [p for p in parts if np.isfinite(p[0].median).any()]
     if not parts:
         return None
-    scaled, printed = scale(max(float(np.nanmax(np.abs(np.r_[b.low, b.high]))) for b, _, _ in parts), unit)
+    scaled, printed = scale(v.small or max(float(np.nanmax(np.abs(np.r_[b.low, b.high]))) for b, _, _ in parts), unit)
     lines = [Line(factor * b.centre, scaled * b.median, kind, name) for b, kind, name in parts]
     bands = [_band(b, factor, scaled, kind) for b, kind, _ in parts] if not split else []
     y = axis([line.y for line in [*bands, *lines]], f"measured − simulated, {printed}", zero=True)
@@ -166,23 +166,24 @@ def _band(b: Binned, factor: float, scaled: float, kind: str) -> Line:
     return Line(np.concatenate([x, x[::-1]]), np.concatenate([low, high[::-1]]), f"{kind} band", "")
 
 
-def against_frequency(trace: Trace, row: int, unit: str) -> Safe | None:
+def against_frequency(trace: Trace, row: int, v: View) -> Safe | None:
     """Spectrum of the residual before and after."""
     if trace.t.size < 64:
         return None
     lines, densities = [], []
+    factor, printed = scale(v.small or 1.0, unit_of(v, trace.channels[row]))
     for kind, r in _left(trace, row):
         f, d = spectrum(trace.t, r)
-        lines.append(Line(f, d, kind, kind))
-        densities.append(d[d > 0])
-    held = np.concatenate(densities)
-    if not held.size:
+        lines.append(Line(f, factor * d, kind, kind))
+        densities.append(factor * d[d > 0])
+    every = np.concatenate(densities)
+    if not every.size:
         return None
-    high = float(held.max())
-    low = max(float(held.min()), 1e-4 * high)
+    high = float(every.max())
+    low = max(float(every.min()), 1e-4 * high)
     low, high = (low, high) if high > 10 * low else (high / 10.0, high)
     x = Axis(float(lines[0].x[0]), float(lines[0].x[-1]), "frequency, Hz", log=True)
-    y = Axis(low / 1.3, high * 1.3, f"measured − simulated, {unit}/√Hz", log=True)
+    y = Axis(low / 1.3, high * 1.3, f"measured − simulated, {printed}/√Hz", log=True)
     return plot(lines, x, y, "square", "against frequency")
 
 

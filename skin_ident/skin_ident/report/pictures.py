@@ -132,10 +132,11 @@ def _left(seen: Focus, v: View) -> Figure:
         for ax, (quantity, _) in zip(axes, moving, strict=False):
             ax.plot(1e3 * quantity[told][::every], small * left[told][::every], ".", ms=1.5, alpha=0.5, color=COLOURS[kind])
         if trace.t.size >= 64:
-            axes[-1].loglog(*spectrum(trace.t, left), color=COLOURS[kind], lw=1.3, label=label.removeprefix("simulated ") or label)
+            f, density = spectrum(trace.t, left)
+            axes[-1].loglog(f, small * density, color=COLOURS[kind], lw=1.3, label=label.removeprefix("simulated ") or label)
     for ax, (_, label) in zip(axes, moving, strict=False):
         ax.set(xlabel=label, ylabel=f"measured − simulated, {name}")
-    axes[-1].set(xlabel="frequency, Hz", ylabel=f"measured − simulated, {unit}/√Hz")
+    axes[-1].set(xlabel="frequency, Hz", ylabel=f"measured − simulated, {name}/√Hz")
     axes[-1].legend(fontsize=8)
     for ax in axes:
         _tidy(ax)

@@ -9,7 +9,7 @@ from skin_ident.report.counsel import TESTED
 from skin_ident.report.focus import Focus, by_fall
 from skin_ident.report.markup import Safe, el, section
 from skin_ident.report.numbers import plain
-from skin_ident.report.view import IN_TURN, UNTESTED, View, unit_of
+from skin_ident.report.view import IN_TURN, UNTESTED, View
 from skin_ident.report.words import capital, channel, short
 
 MOST_SESSIONS = 6
@@ -77,8 +77,7 @@ def left(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     blocks = []
     if seen is not None:
         for row in by_fall(seen.trace, v.silent)[:3]:
-            unit = unit_of(v, seen.trace.channels[row])
-            panels = [p for p in (*against_motion(seen.trace, row, unit), against_frequency(seen.trace, row, unit)) if p]
+            panels = [p for p in (*against_motion(seen.trace, row, v), against_frequency(seen.trace, row, v)) if p]
             blocks.append(el("h4", capital(channel(seen.trace.channels[row]))))
             blocks.append(el("div", panels, class_="grid"))
     blocks += [el("div", el("h4", s.session), el("div", scan_left(s), class_="grid")) for s in outcome.scans]

@@ -68,7 +68,7 @@ _SYMBOL = re.compile(r"(?<!of)(?<!is)(?<!per)(?<!\d) (?:[A-Za-z]|tau|v_s|x0|x1|t
 
 def _without_symbols(doc: str) -> str:
     """A parameter's description for someone who does not look at the equation."""
-    for sign, said in (("of x^2", "of depth squared"), ("of x^3", "of depth cubed"), ("factor of x v", "damping that each depth adds")):
+    for sign, said in (("of x^2", "of depth squared"), ("of x^3", "of depth cubed"), ("factor of x v", "damping that grows with depth")):
         doc = doc.replace(sign, said)
     plain = _SYMBOL.sub("", doc.partition(";")[0], count=1)
     for word, said in ((", sensed", " (felt by taxels)"), (", dispersed", " (not felt by taxels)")):

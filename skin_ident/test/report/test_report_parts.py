@@ -12,6 +12,7 @@ from skin_ident.criticism.gates.gate import EACH_IN_TURN
 from skin_ident.criticism.scan.diagnose import diagnose_scans
 from skin_ident.criticism.telling.outcome import Outcome, Trace
 from skin_ident.criticism.vocabulary import cause_at
+from skin_ident.report.charts import goes_beyond, held
 from skin_ident.report.focus import focus
 from skin_ident.report.numbers import amount, percent, plain, span
 from skin_ident.report.page import page
@@ -187,3 +188,11 @@ def test_a_session_of_gaps_and_flat_lines_is_drawn():
     gappy = np.where(np.arange(40) % 7 == 0, np.nan, 1.0)[None]
     for y in (flat, gappy, np.full((1, 40), np.nan)):
         assert "<svg" in page_of(Outcome({"verdict": "unexplained"}, traces=(Trace("s", False, t, t, t, ("force",), y, flat, flat),)))
+
+
+def test_an_axis_holds_what_was_not_compared_as_far_again_and_no_spike():
+    rest = np.concatenate([np.linspace(-1.0, 1.0, 100), np.full(10, -2.0)])
+    judged = np.arange(110) < 100
+    assert held([("after", "", rest)], judged) == (-2.0, 1.0)
+    low, high = held([("after", "", np.append(rest, 50.0))], np.append(judged, False))
+    assert -2.0 <= low <= -1.0 and high == 1.0 and goes_beyond([("after", "", np.append(rest, 50.0))], np.append(judged, False))
