@@ -66,10 +66,13 @@ def _panel(axes: Any, name: str, motions: list[Motion]) -> None:
 
 
 def _name_parts(axes: Any, motions: list[Motion]) -> None:
+    """The names of the parts above the frame, where no curve crosses them, and the title above those."""
+    axes.figure.suptitle(axes.get_title(loc="left"), fontsize=9, x=0.01, ha="left")
+    axes.set_title("", loc="left")
     begin = 0.0
     for motion in motions:
         for name, t in zip(motion.names, motion.begins, strict=True):
             axes.axvline(begin + t, color=_FAINT, lw=0.5, ls=":")
-            axes.annotate(name, (begin + t, 0.99), (2, 0), xycoords=("data", "axes fraction"), textcoords="offset points",
-                          rotation=90, va="top", ha="left", fontsize=7, color=_FAINT)  # fmt: skip
+            axes.annotate(name, (begin + t, 1.0), (0, 3), xycoords=("data", "axes fraction"), textcoords="offset points",
+                          rotation=50, rotation_mode="anchor", va="bottom", ha="left", fontsize=7, color=_FAINT)  # fmt: skip
         begin += motion.trajectory.duration

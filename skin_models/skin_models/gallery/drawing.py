@@ -42,14 +42,14 @@ def overview(shown: list[Picture], columns: int = 5) -> bytes:
     """All effects on one sheet: traces, or the difference where the traces look alike."""
     rows = -(-len(shown) // columns)
     with plt.rc_context({**STYLE, "font.size": 7.0}):
-        figure, axes = plt.subplots(rows, columns, figsize=(2.9 * columns, 1.55 * rows), layout="constrained", squeeze=False)
+        figure, axes = plt.subplots(rows, columns, figsize=(2.9 * columns, 1.75 * rows), layout="constrained", squeeze=False)
         for axis, p in zip(axes.flat, shown, strict=False):
             (_difference if p.faint else _trace)(axis, p, labelled=False)
             axis.set_title(title(p), fontsize=7.5, loc="left", color="#111827")
+            axis.set_xlabel("time (s)", labelpad=1)
+            axis.set_ylabel("difference (N)" if p.faint else "force (N)", labelpad=1)
         for axis in axes.flat[len(shown) :]:
             axis.set_axis_off()
-        figure.supxlabel("time (s)", fontsize=8)
-        figure.supylabel("force (N)", fontsize=8)
         out = io.BytesIO()
         figure.savefig(out, format="png", dpi=110)
         plt.close(figure)
