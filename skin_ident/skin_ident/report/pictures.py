@@ -52,6 +52,7 @@ def _before_after(seen: Focus, v: View, title: str) -> Figure:
         _curves(seen, slice(start, stop), v, top, below)
         top.set_title("the whole session" if stop - start == seen.trace.t.size else seen.words, fontsize=10)
     if len(parts) == 2:
+        axes[0, 1].set_title("the whole session (yellow: what is on the left)", fontsize=10)
         axes[0, 1].axvspan(seen.trace.t[seen.start], seen.trace.t[seen.stop - 1], ymin=0.97, color="#c9a400", zorder=0)
     y_unit = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)[1]
     axes[0, 0].set_ylabel(f"{channel(seen.channel)}, {y_unit}")
@@ -178,7 +179,7 @@ def _evidence(outcome: Outcome) -> Figure:
         ax.barh(range(len(best)), [g for _, _, g in best], color=colours, height=0.7)
         ax.set_yticks(range(len(best)), labels, fontsize=8)
         ax.invert_yaxis()
-        ax.set_title(f"round {number}: what each cause alone explains (squared error in units of the noise)", fontsize=9, loc="left")
+        ax.set_title(f"round {number}: what each cause alone would explain, as estimated when it began", fontsize=9, loc="left")
         ax.tick_params(labelsize=8)
         _tidy(ax)
     return figure
