@@ -1,6 +1,6 @@
 """The charts of a recording in time: measured against simulated, and what is left."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -24,15 +24,17 @@ def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], 
     return (("before", "simulated before", trace.baseline), ("after", "simulated after", trace.extended))
 
 
-def above(both: list[tuple[str, str, np.ndarray]]) -> list[tuple[str, str, np.ndarray]]:
+def above(both: Sequence[tuple[str, str, np.ndarray]]) -> list[tuple[str, str, np.ndarray]]:
     """In the order to draw them: what was simulated before lies striped over what is now, so that both show where they are alike."""
     return [(f"{kind} over" if kind == "before" else kind, name, y) for kind, name, y in reversed(both)]
 
 
 def key(trace: Trace | ScanTrace) -> Safe:
     """The legend of measured against simulated."""
-    out = [("leftout", "not compared")] if isinstance(trace, Trace) and not trace.compared.all() else []
-    return legend(("measured", "measured"), *((kind, name) for kind, name, _ in simulations(trace)), *out)
+    in_time = isinstance(trace, Trace)
+    out = [("leftout", "not compared")] if in_time and not trace.compared.all() else []
+    both = above(simulations(trace)) if in_time else simulations(trace)
+    return legend(("measured", "measured"), *((kind, name) for kind, name, _ in both), *out)
 
 
 def key_left(trace: Trace | ScanTrace) -> Safe:
