@@ -130,6 +130,17 @@ def test_nothing_of_somebody_elses_is_overwritten(command, base, tmp_path):
     assert [p.read_text() for p in own.iterdir()] == ["sample_rate_hz: 100  # precious\n"]
 
 
+@pytest.mark.parametrize("more", [[], ["--truth", "OWN"]])
+def test_no_file_gives_way_to_the_truth(command, base, tmp_path, more):
+    """Nor a recording that is read, nor the truth of an earlier hiding."""
+    own = base / "session_1.csv" if more else tmp_path / "out_truth.json"
+    own.touch()
+    before = own.read_bytes()
+    done = command(base, "--cause", "friction", *(a.replace("OWN", str(own)) for a in more), "--out", tmp_path / "out")
+    assert done.status == 2 and "nothing is overwritten" in done.err and done.err.count("\n") == 1  # not even that it hides something
+    assert own.read_bytes() == before and not (tmp_path / "out").exists()
+
+
 def test_the_root_of_all_folders_is_refused(command, base):
     """There is no place beside it for the truth."""
     done = command(base, "--cause", "friction", "--out", "/")

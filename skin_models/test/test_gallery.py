@@ -39,3 +39,15 @@ def test_the_page_names_what_it_shows_and_needs_nothing_else(shown):
 def test_a_place_that_cannot_be_written_is_one_sentence_and_status_2(out, tmp_path, capsys):
     assert main([str(tmp_path / out)]) == 2
     assert capsys.readouterr().err.count("\n") == 1 and not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("name", "kept"), [("session_1.csv", "t_s,x_mm\n0,1\n"), ("report.html", "<title>Robot skin</title>")])
+def test_only_an_earlier_gallery_is_overwritten(name, kept, tmp_path, capsys):
+    (tmp_path / name).write_text(kept)
+    assert main([str(tmp_path / name)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1 and (tmp_path / name).read_text() == kept
+
+
+def test_a_gallery_is_drawn_again_over_an_earlier_one(tmp_path, monkeypatch, shown):
+    monkeypatch.setattr("skin_models.gallery.scene.pictures", lambda: iter(shown[:2]))
+    assert [main([str(tmp_path / "a.html")]) for _ in range(2)] == [0, 0]

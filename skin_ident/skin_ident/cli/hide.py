@@ -1,6 +1,7 @@
 """`hide RECORDING… --out DIR`: hide an effect of chosen or random cause, place and size in recordings, for others to find."""
 
 import argparse
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -53,7 +54,7 @@ def _sessions(loaded: list) -> list[Recording]:
 
 
 def _truth_file(given: str | None, out: Path) -> Path:
-    """Where the truth goes. Raises `HidingError` where that is beside the data."""
+    """Where the truth goes. Raises `HidingError` where that is beside the data, or something is there already."""
     if not out.resolve().name:
         raise HidingError(f"everything lies in {out}, the truth would, too: name a folder with --out")
     truth = Path(given) if given else out.resolve().with_name(out.resolve().name + "_truth.json")
@@ -61,6 +62,8 @@ def _truth_file(given: str | None, out: Path) -> Path:
         raise HidingError(f"--truth {truth} is a folder: name a file")
     if out.resolve() in truth.resolve().parents:
         raise HidingError(f"--truth {truth} lies beside the data: whoever searches would find it; write it elsewhere")
+    if os.path.lexists(truth):
+        raise HidingError(f"{truth} exists already, and nothing is overwritten: name another file with --truth")
     return truth
 
 

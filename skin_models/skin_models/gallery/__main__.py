@@ -5,7 +5,10 @@ import sys
 from pathlib import Path
 
 from skin_models.errors import SkinError
+from skin_models.gallery import TITLE
 from skin_models.whole_file import whole_file
+
+HEAD = 1000  # characters, within which a page has its title
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -25,6 +28,10 @@ def main(arguments: list[str] | None = None) -> int:
 def _write(out: Path) -> None:
     if not out.parent.is_dir() or out.is_dir():
         raise SkinError("there is no folder to write this file into" if not out.is_dir() else "a folder has that name; name a file")
+    if out.suffix.lower() != ".html":
+        raise SkinError("the page is HTML: give it a name that ends in .html")
+    if out.exists() and TITLE not in out.read_text(encoding="utf-8", errors="replace")[:HEAD]:
+        raise SkinError("this file is no gallery, and only an earlier gallery is overwritten: choose another name")
     from skin_models.gallery.page import page  # matplotlib: not before the arguments are known to be right
     from skin_models.gallery.scene import pictures
 

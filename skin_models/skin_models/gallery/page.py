@@ -5,6 +5,7 @@ import html
 import inspect
 from itertools import groupby
 
+from skin_models.gallery import TITLE
 from skin_models.gallery.drawing import overview, png, title
 from skin_models.gallery.scene import Picture
 from skin_models.parameter import parameters_of
@@ -35,7 +36,7 @@ def page(shown: list[Picture]) -> str:
     sections = "".join(_section(cause, group) for cause, group in causes)
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>Effects</title><style>{STYLE}</style><h1>What every effect does</h1>"
+        f"{TITLE}<style>{STYLE}</style><h1>What every effect does</h1>"
         f'<p class="lead">One press of a 4 mm silicone skin, simulated with an effect of ordinary size (red) and without it (grey). '
         f"{len(shown)} effects of {len(causes)} causes; the noise is that of a fair sensor, and the same in both. "
         f"Blue is the difference between the two, shown alone where they look alike.</p>"
