@@ -53,6 +53,26 @@ def test_profiles_agree_with_the_standard_errors():
             assert low < fit.values[name] < high and 0.8 < (high - low) / (3.92 * fit.std[name]) < 1.25, (name, mass, offsets)
 
 
+def burst(r, seed):
+    """Errors that come and go, and that the noise model takes for noise."""
+    rng = np.random.default_rng(seed)
+    wrong = np.zeros(len(r))
+    for start in rng.integers(0, len(r) - 200, 12):
+        wrong[start : start + rng.integers(20, 200)] += rng.normal(0.0, 1.0)
+    return replace(r, force=r.force + wrong * rng.uniform(), taxels=r.taxels + np.outer(rng.uniform(-1.0, 1.0, len(r.taxels)), wrong))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_profile_holds_the_estimate_whatever_is_wrong(seed):
+    """Also where what is left is nothing like the noise that the likelihood takes it for."""
+    mass, offsets, shares = ("free", SILICONE[4][0])[seed % 2], seed % 3 == 0, (1.0, 0.4, 0.2)[: 1 + seed % 3]
+    r = [burst(recording(seed, shares=shares, n=2500, sigma=0.02, offset=0.25e-3), seed)]
+    found, fit = profile(r, mass, offsets=offsets), fit_dispersion(r, mass, offsets=offsets)
+    for name, (low, high) in found.items():
+        known = fit.interval(name)
+        assert low < fit.values[name] < high and 0.7 < (high - low) / (known[1] - known[0]) < 2.0, name
+
+
 @pytest.mark.campaign
 @pytest.mark.parametrize(
     ("rho", "steps", "sigma"), [(0.0, False, 0.05), (0.9, False, 0.05), (0.97, False, 0.05), (0.0, True, 0.0), (0.0, True, 0.03)]

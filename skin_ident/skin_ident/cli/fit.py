@@ -13,7 +13,7 @@ from skin_ident.cli.fit_scan import fit_scans
 from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import POOR, Estimate
-from skin_ident.estimators.fit import FIXED, FREE, MEASURED, SINUSOID, Options, fit_recordings, mass_of, sessions_of
+from skin_ident.estimators.fit import FIXED, FREE, MEASURED, SINUSOID, Options, as_fitted, fit_recordings, mass_of, sessions_of
 from skin_ident.estimators.latency import latencies
 from skin_ident.estimators.profile import profile
 from skin_ident.estimators.robust import LINEAR, LOSSES
@@ -99,7 +99,7 @@ def _with_bootstrap(estimate: Estimate, recordings: list[Recording], options: Op
     if estimate.model is None:
         raise FitError("--bootstrap is for fits with a depth")
     common.say(f"drawing {runs} bootstrap samples …")
-    drawn = bootstrap(recordings, mass_of(options, recordings), offsets=options.offsets, runs=runs)
+    drawn = bootstrap(*as_fitted(recordings, options), offsets=options.offsets, runs=runs)
     intervals = {p.name: list(drawn.interval(p.name)) for p in estimate.parameters if estimate.std[p.name] > 0.0}
     return replace(estimate, notes={**estimate.notes, "bootstrap": {"runs": runs, "stretch_s": drawn.stretch, "ci95": intervals}})
 
@@ -109,7 +109,7 @@ def _with_profile(estimate: Estimate, recordings: list[Recording], options: Opti
     if estimate.model is None:
         raise FitError("--profile is for fits with a depth")
     common.say("profiling the likelihood …")
-    found = profile(recordings, mass_of(options, recordings), offsets=options.offsets)
+    found = profile(*as_fitted(recordings, options), offsets=options.offsets)
     return replace(estimate, notes={**estimate.notes, "profile": {"ci95": {name: list(ends) for name, ends in found.items()}}})
 
 

@@ -19,6 +19,7 @@ from skin_ident.estimators.regression import Block, Regression
 from skin_ident.estimators.sessions import prepare
 from skin_ident.estimators.transfer_data import whitened
 from skin_ident.recordings.recording import Recording
+from skin_models.signals import Motion
 
 NAMES = ("m", "b1", "k1", "b2", "k2")
 FEWEST = 4  # stretches in all sessions together
@@ -44,18 +45,20 @@ class Bootstrap:
 def bootstrap(
     recordings: Sequence[Recording],
     mass: float | str = 0.0,
+    motions: Sequence[Motion] | None = None,
     *,
     offsets: bool = False,
     runs: int = 2000,
     stretch: float | None = None,
     seed: int = 0,
 ) -> Bootstrap:
-    """Draw the dispersion parameters `runs` times. `stretch` in s. Raises `FitError` where the sessions are too short for it."""
+    """Draw the dispersion parameters `runs` times. `motions` replaces the measured motion; `stretch` in s. Raises `FitError` where the
+    sessions are too short for it."""
     if runs < FEWEST_RUNS:
         raise FitError(f"{runs} bootstrap samples have no 95 % interval: draw at least {FEWEST_RUNS}, better 1000")
     if runs > MOST_RUNS:
         raise FitError(f"{runs} bootstrap samples take hours and tell no more than {MOST_RUNS}: draw 1000")
-    sessions, _ = prepare(recordings)
+    sessions, _ = prepare(recordings, motions)
     shape = shape_of(sessions, mass, offsets)
     regression, blocks = settled(sessions, shape)
     period = sessions[0].motion.dt * sessions[0].prefilter.every

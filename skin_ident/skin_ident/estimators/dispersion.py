@@ -3,8 +3,10 @@
     taxel i   F_i  = s_i (b1 v + k1 x)
     force     F_LC = m (a - g) + (b1 + b2) v + (k1 + k2) x
 
-with depth x, speed v and acceleration a; terms are zero in the air, and where the skin would pull. The mass is estimated (Table 4-4),
-or held at a known value (Table 4-5). Taxels beside the plunger share the strongest one's b1 and k1 (rank one, weighted by their noise).
+with depth x, speed v and acceleration a; terms are zero in the air, and where the skin would pull. Skin that the plunger has left behind
+recovers by itself; where the taxels are seen to feel that, x and v are those of its surface then, and nothing otherwise. The mass is
+estimated (Table 4-4), or held at a known value (Table 4-5). Taxels beside the plunger share the strongest one's b1 and k1 (rank one,
+weighted by their noise).
 """
 
 from collections.abc import Callable, Sequence
@@ -34,7 +36,8 @@ ROUNDS = 10  # at most, until the samples where skin and plunger touch no longer
 
 @dataclass(frozen=True)
 class Shape:
-    """What the recordings allow: is there a load cell, is the mass estimated or `mass` (kg), offsets per session, which taxels of all."""
+    """What the recordings allow: is there a load cell, is the mass estimated or `mass` (kg), offsets per session, which taxels of all;
+    do taxels feel skin that recovers by itself."""
 
     force: bool
     free: bool
@@ -42,6 +45,7 @@ class Shape:
     offsets: bool
     live: tuple[int, ...]
     total: int
+    recovers: bool = False
 
     @property
     def taxels(self) -> int:
@@ -94,7 +98,20 @@ def shape_of(sessions: list[Session], mass: float | str, offsets: bool) -> Shape
     free = mass == FREE
     if free and not force:
         raise FitError("the mass acts on the load cell alone (eq 27), and there is no load cell in these recordings")
-    return Shape(force, free, 0.0 if free else float(mass), offsets, sessions[0].live, sessions[0].total)
+    told = (sessions[0].live, sessions[0].total, force and taxels > 0 and recovery_is_felt(sessions))
+    return Shape(force, free, 0.0 if free else float(mass), offsets, *told)
+
+
+def recovery_is_felt(sessions: list[Session]) -> bool:
+    """Whether what taxels read after the plunger has left the skin is nearer to what recovering skin presses on them than to nothing."""
+    touched = np.concatenate([s.terms()[:2] for s in sessions], axis=1)
+    read = np.concatenate([np.array(s.raw) for s in sessions], axis=1)
+    b, k = np.linalg.lstsq(touched.T, read.T, rcond=None)[0]
+    if b[0] <= 0.0 or k[0] <= 0.0:
+        return False
+    alone = np.concatenate([s.left_alone(b[0] / k[0]) for s in sessions], axis=1)
+    pressed = np.column_stack([b, k])[1:] @ alone
+    return bool(np.sum(pressed * read[1:]) > 0.5 * np.sum(pressed**2))
 
 
 def settled(sessions: list[Session], shape: Shape) -> tuple[Regression, list[list[Block]]]:
@@ -140,9 +157,13 @@ def said(sessions: list[Session], shape: Shape, regression: Regression) -> list[
     """What the fit says that every channel reads in every session (N,), at full rate, N."""
     out: list[list[np.ndarray]] = [[] for _ in regression.coefficients]
     for i, s in enumerate(sessions):
-        v, x, a, g = s.terms(recovery_of(regression))
+        recovery = recovery_of(regression)
+        v, x, a, g = s.terms(recovery)
+        alone = s.left_alone(recovery) * shape.recovers
         for c, coefficients in enumerate(regression.coefficients):
             b, k = coefficients[-2:]
+            if c == shape.force:  # the load cell comes first, and feels nothing of it
+                v, x = v + alone[0], x + alone[1]
             mass = 0.0 if c or not shape.force else coefficients[-3] if shape.free else shape.mass
             out[c].append(b * v + k * x + mass * (a + g) + (coefficients[i] if shape.offsets else 0.0))
     return out
@@ -155,7 +176,8 @@ def _blocks(sessions: list[Session], shape: Shape, recovery: float | None) -> li
         v, x, a, g = s.columns(recovery).T
         zeros = np.tile(np.arange(len(sessions)) == i, (v.size, 1)).astype(float) if shape.offsets else np.empty((v.size, 0))
         columns = np.column_stack([zeros, v, x])
-        rows = [(y, columns) for y in s.taxels]
+        beside = np.column_stack([zeros, np.column_stack([v, x]) + s.columns_left_alone(recovery)]) if shape.recovers else columns
+        rows = [(y, beside) for y in s.taxels]
         if shape.force:
             inertial = a + g
             with_mass = np.column_stack([zeros, inertial, v, x])

@@ -12,6 +12,7 @@ from skin_ident.estimators.sinusoid import as_sinusoids
 from skin_ident.recordings.mass import KnownMass, known_mass
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import without_repeats
+from skin_models.signals import Motion
 
 MEASURED, SINUSOID = "measured", "sinusoid"
 
@@ -52,6 +53,15 @@ def _fitted(recordings: Sequence[Recording], mass: float | str, options: Options
     how = {"offsets": options.offsets, "loss": options.loss, "method": "linear least squares on fitted sinusoids"}
     estimate = fit_dispersion(parts, mass, motions, **how)
     return replace(estimate, notes={**estimate.notes, "sinusoids": {r.name: vars(s) for r, s in zip(recordings, found, strict=True)}})
+
+
+def as_fitted(recordings: Sequence[Recording], options: Options) -> tuple[list[Recording], float | str, list[Motion] | None]:
+    """Recordings, mass and motions (None: as measured) with which a depth-driven fit of `options` is made. Raises `FitError`."""
+    mass = mass_of(options, recordings)
+    if options.motion == MEASURED:
+        return list(recordings), mass, None
+    parts, motions, _ = as_sinusoids(recordings)
+    return parts, mass, motions
 
 
 def mass_of(options: Options, recordings: Sequence[Recording]) -> float | str:

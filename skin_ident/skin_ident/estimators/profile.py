@@ -7,9 +7,14 @@ deviance is n log det S, and the interval of a parameter holds the values v for 
 
 with t Student's quantile for so many samples as the noise's colour leaves independent. g is by how much the noise's variance, with what
 the fit has taken out of it put back, exceeds the diagonal of S: 1.01 for white noise, 1.05 for one that remembers a third of a second.
-Where shares, differences and offsets bend the likelihood the interval is lopsided, which a standard error cannot be. Converter steps and
-errors that repeat with the motion are in no likelihood: what they add to the variance of a parameter is added to either side.
-Source: S. A. Murphy, A. W. van der Vaart, J. Amer. Statist. Assoc. 95 (2000) 449; A. Zellner, ibid. 57 (1962) 348, for the joint channels.
+Where shares, differences and offsets bend the likelihood the interval is lopsided, which a standard error cannot be.
+
+The estimate is that of least squares in the band of the motion, and the most likely values are others: by chance as long as the noise is
+such as its model says, and by far more where something beside noise is left, bursts or a cause that the model lacks. The interval is that
+of the estimate, its ends as far from it as from the most likely value, and whatever makes the estimate's variance larger than the
+likelihood's (that chance, converter steps, errors that repeat with the motion, which are in no likelihood) is added to either side.
+Source: S. A. Murphy, A. W. van der Vaart, J. Amer. Statist. Assoc. 95 (2000) 449; A. Zellner, ibid. 57 (1962) 348, for the joint channels;
+J. A. Hausman, Econometrica 46 (1978) 1251, for the variance of the difference between two estimates.
 """
 
 from collections.abc import Sequence
@@ -26,6 +31,7 @@ from skin_ident.estimators.sessions import prepare
 from skin_ident.estimators.split import jacobian
 from skin_ident.estimators.transfer_data import whitened
 from skin_ident.recordings.recording import Recording
+from skin_models.signals import Motion
 
 INNER, OUTER = 12, 40  # rounds of letting the others give way, and of looking for the interval's end
 CLOSE = 1e-3  # of the way to the end
@@ -36,36 +42,41 @@ DISPERSION = ("m", "b1", "k1", "b2", "k2")
 Intervals = dict[str, tuple[float, float]]
 
 
-def profile(recordings: Sequence[Recording], mass: float | str = 0.0, *, offsets: bool = False, level: float = 0.95) -> Intervals:
-    """Intervals (low, high) by the names of the parameters that are estimated, SI. Raises `FitError` as `fit_dispersion` does."""
-    sessions, _ = prepare(recordings)
+def profile(
+    recordings: Sequence[Recording],
+    mass: float | str = 0.0,
+    motions: Sequence[Motion] | None = None,
+    *,
+    offsets: bool = False,
+    level: float = 0.95,
+) -> Intervals:
+    """Intervals (low, high) about what `fit_dispersion` estimates, by the names of the parameters, SI. Raises `FitError` as that does."""
+    sessions, _ = prepare(recordings, motions)
     shape = shape_of(sessions, mass, offsets)
     regression, blocks = settled(sessions, shape)
     to = theta_of(regression, shape)
     beta = np.concatenate(regression.coefficients)
     theta, slope = to(beta), jacobian(to, beta)
+    if shape.free and theta[0] < 0.0:  # as the estimate: none
+        return profile(recordings, 0.0, motions, offsets=offsets, level=level)
     if any(noise <= EXACT * np.sqrt(np.mean(np.square(np.concatenate(y)))) for noise, y in _noise_and_rows(regression)):
         raise FitError("these data are exact, or nearly so: without noise there is no likelihood; leave --profile out")
     likelihood = _likelihood(blocks, regression, shape, theta)
     best = likelihood.at_its_best(likelihood.start(theta, regression), None)
     quantile, grown = float(stdtrit(regression.dof, 0.5 + level / 2)), likelihood.growth(best, regression)
     known = with_steps(sessions, regression, blocks, said(sessions, shape, regression))
-    more = np.diag(slope @ (known - _noise_alone(regression)) @ slope.T)
+    variance, likely = np.diag(slope @ known @ slope.T), grown**2 * np.diag(likelihood.covariance(best))
     found = {}
     for name, place in likelihood.places.items():
-        ends = [likelihood.end(best, place, side, quantile * grown) for side in (-1.0, 1.0)]
-        extra = quantile**2 * max(0.0, float(more[_index(name, shape)]))
-        found[name] = tuple(float(best[place] + np.sign(e - best[place]) * np.hypot(e - best[place], extra**0.5)) for e in ends)
+        estimate, more = theta[_index(name, shape)], max(0.0, variance[_index(name, shape)] - likely[place])
+        far = [abs(likelihood.end(best, place, side, quantile * grown) - best[place]) for side in (-1.0, 1.0)]
+        low, high = np.hypot(far, quantile * np.sqrt(more))
+        found[name] = (float(estimate - low), float(estimate + high))
     return found
 
 
 def _noise_and_rows(regression: Regression):
     return zip(regression.noise, regression.measured, strict=True)
-
-
-def _noise_alone(regression: Regression) -> np.ndarray:
-    widened = np.concatenate([np.full(c.size, r) for c, r in zip(regression.coefficients, regression.repeated, strict=True)])
-    return regression.covariance / np.outer(widened, widened)
 
 
 def _index(name: str, shape: Shape) -> int:
@@ -154,10 +165,13 @@ class Likelihood:
         slope = np.einsum("adp,ad->p", left, self.products @ ends)
         return np.einsum("adp,adq->pq", left, np.einsum("ab,bdq->adq", self.products, moves)), slope
 
+    def covariance(self, best: np.ndarray) -> np.ndarray:
+        """That of all that is free, as far as the likelihood is a parabola."""
+        return np.linalg.pinv(self._normal(best)[0], hermitian=True)
+
     def end(self, best: np.ndarray, place: int, side: float, quantile: float) -> float:
         """Where the deviance has risen by as much as chance allows; infinite where it never does."""
-        normal, _ = self._normal(best)
-        spread = np.linalg.pinv(normal, hermitian=True)[:, place]
+        spread = self.covariance(best)[:, place]
         lowest, n = self.deviance(best), self.rows
         wanted = np.sqrt(n * np.log1p(quantile**2 / n))
         unit = np.sqrt(max(spread[place], 1e-300))

@@ -58,6 +58,10 @@ class Session:
         """Columns (n, 4) that belong to the rows: those of `terms`, low-passed."""
         return self.prefilter.rows(self.terms(recovery)).T
 
+    def columns_left_alone(self, recovery: float | None) -> np.ndarray:
+        """Columns (n, 2) that belong to the rows: those of `left_alone`, low-passed."""
+        return self.prefilter.rows(self.left_alone(recovery)).T
+
     def terms(self, recovery: float | None = None) -> np.ndarray:
         """Speed, depth, acceleration, -gravity (4, N) at full rate, each zero where plunger and skin do not touch.
 
@@ -67,8 +71,21 @@ class Session:
         s = self.motion
         contact = self.felt & (s.x > 0.0) if recovery is None else s.x > 0.0
         if recovery is not None and recovery > 0.0:
-            contact = Dispersion(b1=recovery, k1=1.0, b2=0.0, k2=0.0).contact(s)
+            contact = _like(recovery).contact(s)
         return np.array([s.v, s.x, s.a, np.full_like(s.x, -GRAVITY)]) * contact
+
+    def left_alone(self, recovery: float | None) -> np.ndarray:
+        """Speed and depth (2, N) of skin that the plunger has left behind and that recovers by itself; zero where it is touched."""
+        if not recovery or recovery < 0.0:
+            return np.zeros((2, len(self.motion)))
+        surface = _like(recovery).surface(self.motion)
+        depth = surface.depth * ~surface.touched
+        return np.array([-depth / recovery, depth])
+
+
+def _like(recovery: float) -> Dispersion:
+    """Skin that recovers with this time constant, s."""
+    return Dispersion(b1=recovery, k1=1.0, b2=0.0, k2=0.0)
 
 
 def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = None) -> tuple[list[Session], tuple[str, ...]]:
