@@ -1,14 +1,17 @@
 """`fit --what`: spectra, calibrations and stiffnesses as a user meets them."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from making import noise, recording, write_table
+from making import KINDS, noise, recording, serialised, typestore, write_table
 
 from skin_ident.cli.fit import main
 from skin_ident.recordings.declared import declared_from
+from skin_ident.recordings.load import load
 from skin_models.model_file import load_model
+from skin_testbed_driver.bag import BagWriter, TopicInfo
 
 
 def written(tmp_path, *arguments):
@@ -34,6 +37,24 @@ def test_a_calibration_is_printed_as_rig_yaml_takes_it(tmp_path, capsys):
     said = capsys.readouterr().out
     declared = declared_from(said[said.index("calibration:\n") :].partition("note:")[0])
     assert line["slope"] == pytest.approx(9.4, rel=0.01) and declared.calibration["ai1"].slope_n_per_v == pytest.approx(9.4, rel=0.01)
+
+
+def test_the_raw_volts_beside_the_newtons_of_a_bag_are_calibrated(tmp_path, capsys):
+    """As the driver records them, in the MCAP that its own writer writes."""
+
+    def with_volts(store, i, message):
+        return replace(message, voltage=message.force / 9.4 + 0.31) if hasattr(message, "voltage") else message
+
+    r = recording(n=800, sigma=0.01)
+    r = replace(r, force=r.taxels[0])
+    bag, store = BagWriter(tmp_path / "session_1"), typestore()
+    topics = {name: bag.add_topic(TopicInfo(name, kind, store.generate_msgdef(kind, ros_version=2)[0])) for name, kind in KINDS.items()}
+    for topic, log_ns, data in serialised(r, change=with_volts):
+        bag.write(topics[topic], data, log_ns, log_ns)
+    bag.close()
+    line = written(tmp_path, tmp_path / "session_1", "--what", "calibration")["calibration"]["taxel_0"]
+    assert (line["slope"], line["zero"]) == pytest.approx((9.4, 0.31), rel=1e-3)
+    assert load(tmp_path / "session_1")[0].taxel_units == ("N",)  # everywhere else newtons are read
 
 
 def test_stiffness_of_every_channel(tmp_path, capsys):

@@ -8,7 +8,7 @@ from typing import Any
 
 from skin_ident.batch import JOURNAL, dask_client, parquet_library, run_batch, write_table
 from skin_ident.cli import common
-from skin_ident.cli.fit_other import DISPERSION, PRONY, WHAT, fit_other
+from skin_ident.cli.fit_other import CALIBRATION, DISPERSION, PRONY, WHAT, fit_other
 from skin_ident.cli.fit_scan import fit_scans
 from skin_ident.estimators.bootstrap import bootstrap
 from skin_ident.estimators.errors import FitError
@@ -19,6 +19,7 @@ from skin_ident.estimators.profile import profile
 from skin_ident.estimators.robust import LINEAR, LOSSES
 from skin_ident.estimators.spread import with_spread
 from skin_ident.estimators.text import as_dict, as_table
+from skin_ident.recordings.bag import with_volts
 from skin_ident.recordings.load import find, load
 from skin_ident.recordings.mass import USUAL_MM
 from skin_ident.recordings.recording import Recording
@@ -41,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
     topics = common.topics_of(chosen.topics)
+    topics = with_volts(topics) if chosen.what == CALIBRATION else topics
     options = Options(chosen.mass, chosen.thickness_mm, chosen.motion, chosen.offsets, chosen.order, chosen.loss)
     if chosen.loss != LINEAR and (chosen.profile or chosen.bootstrap):
         raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")

@@ -28,6 +28,7 @@ KINDS = {"encoder": ("depth", "m"), "force": ("force", "N"), "taxels": ("taxel",
 NAMED_ONLY = ("Float64", "Float32", "Float64MultiArray", "Float32MultiArray")  # too common to be taken for a force unless so called
 PROBES = 100  # instants at which clocks are compared
 EDGES = 0.02  # of the samples: what may lie before the first or after the last of another topic without a word
+OF_ITS = ":"  # between a topic and one of its joints or fields; what begins with it leaves the topic open
 NOTHING = "holds no message"
 STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
@@ -47,7 +48,7 @@ def read_bag(
         if bag.cut_off and not bag.topics:
             raise RecordingError(f"{path.name} is damaged, or cut off before its first topic: no message can be read from it; record again")
         chosen, empty = choose(path.name, bag.topics, wishes)
-        if not wishes:
+        if all(wish.startswith(OF_ITS) for wish in wishes.values()):
             _as_meant(path.name, chosen, empty, bag.cut_off)
         found, names, positions, warnings = _read(bag, chosen, log_time)
         warnings += empty
@@ -87,6 +88,12 @@ def by_role(topics: Mapping[str, str]) -> dict[str, str]:
     return {ALIASES[role]: topic for role, topic in topics.items()}
 
 
+def with_volts(topics: Mapping[str, str]) -> dict[str, str]:
+    """The topics, of that of the taxels its raw volts where it has some."""
+    wish = topics.get("taxels", "")
+    return {**topics, "taxels": wish if OF_ITS in wish else f"{wish}{OF_ITS}voltage"}
+
+
 def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) -> tuple[Chosen, list[str]]:
     """Topic and joint for every role that the bag can fill, and warnings about topics that are there but empty.
 
@@ -94,10 +101,10 @@ def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) ->
     """
     chosen, notes = {}, []
     for role in ROLES:
-        if role in wishes:
+        if role in wishes and not wishes[role].startswith(OF_ITS):
             chosen[role] = _wished(name, topics, role, wishes[role])
         elif (topic := _obvious(topics, role, notes)) is not None:
-            chosen[role] = (topic, "")
+            chosen[role] = (topic, wishes.get(role, "").removeprefix(OF_ITS))
     empty = [topic.name for topic, _ in chosen.values() if not topic.count]
     chosen = {role: pair for role, pair in chosen.items() if pair[0].count}
     if not chosen:
@@ -119,7 +126,7 @@ def _as_meant(name: str, chosen: Chosen, empty: list[str], cut_off: bool) -> Non
 
 
 def _wished(name: str, topics: Mapping[str, Topic], role: str, wish: str) -> tuple[Topic, str]:
-    title, _, joint = wish.partition(":")
+    title, _, joint = wish.partition(OF_ITS)
     found = topics.get(title) or topics.get("/" + title)
     if found is None:
         raise RecordingError(f"{name} has no topic {title}; it holds {', '.join(sorted(topics)) or 'none'}")

@@ -65,10 +65,11 @@ class Decoded:
 
 @dataclass
 class Reader:
-    """Reads single messages of one topic with rosbags' decoder; see `gather.Reader`."""
+    """Reads single messages of one topic with rosbags' decoder; see `gather.Reader`. `wanted` is a joint, or of several fields that hold
+    values the one to take if it holds any."""
 
     topic: Topic
-    joint: str = ""
+    wanted: str = ""
     chosen: str = ""
 
     def __post_init__(self) -> None:
@@ -80,7 +81,7 @@ class Reader:
         message = self.store.deserialize_cdr(raw, self.kind)
         if self.topic.short == "JointState":
             return f"position[{list(message.name).index(self._joint(message))}]"
-        filled = [p for p in VALUES[self.topic.short] if _at(message, p).size]
+        filled = [p for p in sorted(VALUES[self.topic.short], key=lambda p: p != self.wanted) if _at(message, p).size]
         numeric = [p for p in filled if np.isfinite(_at(message, p)).any()]
         self.chosen = (numeric or filled or list(VALUES[self.topic.short]))[0]
         return self.chosen
@@ -95,16 +96,16 @@ class Reader:
 
     def _joint(self, message: Any) -> str:
         names = list(message.name)
-        self.joint = self.joint or (JOINT if JOINT in names else names[0] if len(names) == 1 else "")
-        if self.joint not in names:
+        self.wanted = self.wanted or (JOINT if JOINT in names else names[0] if len(names) == 1 else "")
+        if self.wanted not in names:
             name, held = self.topic.name, ", ".join(names) or "none"
             raise RecordingError(f"{name} has the joints {held}: say which with --topics encoder={name}:JOINT")
-        return self.joint
+        return self.wanted
 
 
-def gatherer(topic: Topic, joint: str = "") -> Gatherer:
+def gatherer(topic: Topic, wanted: str = "") -> Gatherer:
     """What collects the messages of a force, encoder or taxel topic. Raises `RecordingError`."""
-    return Gatherer(Reader(topic, joint), topic.count)
+    return Gatherer(Reader(topic, wanted), topic.count)
 
 
 def _at(message: Any, path: str) -> np.ndarray:
