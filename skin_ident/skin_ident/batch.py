@@ -23,6 +23,7 @@ from typing import Any
 
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
+from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.load import load_one
 from skin_models.errors import SkinError
 from skin_models.whole_file import whole_file
@@ -38,7 +39,8 @@ def fit_session(path: str, options: Options, how: Mapping[str, Any]) -> dict[str
     """
     try:
         recordings, _ = sessions_of([load_one(Path(path), **how)])
-        estimate = fit_recordings(recordings, options)
+        with with_warnings_of(recordings):
+            estimate = fit_recordings(recordings, options)
     except SkinError as error:
         return {"path": path, "status": "failed", "why": str(error)}
     except Exception as error:  # one broken file must not end a night's batch

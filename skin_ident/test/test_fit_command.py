@@ -181,3 +181,18 @@ def test_noise_between_forces_claims_nothing(fit, tmp_path, order):
 def test_exact_data_have_no_likelihood(fit, tmp_path):
     path = write_table(tmp_path / "a.csv", recording(sigma=0.0, n=1500, shares=(1.0, 0.4)))
     assert "no likelihood" in fit(path, "--profile").stderr and fit(path).returncode == 0
+
+
+def cut_in_the_air(path):
+    """The beginning of a session, until just before the plunger moves."""
+    still = Recording("a", R.t, np.where(R.t < 5.0, -1.0e-3, R.depth), R.force, R.taxels)
+    data = write_mcap(path, still).read_bytes()
+    path.write_bytes(data[: len(data) // 5])
+    return path
+
+
+@pytest.mark.parametrize("more", [[], ["--each"], ["--what", "stiffness"]])
+def test_what_fails_in_a_file_that_is_cut_off_says_so(fit, tmp_path, more):
+    done = fit(cut_in_the_air(tmp_path / "a.mcap"), *more, "--out", tmp_path / "out")
+    assert done.returncode == 2 and "a.mcap is cut off: the last" in done.stderr + done.stdout
+    assert sum(line.startswith("error:") for line in done.stderr.splitlines()) == 1

@@ -13,6 +13,7 @@ from skin_ident.cli import common
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.diagnose import are_scans, diagnose
 from skin_ident.criticism.telling.outcome import Outcome
+from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load
@@ -50,7 +51,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     recordings, held, twins = (_loaded(paths, how, chosen.taxels) for paths in (files, kept, [(p, "") for p in chosen.twin]))
     if chosen.taxels and are_scans([*recordings, *held, *twins]):
         raise RecordingError(f"{recordings[0].name} is a static spread scan, of one taxel: leave --taxels out")
-    outcome = diagnose(recordings, held, model, say, twins)
+    with with_warnings_of([*recordings, *held, *twins]):
+        outcome = diagnose(recordings, held, model, say, twins)
     if chosen.taxels:
         outcome.findings["taxels"] = {f"taxel_{i}": name for i, name in enumerate(recordings[0].taxel_names)}
     say("writing the report")

@@ -20,6 +20,7 @@ from skin_ident.estimators.robust import LINEAR, LOSSES
 from skin_ident.estimators.spread import with_spread
 from skin_ident.estimators.text import as_dict, as_table
 from skin_ident.recordings.bag import with_volts
+from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.load import find, load
 from skin_ident.recordings.mass import USUAL_MM
 from skin_ident.recordings.recording import Recording
@@ -60,19 +61,23 @@ def _main(arguments: Sequence[str] | None) -> int:
     for name in scans:
         common.say(f"{name} is a static spread scan: left out of the fit; fit scans by themselves")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
-    if chosen.what != DISPERSION:
-        return fit_other(chosen.what, recordings, chosen.out, chosen.arms)
-    estimate = fit_recordings(recordings, options)
-    estimate = _with_latencies(estimate, recordings, options)
-    if chosen.bootstrap:
-        estimate = _with_bootstrap(estimate, recordings, options, chosen.bootstrap)
-    if chosen.profile:
-        estimate = _with_profile(estimate, recordings, options)
+    with with_warnings_of(recordings):
+        if chosen.what != DISPERSION:
+            return fit_other(chosen.what, recordings, chosen.out, chosen.arms)
+        estimate = _estimate(chosen, recordings, options)
     estimate = with_spread(estimate, recordings)
     print(as_table(estimate))
     if chosen.out:
         write(estimate, common.output_folder(chosen.out))
     return 0
+
+
+def _estimate(chosen: argparse.Namespace, recordings: list[Recording], options: Options) -> Estimate:
+    """The dispersion model, with all that was asked for beside it in the notes."""
+    estimate = _with_latencies(fit_recordings(recordings, options), recordings, options)
+    if chosen.bootstrap:
+        estimate = _with_bootstrap(estimate, recordings, options, chosen.bootstrap)
+    return _with_profile(estimate, recordings, options) if chosen.profile else estimate
 
 
 def _check_what(chosen: argparse.Namespace) -> None:
