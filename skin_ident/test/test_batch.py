@@ -91,7 +91,7 @@ def test_a_killed_batch_leaves_no_process_behind_and_goes_on(folder, tmp_path):
     done = (tmp_path / "out" / JOURNAL).read_text().count("\n")
     assert 1 <= done < 47 and not (tmp_path / "out" / "fits.csv").exists()
     again = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert again.returncode == 0 and again.stderr.count("\n") == 47 - done and "46 sessions fitted, 1 failed" in again.stdout
+    assert again.returncode == 2 and again.stderr.count("\n") == 47 - done + 1 and "46 sessions fitted, 1 failed" in again.stdout
 
 
 def test_an_interrupted_batch_says_what_is_kept(folder, tmp_path):
@@ -109,8 +109,9 @@ def test_an_interrupted_batch_says_what_is_kept(folder, tmp_path):
 
 
 def test_on_a_command_line(folder, tmp_path, capsys):
-    assert main([str(folder), "--each", "--jobs", "2", "--out", str(tmp_path / "out")]) == 0
+    assert main([str(folder), "--each", "--jobs", "2", "--out", str(tmp_path / "out")]) == 2
     said = capsys.readouterr()
+    assert said.err.splitlines()[-1].startswith("error: 1 of 7 sessions could not be fitted")
     assert "6 sessions fitted, 1 failed" in said.out and "broken.csv" in said.out and "[7/7]" in said.err
     assert len((tmp_path / "out" / "fits.csv").read_text().splitlines()) == 8
 
@@ -118,7 +119,7 @@ def test_on_a_command_line(folder, tmp_path, capsys):
 def test_parquet_holds_what_csv_holds(folder, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     arguments = [str(folder), "--each", "--jobs", "2", "--out", str(tmp_path / "out")]
-    assert main([*arguments, "--format", "parquet"]) == 0 and main(arguments) == 0  # the second reads the journal of the first
+    assert main([*arguments, "--format", "parquet"]) == main(arguments) == 2  # the second reads the journal of the first
     table = parquet.read_table(tmp_path / "out" / "fits.parquet")
     rows = list(csv.DictReader((tmp_path / "out" / "fits.csv").open()))
     assert table.column_names == list(rows[0]) and table.num_rows == len(rows) == 7

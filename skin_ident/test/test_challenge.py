@@ -106,3 +106,8 @@ def test_a_campaign_in_which_nothing_could_be_hidden_says_why(tmp_path, capsys):
     assert main(call) == 2
     assert "none of the 1 cases could be played, the first because" in capsys.readouterr().err
     assert [p.name for p in tmp_path.iterdir()] == [RESULTS]
+
+
+def test_causes_may_have_commas_between(tmp_path, capsys):
+    assert main(["--causes", "lag,backlash", "witchcraft", "--out", str(tmp_path / "out")]) == 2
+    assert "'witchcraft' is no cause" in capsys.readouterr().err

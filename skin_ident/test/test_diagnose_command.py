@@ -118,3 +118,18 @@ def test_a_model_in_a_folder_without_an_answer_is_somebodys_own(tmp_path):
     (tmp_path / "model.yaml").write_text("mine")
     diagnose.write(Outcome(FINDINGS), tmp_path)
     assert (tmp_path / "model.yaml").read_text() == "mine"
+
+
+@pytest.mark.parametrize("out", [".", "a"])
+def test_an_answer_among_the_recordings_is_refused(command, tmp_path, out):
+    write_bag(tmp_path / "in" / "a", R)
+    done = command(tmp_path / "in", out=tmp_path / "in" / out)
+    assert done.status == 2 and "is where the recordings are" in done.said and [p.name for p in (tmp_path / "in").iterdir()] == ["a"]
+
+
+def test_what_is_held_out_of_the_fitted_is_said_before_the_work(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr(diagnose, "_loaded", lambda *_: 1 / 0)
+    files = [str(write_table(tmp_path / f"{name}.csv", R)) for name in "ab"]
+    with pytest.raises(ZeroDivisionError):
+        diagnose.main([*files, "--hold-out", files[1], "--out", str(tmp_path / "out")])
+    assert f"{files[1]}: it was given to fit, too: it is held out, and not fitted" in capsys.readouterr().err

@@ -169,6 +169,12 @@ def test_a_folder_that_cannot_be_made_is_refused_before_any_work(fit, tmp_path, 
     assert done.stderr.count("\n") == 1 and done.stdout == ""  # not even that it reads
 
 
+@pytest.mark.parametrize("more", ["--bootstrap abc", "--loss foo", "--mass -1", "--mass nan", "--bootstrap -3", "--no-such-thing"])
+def test_wrong_arguments_are_one_line_before_anything_is_read(fit, tmp_path, more):
+    done = fit(write_table(tmp_path / "a.csv", R), *more.split())
+    assert done.returncode == 2 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1 and done.stdout == ""
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_noise_between_forces_claims_nothing(fit, tmp_path, order):
     for seed in range(6):

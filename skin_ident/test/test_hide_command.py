@@ -111,6 +111,12 @@ def test_bad_input_is_one_sentence_and_writes_nothing(command, base, tmp_path, a
     assert not out.exists() and not (tmp_path / "out_truth.json").exists()
 
 
+@pytest.mark.parametrize("arguments", [["--cause", "witchcraft"], ["--size", "-1"]])
+def test_wrong_arguments_are_said_before_anything_is_read(command, tmp_path, arguments):
+    done = command(tmp_path / "nowhere", *arguments, "--out", tmp_path / "out")
+    assert done.status == 2 and "nowhere" not in done.err and done.err.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     ("given", "word"),
     [(("session_1.csv", "session_1.csv"), "given twice"), (("session_1.csv", "copy.csv"), "copy.csv hold the same")],

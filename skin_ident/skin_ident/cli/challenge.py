@@ -28,6 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
+    chosen.causes = [cause for word in chosen.causes or [] for cause in word.split(",") if cause]
     wanted = _wanted(chosen)
     folder = common.output_folder(chosen.out)
     file = folder / RESULTS
@@ -84,7 +85,7 @@ def _wanted(chosen: argparse.Namespace) -> list[Case]:
     for name, value, most in (("--seeds", chosen.seeds, 100_000), ("--jobs", chosen.jobs, 256), ("--taxels", chosen.taxels, len(SHARES))):
         if not 1 <= value <= most:
             raise HidingError(f"{name} must lie between 1 and {most}, not {value}")
-    for name, values in (("--causes", chosen.causes or []), ("--sizes", chosen.sizes)):
+    for name, values in (("--causes", chosen.causes), ("--sizes", chosen.sizes)):
         twice = next((value for value in values if values.count(value) > 1), None)
         if twice is not None:  # a case that is counted twice is evidence for nothing
             raise HidingError(f"{name} names {twice} twice: name it once, and ask for more --seeds to have more cases of it")
@@ -101,8 +102,10 @@ def _wanted(chosen: argparse.Namespace) -> list[Case]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="challenge", description=__doc__)
-    parser.add_argument("--causes", nargs="+", metavar="CAUSE", help=f"what to hide; {NULL} hides nothing; left out: everything")
+    parser = common.Parser(prog="challenge", description=__doc__)
+    parser.add_argument(
+        "--causes", nargs="+", metavar="CAUSE", help=f"what to hide, spaces or commas between; {NULL} hides nothing; left out: everything"
+    )
     parser.add_argument("--sizes", nargs="+", type=float, default=[0.5, 1.0], help="RMS of the effect over the noise's (0.5 1)")
     parser.add_argument("--seeds", type=int, default=5, help="specimens, noises and forms per cause and size (5)")
     parser.add_argument("--protocol", default="full", metavar="BATTERY", help="battery of the sessions (full)")

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from skin_ident.recordings.bag import by_role
 from skin_ident.recordings.errors import RecordingError
@@ -44,6 +44,14 @@ def run(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | 
         print(f"error: {refusal(error)}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return UNUSABLE
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments as everything else is said that is wrong: in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raises `RecordingError`."""
+        raise RecordingError(f"{' '.join(message.split())} (--help says what there is)")
 
 
 def refusal(error: OSError) -> str:

@@ -45,9 +45,13 @@ def _main(arguments: Sequence[str] | None) -> int:
     how = {"topics": common.topics_of(chosen.topics), "log_time": chosen.log_time}
     common.check_output(chosen.out)
     model = load_model(chosen.model) if chosen.model else None
+    files, kept = apart(chosen.recordings, chosen.hold_out)
+    _check_apart(Path(chosen.out), [file for file, _ in files + kept])
+    for file, said in kept:
+        if said:
+            common.say(f"{file}: {said}")
     say = progress_line()
     say("reading recordings")
-    files, kept = apart(chosen.recordings, chosen.hold_out)
     recordings, held, twins = (_loaded(paths, how, chosen.taxels) for paths in (files, kept, [(p, "") for p in chosen.twin]))
     if chosen.taxels and are_scans([*recordings, *held, *twins]):
         raise RecordingError(f"{recordings[0].name} is a static spread scan, of one taxel: leave --taxels out")
@@ -61,6 +65,13 @@ def _main(arguments: Sequence[str] | None) -> int:
     print(summary(outcome.findings))
     print(f"\nreport: {folder / 'report.html'}")
     return 0
+
+
+def _check_apart(out: Path, files: Sequence[Path]) -> None:
+    """Raises `RecordingError` for an answer that would lie among the recordings, and be read or written over with them."""
+    among = {folder for file in files for folder in (file.resolve(), file.resolve().parent)}
+    if out.resolve() in among:
+        raise RecordingError(f"--out {out} is where the recordings are: name another folder, for the answer is to lie apart from them")
 
 
 Files = list[tuple[Path, str]]  # and what is to be said of each, or nothing
@@ -179,7 +190,7 @@ def progress_line() -> Callable[[str], None]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="diagnose", description=__doc__)
+    parser = common.Parser(prog="diagnose", description=__doc__)
     common.add_recordings(parser)
     parser.add_argument(
         "--model", metavar="YAML", help="the simulation to criticise; left out: the dispersion model fitted to the recordings"

@@ -10,10 +10,10 @@ from skin_ident.batch import JOURNAL, dask_client, parquet_library, run_batch, w
 from skin_ident.cli import common
 from skin_ident.cli.fit_other import CALIBRATION, DISPERSION, PRONY, WHAT, fit_other
 from skin_ident.cli.fit_scan import fit_scans
-from skin_ident.estimators.bootstrap import bootstrap
+from skin_ident.estimators.bootstrap import bootstrap, check_runs
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import POOR, Estimate
-from skin_ident.estimators.fit import FIXED, FREE, MEASURED, SINUSOID, Options, as_fitted, fit_recordings, mass_of, sessions_of
+from skin_ident.estimators.fit import FIXED, FREE, MEASURED, SINUSOID, Options, as_fitted, check, fit_recordings, mass_of, sessions_of
 from skin_ident.estimators.latency import latencies
 from skin_ident.estimators.profile import profile
 from skin_ident.estimators.robust import LINEAR, LOSSES
@@ -48,6 +48,9 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.loss != LINEAR and (chosen.profile or chosen.bootstrap):
         raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")
     _check_what(chosen)
+    check(options)
+    if chosen.bootstrap:
+        check_runs(chosen.bootstrap)
     if chosen.out is not None:
         common.check_output(chosen.out)
     if chosen.each:
@@ -121,7 +124,7 @@ def _with_profile(estimate: Estimate, recordings: list[Recording], options: Opti
 
 
 def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str]) -> int:
-    """Every session by itself; failures are rows of the table, and the status is 0 unless nothing could be fitted."""
+    """Every session by itself; failures are rows of the table, and the status is 0 only where there are none. Raises `FitError`."""
     if not chosen.out:
         raise FitError("--each needs --out DIR: one table of all sessions is written there")
     if chosen.profile or chosen.bootstrap:
@@ -146,8 +149,9 @@ def _batch(chosen: argparse.Namespace, options: Options, topics: dict[str, str])
     print(f"{counted(len(rows) - len(failed), 'session')} fitted, {len(failed)} failed: {table}")
     for row in failed:
         print(f"  failed: {row['path']}: {row['why']}")
-    if len(failed) == len(rows):
-        raise FitError("none of the sessions could be fitted")
+    if failed:
+        none = "none of the sessions could be fitted"
+        raise FitError(none if len(failed) == len(rows) else f"{len(failed)} of {len(rows)} sessions could not be fitted; {table} says why")
     return 0
 
 
@@ -166,7 +170,7 @@ def write(estimate: Estimate, folder: Path) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="fit", description=__doc__)
+    parser = common.Parser(prog="fit", description=__doc__)
     common.add_recordings(parser)
     what = "the model; or a relaxation spectrum; or straight lines: taxels in volts against the load cell, forces against the depth"
     parser.add_argument("--what", default=DISPERSION, choices=WHAT, help=what)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from skin_ident.cli import common
 from skin_ident.criticism.usable import belong_together
-from skin_ident.hiding.drawing import ANYTHING
+from skin_ident.hiding.drawing import ANYTHING, check_cause
 from skin_ident.hiding.errors import HidingError
-from skin_ident.hiding.hide import hide
+from skin_ident.hiding.hide import check_size, hide
 from skin_ident.hiding.writing import check_free, check_units, write_recordings
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
@@ -26,6 +26,8 @@ def _main(arguments: Sequence[str] | None) -> int:
     common.check_output(chosen.out)
     check_free(Path(chosen.out))
     common.check_seed(chosen.seed)
+    check_cause(chosen.cause)
+    check_size(chosen.size)
     truth = _truth_file(chosen.truth, Path(chosen.out))
     recordings = _sessions(load(chosen.recordings, common.topics_of(chosen.topics), chosen.log_time))
     common.say(f"hiding an effect in {len(recordings)} session{'s' * (len(recordings) > 1)} …")
@@ -68,7 +70,7 @@ def _truth_file(given: str | None, out: Path) -> Path:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="hide", description=__doc__)
+    parser = common.Parser(prog="hide", description=__doc__)
     common.add_recordings(parser)
     parser.add_argument("--cause", default=ANYTHING, help="a word of the vocabulary; left out: drawn")
     parser.add_argument("--where", default=ANYTHING, help="its place; left out: drawn")

@@ -12,7 +12,7 @@ import numpy as np
 from skin_ident.cli import common
 from skin_ident.cli.diagnose import progress_line, summary, write
 from skin_ident.criticism.sessions.session import prepare
-from skin_ident.hiding.drawing import ANYTHING, draw
+from skin_ident.hiding.drawing import ANYTHING, check_cause, draw
 from skin_ident.hiding.errors import HidingError
 from skin_ident.hiding.simulated_rig import SimulatedRig, varied
 from skin_ident.hiding.writing import check_free, write_recordings
@@ -39,6 +39,8 @@ def _main(arguments: Sequence[str] | None) -> int:
         raise HidingError(f"--budget is in seconds of recording and positive, not {chosen.budget:g}")
     if chosen.specimen and chosen.cause != ANYTHING:
         raise HidingError("--specimen says what is in the specimen, and --cause hides something in one that is drawn: give one of them")
+    if chosen.cause != NOTHING:
+        check_cause(chosen.cause)
     common.check_seed(chosen.seed)
     common.check_output(chosen.out)
     check_free(Path(chosen.out) / "recordings")
@@ -100,7 +102,7 @@ def _account(course: Course, fixed: Course, name: str) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="identify", description=__doc__)
+    parser = common.Parser(prog="identify", description=__doc__)
     parser.add_argument("--until-named", action="store_true", help="go on until one name is left; without it one experiment is made")
     parser.add_argument("--specimen", metavar="YAML", help="model of the specimen in the rig; left out: silicone with something hidden")
     parser.add_argument("--cause", default=ANYTHING, help=f"what to hide in it, or {NOTHING}; left out: drawn")

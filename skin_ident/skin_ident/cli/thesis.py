@@ -1,6 +1,5 @@
 """`thesis`: the experiments of the thesis repeated on its rig in simulation, and what its tables say when they are read closely."""
 
-import argparse
 import textwrap
 from collections.abc import Sequence
 from typing import Any
@@ -25,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: Sequence[str] | None) -> int:
-    parser = argparse.ArgumentParser(prog="thesis", description=__doc__)
+    parser = common.Parser(prog="thesis", description=__doc__)
     parser.add_argument("--out", metavar="DIR", help="where thesis.json goes; left out: nothing is written")
     parser.add_argument("--runs", type=int, default=10, help="of the validation, per thickness")
     chosen = parser.parse_args(arguments)

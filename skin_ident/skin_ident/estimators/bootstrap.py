@@ -54,10 +54,7 @@ def bootstrap(
 ) -> Bootstrap:
     """Draw the dispersion parameters `runs` times. `motions` replaces the measured motion; `stretch` in s. Raises `FitError` where the
     sessions are too short for it."""
-    if runs < FEWEST_RUNS:
-        raise FitError(f"{runs} bootstrap samples have no 95 % interval: draw at least {FEWEST_RUNS}, better 1000")
-    if runs > MOST_RUNS:
-        raise FitError(f"{runs} bootstrap samples take hours and tell no more than {MOST_RUNS}: draw 1000")
+    check_runs(runs)
     sessions, _ = prepare(recordings, motions)
     shape = shape_of(sessions, mass, offsets)
     regression, blocks = settled(sessions, shape)
@@ -73,6 +70,14 @@ def bootstrap(
     moves = (moves - moves.mean(axis=0)) * _growth(recorded / period / length, regression.coefficients, runs, rng)[:, None]
     values = np.array([to(beta + move) for move in moves])
     return Bootstrap((*NAMES, *(f"share_{i}" for i in shape.live)), values, length * period)
+
+
+def check_runs(runs: int) -> None:
+    """Raises `FitError` for so few samples that they have no interval, or so many that they take hours."""
+    if runs < FEWEST_RUNS:
+        raise FitError(f"{runs} bootstrap samples have no 95 % interval: draw at least {FEWEST_RUNS}, better 1000")
+    if runs > MOST_RUNS:
+        raise FitError(f"{runs} bootstrap samples take hours and tell no more than {MOST_RUNS}: draw 1000")
 
 
 def _white(blocks: list[list[Block]], regression: Regression) -> list[list[np.ndarray]]:

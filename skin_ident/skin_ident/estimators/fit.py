@@ -14,6 +14,7 @@ from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import without_repeats
 from skin_models.signals import Motion
 
+HEAVY = 1e3  # kg, which no skin has
 MEASURED, SINUSOID = "measured", "sinusoid"
 
 
@@ -72,18 +73,25 @@ def mass_of(options: Options, recordings: Sequence[Recording]) -> float | str:
 
 def held_mass(options: Options, recordings: Sequence[Recording]) -> KnownMass | None:
     """The mass that is held, and where it is from; None where it is free. Raises `FitError` for a text that is no mass."""
+    check(options)
+    if options.mass in (FREE, FIXED):
+        return None if options.mass == FREE else known_mass(recordings[0].declared, options.thickness_mm)
+    return KnownMass(float(options.mass), "what was asked for")
+
+
+def check(options: Options) -> None:
+    """Raises `FitError` for a thickness or a mass that no skin has, and for a text that is no mass."""
     thick = options.thickness_mm
     if thick is not None and not 0.0 < thick < 1e3:
         raise FitError(f"a skin is not {thick:g} mm thick")
     if options.mass in (FREE, FIXED):
-        return None if options.mass == FREE else known_mass(recordings[0].declared, thick)
+        return
     try:
         mass = float(options.mass)
     except ValueError:
         raise FitError(f"the mass is {FREE}, {FIXED}, or a number in kg, not {options.mass!r}") from None
-    if not 0.0 <= mass < 1e3:
-        raise FitError(f"a mass of {options.mass} kg is negative, or a ton")
-    return KnownMass(mass, "what was asked for")
+    if not 0.0 <= mass < HEAVY:
+        raise FitError(f"the mass is in kg, from 0 up and below {HEAVY:g}, not {options.mass}")
 
 
 def sessions_of(loaded: Sequence) -> tuple[list[Recording], list[str]]:

@@ -20,6 +20,12 @@ POSSIBLE = {  # where a fit may look beyond
 KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that stay at their typical value
 
 
+def check_cause(cause: str) -> None:
+    """Raises `HidingError` for a word that is no cause of the vocabulary; whether a recording can carry it is another matter."""
+    if cause != ANYTHING and cause not in BY_NAME:
+        raise HidingError(f"{cause!r} is no cause; choose from {', '.join(sorted(BY_NAME))}")
+
+
 def hideable(session: Session) -> dict[str, list[tuple[type[Effect], str]]]:
     """Classes and places by cause, as far as the channels of the recording can carry them."""
     found: dict[str, list[tuple[type[Effect], str]]] = {}

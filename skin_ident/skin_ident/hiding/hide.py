@@ -70,8 +70,7 @@ def hide(
 
     Raises `HidingError` for a cause that they cannot carry, or not at that size.
     """
-    if not 0.0 < size < 1e4:
-        raise HidingError(f"a size is positive and below 10000, in units of the noise, not {size:g}")
+    check_size(size)
     on = on or ground(recordings)
     rng = np.random.default_rng([seed, 5])
     for _ in range(DRAWS):
@@ -81,6 +80,12 @@ def hide(
             return [applied(found.effect, r, s, on.model, seed + i) for i, (r, s) in enumerate(pairs)], found
     what = "none of the causes drawn can" if cause == ANYTHING else f"{cause}{'' if where == ANYTHING else f' in {where}'} cannot"
     raise HidingError(f"{what} be made {size:g} times as large as the noise of these recordings, within what is physically possible")
+
+
+def check_size(size: float) -> None:
+    """Raises `HidingError` for a size that nothing can have."""
+    if not 0.0 < size < 1e4:
+        raise HidingError(f"a size is positive and below 10000, in units of the noise, not {size:g}")
 
 
 def _sized(effect: Effect, size: float, seed: int, on: Ground) -> Hidden | None:

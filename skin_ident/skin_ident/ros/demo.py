@@ -159,7 +159,7 @@ class Teller:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="demo", description="The main job end to end on a simulated rig that hides an effect.")
+    parser = common.Parser(prog="demo", description="The main job end to end on a simulated rig that hides an effect.")
     parser.add_argument("--seed", type=int, help="what is hidden, and all noise; left out: drawn")
     parser.add_argument("--effect", help=f"hide this one: {', '.join(HIDEABLE)}, {NOTHING}")
     parser.add_argument("--out", metavar="DIR", help="where everything goes; left out: skin_demo_<date>_<time>")
