@@ -5,7 +5,7 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("skin_testbed_msgs")
 
-from skin_ident.ros.demo import main
+from skin_ident.ros.demo import _announced, main
 
 
 @pytest.mark.parametrize(
@@ -18,3 +18,8 @@ def test_a_bad_call(tmp_path, monkeypatch, capsys, arguments, word):
     assert main(arguments) == 2
     said = capsys.readouterr().err
     assert word in said and said.count("\n") == 1 and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("cause", "word"), [(None, "hides something"), ("none", "hides nothing, as"), ("lag", "hides lag, as")])
+def test_what_was_asked_for_is_no_secret(cause, word):
+    assert word in _announced(cause)

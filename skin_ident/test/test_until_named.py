@@ -4,8 +4,9 @@ import json
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
-from skin_ident.cli.identify import main
+from skin_ident.cli.identify import _account, main
 from skin_ident.separating import loop
 
 TRIANGLES = (
@@ -31,6 +32,12 @@ def test_no_battery_is_recorded_twice_and_the_rich_one_stands_in(monkeypatch):
     monkeypatch.setattr(loop, "diagnose", lambda *arguments: same)
     course = loop.until_named(lambda battery, name: SimpleNamespace(t=np.arange(3.0)), "first", "rich", 100.0)
     assert [s.battery for s in course.steps] == ["first", "again", "rich"] and course.seconds == 12.0
+
+
+@pytest.mark.parametrize(("seconds", "longer"), [(174.0, True), (40.0, False)])
+def test_a_loop_that_took_longer_than_the_fixed_battery_says_so(seconds, longer):
+    course, fixed = (loop.Course((loop.Step("b", s, (("lag",),), "explained"),), None, ()) for s in (seconds, 150.0))
+    assert ("24 s more than the fixed battery" in _account(course, fixed, "full")) is longer
 
 
 def test_bad_calls(tmp_path, capsys):

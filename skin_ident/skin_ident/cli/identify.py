@@ -95,9 +95,11 @@ def _told(course: Course) -> list[dict]:
 
 def _account(course: Course, fixed: Course, name: str) -> str:
     n, last, other = len(course.steps), course.steps[-1], fixed.steps[-1]
+    longer = course.seconds - fixed.seconds
+    compared = f"\nthe loop recorded {longer:.0f} s more than the fixed battery" if longer > 0.0 else ""
     return (
         f"{n} experiment{'s' * (n > 1)}, {course.seconds:.0f} s of recording, left: {last.words}\n"
-        f"the fixed battery {name}, {fixed.seconds:.0f} s of recording, left: {other.words}"
+        f"the fixed battery {name}, {fixed.seconds:.0f} s of recording, left: {other.words}{compared}"
     )
 
 
@@ -109,7 +111,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--seed", type=int, default=0, help="of the specimen and all noise (0)")
     parser.add_argument("--first", default="sinusoidal_identification", metavar="BATTERY", help="where to begin (the thesis's four sines)")
     parser.add_argument("--fixed", default="full", metavar="BATTERY", help="the fixed battery to compare with (full)")
-    parser.add_argument("--budget", type=float, default=600.0, help="seconds of recording after which no experiment is begun (600)")
+    parser.add_argument("--budget", type=float, default=600.0, help="seconds of recording after which no experiment is begun; one that runs then is finished (600)")
     parser.add_argument("--live", action="store_true", help="driver, profile server and recorder instead of a simulation in this process")
     parser.add_argument("--out", required=True, metavar="DIR", help="where recordings, findings, model and report go")
     return parser

@@ -62,7 +62,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     specimen, hidden = specimen_with_secret(seed, chosen.effect)
     folder, tell = common.output_folder(out), Teller()
     save_model(specimen, folder / "secret_specimen.yaml")
-    tell(f"seed {seed}: the rig hides {'something' if hidden else 'nothing, or something'} (the answer comes last)")
+    tell(f"seed {seed}: {_announced(chosen.effect)}")
     bags = record_sessions(folder, seed, tell)
     tell("diagnosing: two sessions to fit, one held out")
     outcome = diagnose(load(bags[:-1]), load(bags[-1:]), None)
@@ -88,6 +88,13 @@ def specimen_with_secret(seed: int, cause: str | None) -> tuple[Model, Effect | 
     cls = effect_class(cause, HIDEABLE[cause])
     effect = cls.typical(HIDEABLE[cause])
     return plain.extended(effect), effect
+
+
+def _announced(cause: str | None) -> str:
+    """What may be said beforehand: nothing that who started the demo does not know."""
+    if cause is None:
+        return "the rig hides something (the answer comes last)"
+    return "the rig hides nothing, as you asked" if cause == NOTHING else f"the rig hides {cause}, as you asked"
 
 
 def record_sessions(folder: Path, seed: int, tell: "Teller") -> list[Path]:
