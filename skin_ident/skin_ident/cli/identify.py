@@ -111,7 +111,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--seed", type=int, default=0, help="of the specimen and all noise (0)")
     parser.add_argument("--first", default="sinusoidal_identification", metavar="BATTERY", help="where to begin (the thesis's four sines)")
     parser.add_argument("--fixed", default="full", metavar="BATTERY", help="the fixed battery to compare with (full)")
-    parser.add_argument("--budget", type=float, default=600.0, help="seconds of recording after which no experiment is begun; one that runs then is finished (600)")
+    budget = "seconds of recording after which no experiment is begun; one that runs then is finished (600)"
+    parser.add_argument("--budget", type=float, default=600.0, help=budget)
     parser.add_argument("--live", action="store_true", help="driver, profile server and recorder instead of a simulation in this process")
     parser.add_argument("--out", required=True, metavar="DIR", help="where recordings, findings, model and report go")
     return parser
