@@ -29,7 +29,7 @@ def error_table(v: View) -> Safe:
 
 def _error_row(e: ChannelError, v: View) -> list:
     before, after = e.pair
-    like = v.small or [before, after, e.floor]
+    like = v.loudest or [before, after, e.floor]
     change = percent(-fall(e)) if before and after is not None else UNKNOWN
     training = " → ".join(amount(x, e.unit, like=like) for x in e.train) if None not in e.train else UNKNOWN
     shown = ((before, "before"), (after, "after")) if v.findings else ((after, "after"),)

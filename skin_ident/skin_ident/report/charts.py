@@ -49,7 +49,7 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
     both = [(kind, name, curves[row]) for kind, name, curves in simulations(trace)]
     left = left_in_band(trace, row, v, cut)
     factor, printed = scale(np.nanmax(np.abs(y[cut]), initial=0.0), unit)
-    small, small_printed = scale(v.small or max(float(np.nanmax(np.abs(r[trace.compared[cut]]), initial=0.0)) for _, _, r in left), unit)
+    small, small_printed = scale(v.loudest or max(float(np.nanmax(np.abs(r[trace.compared[cut]]), initial=0.0)) for _, _, r in left), unit)
     drawn = (("measured", "measured", y), *above(both))
     top = [Line(*thinned(t, factor * s[cut], buckets), kind, name) for kind, name, s in drawn]
     below = [Line(*thinned(t, small * r, buckets), kind, _briefly(name)) for kind, name, r in left]
@@ -153,7 +153,7 @@ def _against(quantity, pair, found, label: str, factor: float, v: View, unit: st
     parts = [p for p in parts if np.isfinite(p[0].median).any()]
     if not parts:
         return None
-    scaled, printed = scale(v.small or max(float(np.nanmax(np.abs(np.r_[b.low, b.high]))) for b, _, _ in parts), unit)
+    scaled, printed = scale(v.loudest or max(float(np.nanmax(np.abs(np.r_[b.low, b.high]))) for b, _, _ in parts), unit)
     lines = [Line(factor * b.centre, scaled * b.median, kind, name) for b, kind, name in parts]
     bands = [_band(b, factor, scaled, kind) for b, kind, _ in parts] if not split else []
     y = axis([line.y for line in [*bands, *lines]], f"measured − simulated, {printed}", zero=True)
@@ -173,7 +173,7 @@ def against_frequency(trace: Trace, row: int, v: View) -> Safe | None:
     if trace.t.size < 64:
         return None
     lines, densities = [], []
-    factor, printed = scale(v.small or 1.0, unit_of(v, trace.channels[row]))
+    factor, printed = scale(v.loudest or 1.0, unit_of(v, trace.channels[row]))
     for kind, r in _left(trace, row):
         f, d = spectrum(trace.t, r)
         lines.append(Line(f, factor * d, kind, kind))

@@ -65,9 +65,9 @@ def _gain_rows(f: Finding, v: View) -> list[tuple[str, str]]:
     g = f.gain
     if f.direct or g.before is None or g.after is None:
         return []
-    both = " → ".join(amount(value, g.unit, like=v.small or [g.before, g.after]) for value in (g.before, g.after))
+    both = " → ".join(amount(value, g.unit, like=v.loudest or [g.before, g.after]) for value in (g.before, g.after))
     rows = [("Error on unused data", f"{both} in the {signal(g.channel)}")]
-    return rows + ([("Fall, 95 % interval", span(g.low, g.high, g.unit, v.small))] if g.low is not None and g.high is not None else [])
+    return rows + ([("Fall, 95 % interval", span(g.low, g.high, g.unit, v.loudest))] if g.low is not None and g.high is not None else [])
 
 
 def _evidence_text(key: str, value) -> str:

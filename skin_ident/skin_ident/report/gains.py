@@ -61,7 +61,7 @@ def _no_gain(v: View, told: list[ChannelError]) -> Figure:
 
 def _error(x: float | None, e: ChannelError, v: View) -> str:
     """An error of a channel, in the unit that all have."""
-    return amount(x, e.unit, like=v.small or e.pair)
+    return amount(x, e.unit, like=v.loudest or e.pair)
 
 
 def allowed(v: View) -> str:
@@ -112,12 +112,12 @@ def _tested_pair(e: ChannelError, v: View) -> tuple[float, float]:
 
 def _interval(v: View, e: ChannelError) -> str:
     if e.interval:
-        return f"The fall is {span(*e.interval, e.unit, instead=v.small)} with 95 % confidence."
+        return f"The fall is {span(*e.interval, e.unit, instead=v.loudest)} with 95 % confidence."
     gains = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
     if not gains:
         return ""
     step = "The fall is" if len(v.judged) == 1 else "The first cause alone is worth"
-    return f"{step} {span(gains[0].low, gains[0].high, gains[0].unit, instead=v.small)} with 95 % confidence."
+    return f"{step} {span(gains[0].low, gains[0].high, gains[0].unit, instead=v.loudest)} with 95 % confidence."
 
 
 def _where_it_lies(e: ChannelError, v: View) -> str:

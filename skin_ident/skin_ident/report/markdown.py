@@ -53,7 +53,7 @@ def _rows(title: str, head: list[str], rows: list[list[str]]) -> list[str]:
 
 def _errors(v: View) -> list[str]:
     def said(x: float | None, e: ChannelError) -> str:
-        return amount(x, e.unit, like=v.small or [*e.pair, e.floor])
+        return amount(x, e.unit, like=v.loudest or [*e.pair, e.floor])
 
     if not v.findings:
         rows = [[channel(e.channel), said(e.pair[1], e), said(e.floor, e)] for e in v.errors]

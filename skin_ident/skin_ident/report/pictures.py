@@ -106,7 +106,7 @@ def _shaded(trace: Trace, cut: slice, axes) -> None:
 
 def _small(seen: Focus, unit: str, v: View) -> tuple[float, str]:
     """Factor and unit that suit what is left, those of all errors."""
-    return scale(v.small or max(float(np.nanmax(np.abs(r), initial=0.0)) for r in residuals(seen.trace, seen.row)), unit)
+    return scale(v.loudest or max(float(np.nanmax(np.abs(r), initial=0.0)) for r in residuals(seen.trace, seen.row)), unit)
 
 
 def _tidy(axes) -> None:

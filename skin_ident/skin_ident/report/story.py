@@ -194,7 +194,7 @@ def _in_newtons(seen: Focus, v: View) -> str:
     change = (seen.trace.extended[seen.row] - seen.trace.baseline[seen.row])[seen.trace.compared]
     peak = float(np.nanmax(np.abs(change), initial=0.0))
     top = float(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0))
-    unit, name, like = unit_of(v, seen.channel), signal(seen.channel), v.small or [rms(change)]
+    unit, name, like = unit_of(v, seen.channel), signal(seen.channel), v.loudest or [rms(change)]
     adding = "Adding it changes" if len(v.findings) == 1 else "Adding them changes"
     adding = "Putting them right changes" if all(f.cause == "parameters" for f in v.findings) else adding
     return (
@@ -223,7 +223,7 @@ def _stray(seen: Focus, v: View) -> str:
     """How wrong a simulation is that nothing explains."""
     left = smooth(seen.trace.t, residuals(seen.trace, seen.row)[1], v.band_hz)[seen.trace.compared]
     unit, worst = unit_of(v, seen.channel), float(np.nanmax(np.abs(left), initial=0.0))
-    like = v.small or [worst]
+    like = v.loudest or [worst]
     return (
         f"The simulated {signal(seen.channel)} strays from the measured one by up to {amount(worst, unit, like=like)}, typically "
         f"{amount(rms(left), unit, like=like)}, in a pattern that noise does not make."
@@ -238,7 +238,7 @@ def _in_the_picture(seen: Focus, v: View) -> Iterator[str]:
     worst = [float(np.nanpercentile(np.abs(smooth(seen.trace.t, r, v.band_hz)[cut]), 99.0)) for r in residuals(seen.trace, seen.row)]
     if worst[1] > CLEARLY * worst[0]:
         return
-    unit, like = unit_of(v, seen.channel), v.small or worst
+    unit, like = unit_of(v, seen.channel), v.loudest or worst
     few = "this" if len(v.findings) == 1 else "these"
     beside = ", in moments that were not compared" if seen.beside else ""
     yield (

@@ -144,10 +144,10 @@ class View:
     given: bool = False  # the model before was given, not fitted
 
     @property
-    def small(self) -> list[float]:
-        """What the unit of every error on the page suits: the smallest of them. Two units for one kind of number invite misreading."""
+    def loudest(self) -> list[float]:
+        """What the unit of every error on the page suits: the largest of them. Two units for one kind of number invite misreading."""
         errors = [x for e in self.errors if e.channel not in self.silent for x in e.pair if x]
-        return [min(errors)] if errors else []
+        return [max(errors)] if errors else []
 
     @property
     def doubts(self) -> tuple[dict[str, Any], ...]:

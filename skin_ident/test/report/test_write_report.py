@@ -88,7 +88,7 @@ def test_first_screen_answers_in_numbers(rendered):
     text = (rendered["explained"][1] / "report.md").read_text(encoding="utf-8")
     error = rendered["explained"][0].findings["extended"]["rmse"]["force"]["held_out"]
     assert "# Explained: stress relaxation in the skin" in text
-    assert f"{1e3 * error:.1f}\u00a0mN after" in text
+    assert f"{error:.4f}\u00a0N after" in text
     assert "relaxation time 800" in text or "relaxation time 0.800" in text
     assert "**No**, because the skin behaves like this" in text
 
