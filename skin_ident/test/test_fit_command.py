@@ -202,3 +202,9 @@ def test_what_fails_in_a_file_that_is_cut_off_says_so(fit, tmp_path, more):
     done = fit(cut_in_the_air(tmp_path / "a.mcap"), *more, "--out", tmp_path / "out")
     assert done.returncode == 2 and "a.mcap is cut off: the last" in done.stderr + done.stdout
     assert sum(line.startswith("error:") for line in done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("off", [0.0, 5e-6])
+def test_a_zero_of_the_depth_that_is_off_is_said(fit, tmp_path, off):
+    done = fit(write_table(tmp_path / "a.csv", Recording("a", R.t, R.depth + off, R.force, R.taxels)))
+    assert done.returncode == 0 and ("comes out at" in done.stdout) is (off > 0.0)

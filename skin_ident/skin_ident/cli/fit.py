@@ -19,6 +19,7 @@ from skin_ident.estimators.profile import profile
 from skin_ident.estimators.robust import LINEAR, LOSSES
 from skin_ident.estimators.spread import with_spread
 from skin_ident.estimators.text import as_dict, as_table
+from skin_ident.estimators.zeros import zero_warnings
 from skin_ident.recordings.bag import with_volts
 from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.load import find, load
@@ -78,6 +79,8 @@ def _main(arguments: Sequence[str] | None) -> int:
 def _estimate(chosen: argparse.Namespace, recordings: list[Recording], options: Options) -> Estimate:
     """The dispersion model, with all that was asked for beside it in the notes."""
     estimate = _with_latencies(fit_recordings(recordings, options), recordings, options)
+    if estimate.model is not None and not options.offsets and options.loss == LINEAR:
+        estimate = replace(estimate, warnings=(*estimate.warnings, *zero_warnings(estimate, *as_fitted(recordings, options))))
     if chosen.bootstrap:
         estimate = _with_bootstrap(estimate, recordings, options, chosen.bootstrap)
     return _with_profile(estimate, recordings, options) if chosen.profile else estimate

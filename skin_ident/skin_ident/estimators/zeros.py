@@ -1,0 +1,36 @@
+"""Whether the zeros of depth and forces matter: a depth that counts from two micrometres beside the surface changes a stiffness by more
+than its standard error, which knows of noise alone.
+"""
+
+from collections.abc import Sequence
+from contextlib import suppress
+
+from skin_ident.estimators.dispersion import fit_dispersion
+from skin_ident.estimators.errors import FitError
+from skin_ident.estimators.estimate import Estimate
+from skin_ident.estimators.figures import plus_minus
+from skin_ident.recordings.recording import Recording
+from skin_models.signals import Motion
+
+FAR = 2.0  # half widths of the 95 % interval
+
+
+def zero_warnings(
+    estimate: Estimate, recordings: Sequence[Recording], mass: float | str = 0.0, motions: Sequence[Motion] | None = None
+) -> list[str]:
+    """A sentence where a parameter of `estimate`, SI, leaves its interval by far once every channel has a zero of its own."""
+    with suppress(FitError):  # zeros that this motion does not tell from the rest are in no fit
+        free = fit_dispersion(recordings, mass, motions, offsets=True)
+        far = {n: _half_widths(estimate, free, n) for n, s in estimate.std.items() if s > 0.0 and free.std.get(n, 0.0) > 0.0}
+        name = max(far, key=far.get, default="")
+        if name and far[name] > FAR:
+            found = f"{name} comes out at {plus_minus(free.values[name], 1.96 * free.std[name])}"
+            return [f"with a zero of its own for every channel (--offsets) {found}, outside of its interval: "
+                    "the zero of the depth, or of a channel, seems a little off"]  # fmt: skip
+    return []
+
+
+def _half_widths(one: Estimate, other: Estimate, name: str) -> float:
+    """How far two estimates of a parameter are apart, over the half width of their intervals together."""
+    halves = [(high - low) / 2 for low, high in (one.interval(name), other.interval(name))]
+    return abs(one.values[name] - other.values[name]) / (halves[0] ** 2 + halves[1] ** 2) ** 0.5
