@@ -68,10 +68,9 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 
 def _check_apart(out: Path, files: Sequence[Path]) -> None:
-    """Raises `RecordingError` for an answer that would lie among the recordings, and be read or written over with them."""
-    among = {folder for file in files for folder in (file.resolve(), file.resolve().parent)}
-    if out.resolve() in among:
-        raise RecordingError(f"--out {out} is where the recordings are: name another folder, for the answer is to lie apart from them")
+    """Raises `RecordingError` for an answer that would lie in a recording; beside them it may, as the demo's does."""
+    if out.resolve() in {file.resolve() for file in files}:
+        raise RecordingError(f"--out {out} is a recording: name another folder, for the answer is to lie apart from it")
 
 
 Files = list[tuple[Path, str]]  # and what is to be said of each, or nothing
