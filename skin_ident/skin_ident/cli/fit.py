@@ -13,7 +13,19 @@ from skin_ident.cli.fit_scan import fit_scans
 from skin_ident.estimators.bootstrap import bootstrap, check_runs
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.estimate import POOR, Estimate
-from skin_ident.estimators.fit import FIXED, FREE, MEASURED, SINUSOID, Options, as_fitted, check, fit_recordings, mass_of, sessions_of
+from skin_ident.estimators.fit import (
+    FIXED,
+    FREE,
+    MEASURED,
+    SINUSOID,
+    Fitted,
+    Options,
+    as_fitted,
+    check,
+    fit_recordings,
+    mass_of,
+    sessions_of,
+)
 from skin_ident.estimators.latency import latencies
 from skin_ident.estimators.profile import profile
 from skin_ident.estimators.robust import LINEAR, LOSSES
@@ -78,12 +90,18 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 def _estimate(chosen: argparse.Namespace, recordings: list[Recording], options: Options) -> Estimate:
     """The dispersion model, with all that was asked for beside it in the notes."""
-    estimate = _with_latencies(fit_recordings(recordings, options), recordings, options)
-    if estimate.model is not None and not options.offsets and options.loss == LINEAR:
-        estimate = replace(estimate, warnings=(*estimate.warnings, *zero_warnings(estimate, *as_fitted(recordings, options))))
+    estimate = fit_recordings(recordings, options)
+    if estimate.model is None:
+        for asked, name in ((chosen.bootstrap, "--bootstrap"), (chosen.profile, "--profile")):
+            if asked:
+                raise FitError(f"{name} is for fits with a depth")
+        return estimate
+    estimate, fitted = _with_latencies(estimate, recordings, options), as_fitted(recordings, options)
+    if not options.offsets and options.loss == LINEAR:
+        estimate = replace(estimate, warnings=(*estimate.warnings, *zero_warnings(estimate, *fitted)))
     if chosen.bootstrap:
-        estimate = _with_bootstrap(estimate, recordings, options, chosen.bootstrap)
-    return _with_profile(estimate, recordings, options) if chosen.profile else estimate
+        estimate = _with_bootstrap(estimate, fitted, options, chosen.bootstrap)
+    return _with_profile(estimate, fitted, options) if chosen.profile else estimate
 
 
 def _check_what(chosen: argparse.Namespace) -> None:
@@ -98,8 +116,6 @@ def _check_what(chosen: argparse.Namespace) -> None:
 
 def _with_latencies(estimate: Estimate, recordings: list[Recording], options: Options) -> Estimate:
     """The same with the latency of every channel in the notes, and a warning where one matters."""
-    if estimate.model is None:
-        return estimate
     mass = mass_of(replace(options, mass=FIXED) if options.mass == FREE else options, recordings)  # a free mass would stand for a delay
     found = {n: latency for n, latency in latencies(recordings, mass).items() if estimate.residuals[n].r2 >= POOR}
     said = [w for name, latency in found.items() for w in latency.warning(name, recordings[0].dt)]
@@ -107,22 +123,18 @@ def _with_latencies(estimate: Estimate, recordings: list[Recording], options: Op
     return replace(estimate, warnings=(*estimate.warnings, *said), notes={**estimate.notes, "latency_behind_depth_ms": entries})
 
 
-def _with_bootstrap(estimate: Estimate, recordings: list[Recording], options: Options, runs: int) -> Estimate:
+def _with_bootstrap(estimate: Estimate, fitted: Fitted, options: Options, runs: int) -> Estimate:
     """The same with intervals drawn from stretches of the residual, in the notes."""
-    if estimate.model is None:
-        raise FitError("--bootstrap is for fits with a depth")
     common.say(f"drawing {runs} bootstrap samples …")
-    drawn = bootstrap(*as_fitted(recordings, options), offsets=options.offsets, runs=runs)
+    drawn = bootstrap(*fitted, offsets=options.offsets, runs=runs)
     intervals = {p.name: list(drawn.interval(p.name)) for p in estimate.parameters if estimate.std[p.name] > 0.0}
     return replace(estimate, notes={**estimate.notes, "bootstrap": {"runs": runs, "stretch_s": drawn.stretch, "ci95": intervals}})
 
 
-def _with_profile(estimate: Estimate, recordings: list[Recording], options: Options) -> Estimate:
+def _with_profile(estimate: Estimate, fitted: Fitted, options: Options) -> Estimate:
     """The same with intervals by profile likelihood in the notes."""
-    if estimate.model is None:
-        raise FitError("--profile is for fits with a depth")
     common.say("profiling the likelihood …")
-    found = profile(*as_fitted(recordings, options), offsets=options.offsets)
+    found = profile(*fitted, offsets=options.offsets)
     return replace(estimate, notes={**estimate.notes, "profile": {"ci95": {name: list(ends) for name, ends in found.items()}}})
 
 

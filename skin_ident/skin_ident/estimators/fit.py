@@ -56,7 +56,10 @@ def _fitted(recordings: Sequence[Recording], mass: float | str, options: Options
     return replace(estimate, notes={**estimate.notes, "sinusoids": {r.name: vars(s) for r, s in zip(recordings, found, strict=True)}})
 
 
-def as_fitted(recordings: Sequence[Recording], options: Options) -> tuple[list[Recording], float | str, list[Motion] | None]:
+Fitted = tuple[list[Recording], float | str, list[Motion] | None]  # recordings, mass, and motions that are not as measured
+
+
+def as_fitted(recordings: Sequence[Recording], options: Options) -> Fitted:
     """Recordings, mass and motions (None: as measured) with which a depth-driven fit of `options` is made. Raises `FitError`."""
     mass = mass_of(options, recordings)
     if options.motion == MEASURED:

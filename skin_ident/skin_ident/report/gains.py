@@ -47,8 +47,8 @@ def fall(e: ChannelError) -> float:
 def _no_gain(v: View, told: list[ChannelError]) -> Figure:
     """Nothing was added: where the model stands against the noise."""
     at_noise = all(e.floor is not None and e.pair[1] < NEAR * e.floor for e in told)
-    said = [f"Typical error of the {signal(e.channel)}: {_error(e.pair[1], e, v)}{_when_fitted(e, v)}." + _floor(e, v) for e in told[:2]]
-    said += [allowed(v)] if allowed(v) else []
+    said = [f"Typical error of the {signal(e.channel)}: {error(e.pair[1], e, v)}{_when_fitted(e, v)}." + _floor(e, v) for e in told[:2]]
+    said += filter(None, [allowed(v)])
     unmeasured = dict.fromkeys(f.unmeasured for f in v.findings if f.unmeasured)
     if v.findings and all(f.unmeasured for f in v.findings):
         return Figure("Not measured", f"by this comparison, for {' and '.join(unmeasured)}", tuple(said))
@@ -59,9 +59,9 @@ def _no_gain(v: View, told: list[ChannelError]) -> Figure:
     return Figure("Nothing to gain" if at_noise else "No gain", "" if at_noise else "no cause could be added to the model", tuple(said))
 
 
-def _error(x: float | None, e: ChannelError, v: View) -> str:
+def error(x: float | None, e: ChannelError, v: View) -> str:
     """An error of a channel, in the unit that all have."""
-    return amount(x, e.unit, like=v.loudest or e.pair)
+    return amount(x, e.unit, like=v.loudest or [*e.pair, e.floor])
 
 
 def allowed(v: View) -> str:
@@ -72,7 +72,7 @@ def allowed(v: View) -> str:
         return ""
     own = f"each session has its own {' and '.join(v.own_zeros)}, no further off than good hardware and a tare leave it"
     had = own if v.own_zeros else "what is fitted is no fault, see the warnings"
-    without = " and ".join(f"{_error(e.pair[0], e, v)} in the {signal(e.channel)}" for e in changed)
+    without = " and ".join(f"{error(e.pair[0], e, v)} in the {signal(e.channel)}" for e in changed)
     return f"In this {had}; without that it would be {without}."
 
 
@@ -81,13 +81,13 @@ def _when_fitted(e: ChannelError, v: View) -> str:
     fitted = e.train[1]
     if fitted is None or e.held_out[1] is None or fitted < NEAR * e.held_out[1]:
         return ""
-    return f", and {_error(fitted, e, v)} on the data it was fitted to"
+    return f", and {error(fitted, e, v)} on the data it was fitted to"
 
 
 def _floor(e: ChannelError, v: View) -> str:
     if e.floor is not None and e.pair[1] is not None and e.pair[1] <= ALIKE * e.floor:
         return " That is no more than noise."
-    return "" if e.floor is None else f" Noise alone leaves {_error(e.floor, e, v)}."
+    return "" if e.floor is None else f" Noise alone leaves {error(e.floor, e, v)}."
 
 
 def _gain(e: ChannelError, v: View) -> Figure:
@@ -96,7 +96,7 @@ def _gain(e: ChannelError, v: View) -> Figure:
     together = "" if len(v.findings) == 1 else " with everything named here together"
     caption = f"{'less' if share >= 0 else 'more'} error in the {signal(e.channel)}{together}, on {TESTED[v.tested]}"
     said = [
-        f"Typical error: {_error(before, e, v)} before, {_error(after, e, v)} after.",
+        f"Typical error: {error(before, e, v)} before, {error(after, e, v)} after.",
         _interval(v, e),
         _where_it_lies(e, v),
         _bound(e, after, v),
@@ -125,14 +125,14 @@ def _where_it_lies(e: ChannelError, v: View) -> str:
     own = next((o for o in v.errors if v.findings and o.channel == v.findings[0].where), None)
     if own is None or own.channel == e.channel or own.channel in v.silent or None in own.pair or not own.pair[0]:
         return ""
-    both = " before, ".join(_error(x, own, v) for x in own.pair)
+    both = " before, ".join(error(x, own, v) for x in own.pair)
     return f"{capital(spoken(own.channel))}, in which the first of them lies: {both} after."
 
 
 def _bound(e: ChannelError, after: float, v: View) -> str:
     if e.floor is None:
         return ""
-    floor = _error(e.floor, e, v)
+    floor = error(e.floor, e, v)
     if after <= ALIKE * e.floor:
         return "What is left is no more than noise."
     if v.verdict in (PARTLY, UNEXPLAINED):

@@ -1,13 +1,13 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
 from skin_ident.report.appendix import SPREAD, held_at, size_ruled_out, why_untestable
-from skin_ident.report.gains import fall
-from skin_ident.report.numbers import UNKNOWN, amount, percent
+from skin_ident.report.gains import error, fall
+from skin_ident.report.numbers import UNKNOWN, percent
 from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.sizes import number
 from skin_ident.report.story import Told, Wrong
 from skin_ident.report.tolerant import named_at, text
-from skin_ident.report.view import Amount, ChannelError, View
+from skin_ident.report.view import Amount, View
 from skin_ident.report.words import capital, channel, sentence
 
 
@@ -52,13 +52,10 @@ def _rows(title: str, head: list[str], rows: list[list[str]]) -> list[str]:
 
 
 def _errors(v: View) -> list[str]:
-    def said(x: float | None, e: ChannelError) -> str:
-        return amount(x, e.unit, like=v.loudest or [*e.pair, e.floor])
-
     if not v.findings:
-        rows = [[channel(e.channel), said(e.pair[1], e), said(e.floor, e)] for e in v.errors]
+        rows = [[channel(e.channel), error(e.pair[1], e, v), error(e.floor, e, v)] for e in v.errors]
         return _rows("Error of every channel", ["channel", "error", "noise alone"], rows)
-    rows = [[channel(e.channel), *(said(x, e) for x in e.pair), percent(-fall(e)), said(e.floor, e)] for e in v.errors]
+    rows = [[channel(e.channel), *(error(x, e, v) for x in e.pair), percent(-fall(e)), error(e.floor, e, v)] for e in v.errors]
     return _rows("Error of every channel", ["channel", "before", "after", "change", "noise alone"], rows)
 
 

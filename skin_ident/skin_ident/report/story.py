@@ -166,17 +166,9 @@ def _as_well(f: Finding) -> Iterator[str]:
         one = "The other name fits" if alone else "One of them fits" if equal == 1 else f"{equal if less else 'All'} of them fit"
         yield f"{one} these data almost as well."
     if less:
-        one = (
-            "The other name explains"
-            if alone
-            else "The other names explain"
-            if not equal
-            else "The rest explain"
-            if len(less) > 1
-            else "One explains"
-        )
+        one = ("One explains", "The rest explain") if equal else ("The other name explains", "The other names explain")
         by = " to ".join(dict.fromkeys(percent(b) for b in (less[0], less[-1])))
-        yield f"{one} {by} less of the mismatch: more than chance, yet too little to rule out, since no model is exact."
+        yield f"{one[len(less) > 1]} {by} less of the mismatch: more than chance, yet too little to rule out, since no model is exact."
     if len(f.alternatives) > MOST_NAMES:
         yield f"{len(f.alternatives) - MOST_NAMES} more names are on its card below."
 

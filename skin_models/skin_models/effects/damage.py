@@ -73,10 +73,7 @@ class DamagedSprings(OfTheSprings):
     form: ClassVar[str] = "damaged_springs"
     places: ClassVar = {"skin": Place.SKIN}
     source: ClassVar[str] = "Simo 1987, beside linear damping"
-    linear: ClassVar[bool] = True
 
-    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=1200.0, doc="stiffness k, sensed")
-    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=400.0, doc="stiffness k, dispersed")
     length: float = quantity(
         "m", 0.5e-3, lower=1e-5, upper=0.05, role=SHAPE, typical=0.5e-3, scan=(0.2e-3, 0.5e-3, 1e-3, 2e-3), doc="depth scale l"
     )

@@ -1,12 +1,14 @@
 """Bases of the effects that depend on the greatest depth so far: softening and damage, of the whole force or of the springs alone."""
 
 from abc import abstractmethod
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from skin_models.effect import Dynamic
 from skin_models.operators.contact import branches, depth_in_contact
+from skin_models.parameter import quantity
 from skin_models.signals import Motion, Sample
 
 
@@ -46,9 +48,14 @@ class OfTheForce(ByGreatestDepth):
         return y * self.factor(x, greatest)
 
 
+@dataclass(frozen=True)
 class OfTheSprings(ByGreatestDepth):
-    """The springs soften, the dashpots do not: y' = y - k x share(x, X) on each branch. Subclasses write `share`, and have `k_sensed` and
-    `k_dispersed` (N/m)."""
+    """The springs soften, the dashpots do not: y' = y - k x share(x, X) on each branch. Subclasses write `share`."""
+
+    linear: ClassVar[bool] = True
+
+    k_sensed: float = quantity("N/m", 0.0, lower=0.0, typical=1200.0, doc="greatest stiffness that is lost, sensed")
+    k_dispersed: float = quantity("N/m", 0.0, lower=0.0, typical=400.0, doc="greatest stiffness that is lost, dispersed")
 
     @abstractmethod
     def share(self, x: Any, greatest: Any) -> Any:

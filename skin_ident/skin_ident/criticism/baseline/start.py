@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from skin_ident.criticism.sessions.session import NOMINAL, Session
+from skin_ident.criticism.sessions.session import NOMINAL, Session, motion_under, of_recovery
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
-from skin_models.operators.lagging import lagged
 from skin_models.parameter import clipped
 
 RECOVERIES = tuple(np.geomspace(1e-3, 1.0, 13))  # s, of silicones and foams
@@ -53,26 +52,26 @@ def _under_spread(sessions: list[Session]) -> np.ndarray:
 def _ratios(sessions: list[Session], mass: float) -> Model:
     """For a force-to-force test: what every taxel has of the applied force. At a given recovery tau that is linear in share and damping,
 
-        taxel = c x + d x' + zero of the session,    tau x' + x = F,
+        taxel = k x + b x' + zero of the session,    tau x' + x = F / K,
 
     and of several tau that one is taken which leaves least: from a far one a fit may not find back."""
-    _, tau, slopes = min((_recovering(sessions, tau) for tau in RECOVERIES), key=lambda found: found[0])
-    shares, drags = np.maximum(slopes[:, 0], 1e-6), slopes[:, 1]
-    reference = int(np.argmax(shares))
-    k1, b1 = NOMINAL * float(np.clip(shares[reference], 0.01, MOST)), NOMINAL * float(drags[reference])
+    _, tau, slopes = min((_under_recovery(sessions, tau) for tau in RECOVERIES), key=lambda found: found[0])
+    k, b = np.maximum(slopes[:, 0], 1e-6 * NOMINAL), slopes[:, 1]
+    reference = int(np.argmax(k))
+    k1, b1 = float(np.clip(k[reference], 0.01 * NOMINAL, MOST * NOMINAL)), float(b[reference])
     skin = _skin(m=mass, b1=b1, k1=k1, b2=NOMINAL * tau - b1, k2=NOMINAL - k1)
-    return Model(skin, shares=tuple(shares / shares[reference]))
+    return Model(skin, shares=tuple(k / k[reference]))
 
 
-def _recovering(sessions: list[Session], tau: float) -> tuple[float, float, np.ndarray]:
-    """The squares that a skin of recovery tau (s) leaves of all taxels, N^2; tau; and every taxel's c and d (T, 2)."""
+def _under_recovery(sessions: list[Session], tau: float) -> tuple[float, float, np.ndarray]:
+    """The squares that a skin of recovery tau (s) leaves of all taxels, N^2; tau; and every taxel's k and b (T, 2)."""
     rows: list[list[np.ndarray]] = [[] for _ in sessions[0].channels]
     for s in sessions:
-        x = lagged(s.drive, tau, s.motion.dt)
-        H = s.band.thin(np.array([x, (s.drive - x) / tau]))
+        moved = motion_under(s, of_recovery(tau))
+        H = s.band.thin(np.array([moved.x, moved.v]))
         for taxel, y, w in zip(rows, s.measured, s.weight, strict=True):
             seen = np.vstack([H, y])[:, w > 0.0]
             taxel.append(seen - seen.mean(axis=1, keepdims=True) if seen.size else seen)
     every = [np.concatenate(taxel, axis=1) for taxel in rows]
     slopes = np.array([np.linalg.lstsq(e[:2].T, e[2], rcond=None)[0] for e in every])
-    return float(sum(np.sum((e[2] - c @ e[:2]) ** 2) for e, c in zip(every, slopes, strict=True))), tau, slopes
+    return float(sum(np.sum((e[2] - of @ e[:2]) ** 2) for e, of in zip(every, slopes, strict=True))), tau, slopes

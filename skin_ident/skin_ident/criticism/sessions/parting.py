@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.sessions.session import NOMINAL, Session, motion_under
+from skin_ident.criticism.sessions.session import Session, motion_under, of_recovery
 from skin_models.dispersion import Dispersion
 from skin_models.parameter import clipped
 from skin_models.signals import Motion
@@ -65,7 +65,7 @@ def _unpressed(session: Session, skin: Dispersion) -> np.ndarray:
     pressed = session.drive > JUMP * session.drive.max()
     fits = []
     for tau in RECOVERIES:
-        like = Dispersion(m=0.0, b1=0.0, k1=0.0, b2=tau * NOMINAL, k2=NOMINAL)
+        like = of_recovery(tau)
         moved = motion_under(session, like)
         told = _by_load(session, np.array([moved.x, moved.v]), pressed)
         fits.append((float(np.sum((_taxels(session) - told)[:, pressed] ** 2)), told, like))

@@ -108,6 +108,11 @@ def without(sessions: list[Session], one: Session) -> tuple[list[Session], Sessi
     return with_reference([s for s in sessions if s is not one]), replace(one, reference=None)
 
 
+def of_recovery(tau: float) -> Dispersion:
+    """A skin of the stiffness `NOMINAL` that recovers with the time constant tau, s, whatever its taxels feel of it."""
+    return Dispersion(m=0.0, b1=0.0, k1=0.0, b2=tau * NOMINAL, k2=NOMINAL)
+
+
 def motion_under(session: Session, skin: Dispersion) -> Motion:
     """The depth of the session; in a force-to-force test the depth to which the applied force F presses this skin,
 
