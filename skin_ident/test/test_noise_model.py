@@ -8,6 +8,8 @@ from scipy.signal import freqz, lfilter
 
 from skin_ident.criticism.noise.estimate import noise_model
 from skin_ident.criticism.noise.growth import load_of
+from skin_ident.criticism.noise.in_blocks import BLOCK, InBlocks
+from skin_ident.criticism.noise.predictor import AVERAGING, MEMORIES, whole
 from skin_ident.criticism.noise.taken import taken
 from skin_ident.criticism.noise.whitening import Stacked, fit_whitener, order_for, with_growth
 
@@ -158,3 +160,12 @@ def test_no_mixture_of_channels_is_taken_to_be_silent_at_its_slowest():
             gains = (np.abs(freqz(*noise.predictor(c), np.pi * w)[1]) ** 2 for w in (np.arange(1, 4) / n, np.linspace(0.03, 0.3)))
             deepest.append(np.divide(*map(np.mean, gains)))
     assert np.max(deepest) < 16.0  # noise of a fifth of the power would be 5; without what is given back it is 51
+
+
+@pytest.mark.parametrize("order", [0, 2, 8])
+@pytest.mark.parametrize("n", [1, 7, BLOCK, 5 * BLOCK + 3])
+def test_blocks_leave_what_a_filter_that_runs_leaves(order, n):
+    rng = np.random.default_rng(order + n)
+    f, c = np.concatenate([[1.0], 0.2 * rng.standard_normal(order)]), 0.1 * rng.standard_normal(MEMORIES.size)
+    rows = rng.standard_normal((3, 2, n))
+    np.testing.assert_allclose(InBlocks(f, c).apply(rows), lfilter(whole(f, c), AVERAGING, rows, axis=-1), atol=1e-7)

@@ -57,6 +57,15 @@ def fit_predictor(
     return np.concatenate([[1.0], -a[:order][::-1]]), a[order:]
 
 
+def whole(f: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """The numerator, over `AVERAGING`, of the filter that leaves what neither the last samples, by the prediction-error filter `f` (p+1,),
+    nor the averages, by the coefficients `c` (M,), predict."""
+    averages = c @ EACH
+    numerator = np.convolve(f, AVERAGING)
+    numerator[1 : 1 + averages.size] -= averages
+    return numerator
+
+
 @dataclass(frozen=True)
 class _Normal:
     """Normal equations, `gram` (p+M, p+M) and `product` (p+M,), of a predictor `a` of `n` samples with so much `energy`."""

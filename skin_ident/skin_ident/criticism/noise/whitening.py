@@ -10,13 +10,15 @@ Source: L. Ljung, System Identification, 1999, ch. 4 (prediction-error filters).
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.signal import freqz, lfilter
 
 from skin_ident.criticism.noise.growth import Channels, Growth, growth
-from skin_ident.criticism.noise.predictor import AVERAGING, EACH, MEMORIES, fit_predictor
+from skin_ident.criticism.noise.in_blocks import InBlocks
+from skin_ident.criticism.noise.predictor import AVERAGING, MEMORIES, fit_predictor, whole
 from skin_ident.stretches import runs
 
 ORDERS = (8, 4, 2)
@@ -60,8 +62,8 @@ class Whitener:
             return np.multiply(np.matmul(to_unit @ mix, e, out), believed, out)
         good = s.weight.min(axis=0) > 0.0
         mixed = np.matmul(mix, e if good.all() else e * good)
-        for c in range(len(mix)):
-            mixed[..., c, :] = lfilter(*self.predictor(c), mixed[..., c, :], axis=-1)
+        for c, blocks in enumerate(self._in_blocks):
+            mixed[..., c, :] = blocks.apply(mixed[..., c, :])
         mixed *= believed
         return np.matmul(to_unit, mixed, out)
 
@@ -81,10 +83,12 @@ class Whitener:
     def predictor(self, c: int) -> tuple[np.ndarray, np.ndarray]:
         """Numerator and denominator of the filter that leaves of mixture `c` what its past does not predict. Samples that are left out are
         zeros to it: the averages take no notice of them, and those behind them, of which the last p samples are wrong, are not believed."""
-        averages = self.slow[c] @ EACH
-        whole = np.convolve(self.filters[c], AVERAGING)
-        whole[1 : 1 + averages.size] -= averages
-        return whole, AVERAGING
+        return whole(self.filters[c], self.slow[c]), AVERAGING
+
+    @cached_property
+    def _in_blocks(self) -> list[InBlocks]:
+        """The same, of every mixture, for many rows at once."""
+        return [InBlocks(f, c) for f, c in zip(self.filters, self.slow, strict=True)]
 
     def averaged(self, samples: int) -> np.ndarray:
         """The standard deviation (C,) of an average of so many samples of each channel without load, N: by the noise's spectrum."""
