@@ -10,7 +10,7 @@ from world.hidden import Hide
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.noise.whitening import white
 from skin_ident.criticism.search.bounds import HOLLOW, excluded_and_untestable
-from skin_ident.criticism.search.named import Seen
+from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import project, rank
 from skin_ident.criticism.search.survey import Survey
@@ -63,9 +63,11 @@ def test_more_than_there_can_be_of_a_cause_excludes_nothing():
 
 
 def test_every_clock_is_a_clock_to_the_reader_and_none_is_in_doubt_that_is_named():
-    doubts = {("time_shift", place): Seen(1e-3, "half of the data speak for it", doubt=True) for place in ("clock_depth", "clock_taxels")}
+    doubts = {
+        ("time_shift", place): NotNamed(1e-3, "half of the data speak for it", doubt=True) for place in ("clock_depth", "clock_taxels")
+    }
     record = Recording("a", np.arange(500) / 100.0, None, np.zeros(500), np.zeros((0, 500)))
-    c = SimpleNamespace(usual=doubts)
+    c = SimpleNamespace(not_named=doubts)
     _, said = excluded_and_untestable(surveyed(0.0, 0.0, 0.0), [], set(), {}, _not_findings(c, [record], set()))
     clocks = [(u["where"], u["channel_clock"]) for u in said if u["cause"] == "time_shift"]
     assert clocks == [("clock", "depth"), ("clock", "taxels")]

@@ -50,6 +50,15 @@ def test_a_silent_taxel_bends_nothing_and_is_simulated_silent():
     assert np.allclose(outcome.model.simulate(motion(T, 1e-4 * np.ones(T.size))).taxels[1], 2.5)
 
 
+@pytest.mark.filterwarnings("error")
+def test_of_a_last_session_whose_only_channel_is_dead_nothing_is_asked():
+    def one_taxel(r, times):
+        return replace(r, force=None, taxels=times * r.taxels[:1], taxel_names=("taxel_0",), taxel_units=("N",))
+
+    outcome = diagnose([one_taxel(session(i), times) for i, times in enumerate((1.0, 1.0, 0.0))])
+    assert entries(outcome) == [("dead_taxel", "taxel")] and outcome.findings["verdict"] == "explained"
+
+
 def test_a_clipped_taxel_is_cut_and_what_the_baseline_hid_it_in_is_said(tmp_path):
     outcome = diagnosed(lambda y, rng: np.minimum(y, np.array([[5.0], [9.0], [9.0]])))
     assert entries(outcome) == [("saturation", "taxel_0")]

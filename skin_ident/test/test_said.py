@@ -10,6 +10,7 @@ from skin_ident.criticism.courses.carriers import DEPTH, DRIVE, DRIVEN, SLOPE, Z
 from skin_ident.criticism.courses.course import _said
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.telling.telling import _once_each
 
 MOMENTS, Z = np.array([3.0, 8.0]), np.array([0.02, -0.01])
 
@@ -47,3 +48,10 @@ def test_a_finding_of_each_session_has_the_numbers_that_it_speaks_of():
     assert set(sizes) == set(finding["evidence"]["of_each_session"]) == {f"session_{i}" for i in range(3)}
     for i, zero in enumerate(zeros):
         assert sizes[f"session_{i}"] == [{"value": pytest.approx(zero, abs=NOISE), "unit": "N"}]
+
+
+def test_two_clocks_that_are_wrong_are_two_findings_and_what_was_seen_joins_one():
+    depth, taxels = ({"cause": "time_shift", "where": "clock", "channel_clock": c, "evidence": {}} for c in ("clock_depth", "clock_taxels"))
+    gaps = {"cause": "time_shift", "where": "clock", "evidence": {"why": "stamps jump"}}
+    assert _once_each([depth, taxels], 0) == [depth, taxels]
+    assert _once_each([gaps, depth, taxels], 1) == [depth | {"evidence": gaps["evidence"]}, taxels]

@@ -98,7 +98,7 @@ def diagnose(
         return _of_many(every, len(recordings), odd, layout, model, progress)
     part = _part(every, len(recordings), odd, layout, model, twins, progress)
     array = array_criticism(part.criticism, layout, part.seen, every)
-    return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms, set(part.criticism.usual))
+    return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms, set(part.criticism.not_named))
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model
     wide = criticism_of_all(c, rest, every, chosen, extended, seen, split)
     array = array_criticism(wide, layout, seen, every)
     findings = with_rest(renamed(part.findings, chosen), odd, rest, chosen, len(every[0].taxels))
-    told = {(cause, renamed(where, chosen)) for cause, where in c.usual} | {(u["cause"], u["where"]) for u in rest.untestable}
+    told = {(cause, renamed(where, chosen)) for cause, where in c.not_named} | {(u["cause"], u["where"]) for u in rest.untestable}
     outcome = _outcome(part, findings, array, extended, wide.train[0], (*odd, *seen), told)
     baseline = model_of_all(c.baseline.model, chosen, rest.shares, (), layout)
     said = {name: renamed(getattr(outcome, name), chosen) for name in ("std", "batteries")}

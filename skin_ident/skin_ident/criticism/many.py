@@ -162,13 +162,13 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
     run(search, fit(start, train, noise_beside(start, train, which)))
     eliminate(search)
     found_here = [n for n in search.named if n.where.startswith("taxel_")]
-    usual = {key: s for key, s in search.seen.items() if key[1].startswith("taxel_")}
+    not_named = {key: why for key, why in search.not_named.items() if key[1].startswith("taxel_")}
     model, std, names = search.present.model, search.present.std, [r.name for r in recordings]
     effects = [replace(e, where=renamed(e.where, taxels)) for e in model.effects if e.taxel is not None]
     return Rest(
         tuple(named_of_all(n, taxels) for n in found_here),
         tuple(renamed(found(n, model, std, {}), taxels, names) for n in found_here),
-        tuple(renamed(undecided(BY_NAME[cause], where, s), taxels, names) for (cause, where), s in usual.items()),
+        tuple(renamed(undecided(BY_NAME[cause], where, s), taxels, names) for (cause, where), s in not_named.items()),
         tuple(effects),
         tuple(symptom_of_all(s, taxels, names) for s in own),
         {i: s * model.dispersion.k1 / max(k1, 1e-9) for i, s in zip(taxels, model.shares, strict=True)},
@@ -184,9 +184,9 @@ def _without_taxels(model: Model, count: int, places: list) -> Model:
 
 def _shares(plain: Model, sessions: list[Session]) -> tuple[float, ...]:
     """Shares by regression of what is measured on what a share of one would give."""
-    one = [s.measured[-s.n_taxels :] - residual(plain, s)[-s.n_taxels :] for s in sessions]
-    read = [s.measured[-s.n_taxels :] for s in sessions]
-    weight = [s.weight[-s.n_taxels :] for s in sessions]
+    one = [s.measured[s.taxel_rows] - residual(plain, s)[s.taxel_rows] for s in sessions]
+    read = [s.measured[s.taxel_rows] for s in sessions]
+    weight = [s.weight[s.taxel_rows] for s in sessions]
     up = sum((a * b * w).sum(axis=1) for a, b, w in zip(one, read, weight, strict=True))
     down = sum((a * a * w).sum(axis=1) for a, w in zip(one, weight, strict=True))
     return tuple(float(q) for q in np.maximum(up / np.maximum(down, 1e-300), 1e-6))

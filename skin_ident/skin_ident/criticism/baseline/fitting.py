@@ -34,6 +34,12 @@ class Fit:
     cost: float
     count: int
 
+    def gain_over(self, before: "Fit") -> float:
+        """What this explains beyond another fit in the same noise, less what more unknowns cost: dV - dk log n, squared whitened units
+        (G. Schwarz, Annals of Statistics 6 (1978) 461-464)."""
+        charge = np.log(self.count) * (len(self.unknowns) - len(before.unknowns))
+        return float(before.cost - self.cost - charge)
+
 
 def whitened(model: Model, sessions: list[Session], noise: Whitener) -> np.ndarray:
     """All whitened residuals of all sessions, in one vector."""

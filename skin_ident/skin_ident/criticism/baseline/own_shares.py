@@ -21,7 +21,7 @@ def has_own(session: Session) -> bool:
 
 def own_shares(y: np.ndarray, session: Session) -> np.ndarray:
     """By what the simulated taxels among channels `y` (C, N) are multiplied to fit the session best, (T,), within `SHARE`."""
-    taxels = slice(-session.n_taxels, None)
+    taxels = session.taxel_rows
     Y = session.band.thin(y[taxels])
     beyond = 0.0 if session.beyond is None else session.band.thin(session.beyond[taxels])
     factor = regression((session.measured[taxels] - beyond)[None], Y, session.weight[taxels])[0]
@@ -32,7 +32,7 @@ def take_shares(changes: np.ndarray, y: np.ndarray, session: Session) -> None:
     """From changes (K, C, n) of a simulation `y` (C, N) take what shares of the session's own can follow. In place: they are large."""
     if not has_own(session):
         return
-    taxels = slice(-session.n_taxels, None)
+    taxels = session.taxel_rows
     Y = session.band.thin(y[taxels])
     factors = np.where(kept(session), 0.0, regression(changes[:, taxels], Y, session.weight[taxels]))
     changes[:, taxels] -= factors[..., None] * Y

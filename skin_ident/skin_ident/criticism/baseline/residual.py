@@ -52,7 +52,7 @@ def _told(response: Response, session: Session) -> np.ndarray:
     """What a response says of the channels of a session, under its own shares, and beside a twin."""
     y = rows(response, session)
     if has_own(session):
-        y[-session.n_taxels :] *= own_shares(y, session)[:, None]
+        y[session.taxel_rows] *= own_shares(y, session)[:, None]
     return y if session.beyond is None else session.beyond + y
 
 

@@ -17,7 +17,7 @@ def settled(model: Model, session: Session) -> Session:
     """The session with the shares that fit it best under `model`."""
     if not has_own(session):
         return session
-    s, free, taxels = replace(session, pinned=True), ~kept(session), slice(-session.n_taxels, None)
+    s, free, taxels = replace(session, pinned=True), ~kept(session), session.taxel_rows
     for _ in range(STEPS):
         probe = PROBE * s.spread.max()
         y, more = (s.band.thin(simulated(model, each)[taxels]) for each in (s, replace(s, spread=s.spread + probe)))

@@ -43,9 +43,9 @@ def _under_spread(sessions: list[Session]) -> np.ndarray:
     rows, loads = [], []
     for s in sessions:
         H = s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0))
-        w = s.weight[-s.n_taxels :]
+        w = s.weight[s.taxel_rows]
         rows.append((s.spread[:, None, None] * H.T * w[..., None]).reshape(-1, 2))
-        loads.append((s.measured[-s.n_taxels :] * w).ravel())
+        loads.append((s.measured[s.taxel_rows] * w).ravel())
     return np.linalg.lstsq(np.concatenate(rows), np.concatenate(loads), rcond=None)[0]
 
 

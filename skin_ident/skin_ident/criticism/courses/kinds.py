@@ -81,7 +81,7 @@ def courses(session: Session) -> Iterator[Course]:
         where = place_of(channel, session.n_taxels)
         kinds = (kind for kind in CAUSES if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None))
         yield from (Course(*kind, (c,), where) for kind in kinds)
-    taxels = every[-session.n_taxels :] if session.n_taxels else ()
+    taxels = every[session.taxel_rows]
     if session.drive is not None:
         yield from (Course(DELAY, shape, taxels, "clock_taxels") for shape in (STEPS, BEND))
         yield from (Course(carrier, CONSTANT, every, "load_cell") for carrier in (DRIVE, DRIVEN))

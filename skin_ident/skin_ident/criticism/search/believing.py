@@ -11,7 +11,7 @@ from skin_ident.criticism.gates.second_opinion import at_any_scale
 from skin_ident.criticism.search.doubt import shadowed, unproven
 from skin_ident.criticism.search.growing import instances, negligible
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_is_off, too_short
-from skin_ident.criticism.search.named import Named, Seen
+from skin_ident.criticism.search.named import Named, NotNamed
 from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import SHIFT
@@ -25,7 +25,8 @@ WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it 
 
 def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
     """The best trial that held-out data support, as a finding with its rivals. What is small beside the largest effect so far in a channel
-    may be its imperfect form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for."""
+    may be its imperfect form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for. Why a good
+    one is none, hardware or doubt, is noted in the search."""
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
         if _is_hardware(search, trial, gain):
@@ -40,10 +41,10 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
                 search.doubts[trial.key] = shadowed(gain, search.named)
             continue
         rivals = [t for t in trials if t.key != trial.key and _is_rival(search, t, trial, gain)]
-        usual = _hardware_does(search, trial, rivals, gain)
-        if not usual:
+        hardware = _hardware_does(search, trial, rivals, gain)
+        if not hardware:
             return trial.fit, _finding(search, trial, rivals, trials, runs, gain)
-        search.usual |= usual
+        search.hardware |= hardware
     return None
 
 
@@ -86,16 +87,16 @@ def _gain_of(search: Search, trial: Trial, best: float) -> Gain:
 
 
 def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
-    """Whether a trial is so little as a good stage or converter does; what is seen of it is said."""
+    """Whether a trial is so little as a good stage or converter does; what is seen of it is noted."""
     effects = instances(trial.fit.model, *trial.key)
     little = all(map(negligible, effects))
-    usual = stage_is_off(effects, gain) if little else converter_does(trial.key[0], gain, search.train)
-    if usual:
-        search.usual[trial.key] = usual
-    return bool(usual) or little
+    why = stage_is_off(effects, gain) if little else converter_does(trial.key[0], gain, search.train)
+    if why:
+        search.hardware[trial.key] = why
+    return bool(why) or little
 
 
-def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[tuple[str, str], Seen]:
+def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[tuple[str, str], NotNamed]:
     """What the steps of an encoder do in place of a trial: all of it, or of those that explain as much a zero of depth that they hide."""
     models = search.present.model, trial.fit.model
     encoder = encoder_does(trial.key, gain, *models, search.train, search.encoder_step)
@@ -103,7 +104,7 @@ def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain
         return {trial.key: encoder}
     as_good = [t for t in rivals if t.score > trial.score - CHANCE and t.key[0] == SHIFT]
     unread = {t.key: too_short(t.key, t.fit.model, search.encoder_step) for t in as_good}
-    return {key: seen for key, seen in unread.items() if seen is not None}
+    return {key: why for key, why in unread.items() if why is not None}
 
 
 def _is_rival(search: Search, other: Trial, best: Trial, gain: Gain) -> bool:

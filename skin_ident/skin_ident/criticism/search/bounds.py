@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from skin_ident.criticism.search.named import Seen
+from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
 from skin_ident.criticism.search.survey import Survey, detectable
 from skin_ident.criticism.vocabulary import CAUSES, Cause
@@ -27,7 +27,7 @@ HOLLOW = "beside what else may be there, all that is possible of it would not st
 
 
 def excluded_and_untestable(
-    last: Survey, rounds: list[Survey], named: set[str], known: dict[str, str], seen: Mapping[str, Mapping[str, Seen]]
+    last: Survey, rounds: list[Survey], named: set[str], known: dict[str, str], seen: Mapping[str, Mapping[str, NotNamed]]
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Entries of findings.json for all causes not in `named`, from the last survey and those of all `rounds`. `known` gives the reason for
     causes that telemetry alone decides: an empty text means looked for and not found. What is `seen` in the record bounds what may be
@@ -70,7 +70,7 @@ def placed(where: str) -> dict[str, str]:
     return {"where": place(where)} | ({} if place(where) == where else {"channel_clock": where.partition("_")[2]})
 
 
-def undecided(cause: Cause, where: str, seen: Seen) -> dict[str, Any]:
+def undecided(cause: Cause, where: str, seen: NotNamed) -> dict[str, Any]:
     """The entry `untestable` for what is `seen` at one place and is no finding."""
     entry = {"cause": cause.name, "where": where, "because": seen.because, "needs": seen.needs or cause.needs}
     return entry | ({"in_doubt": True} if seen.doubt else {})

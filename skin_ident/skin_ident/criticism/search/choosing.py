@@ -8,6 +8,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import own_course, refitted
+from skin_ident.criticism.search.rivals import CHANCE
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
 
@@ -21,18 +22,24 @@ def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[
     Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named that
     explains far less. A clock that slips wherever it helps is no noise: where it predicts nothing, it is passed over.
     """
-    best = max((t.score for t in trials), default=0.0)
-    plain = runs and runs[0].course.shape == CONSTANT and runs[0].course.carrier != SLOPE  # one number, and no other depths feign it
-    first = runs and runs[0].score > (best if plain else max(MARGIN * best, best + 10.0))
-    same = trials and runs and trials[0].key == runs[0].course.key
-    score = runs[0].score if runs else 0.0
-    if same and not first:  # in another form than the best trial, which has been refitted, too
-        score = max(score, refitted(search, runs[0])[1])
-    own = own_course(search, runs, trials) if first or (same and score > best) else None
-    if first and not own and runs[0].course.carrier == DELAY:
-        return choose(search, trials, [r for r in runs if r.course.carrier != runs[0].course.carrier])
-    asked = not own and (not first or best > BESIDE * runs[0].score)
-    shared = first_believed(search, trials, runs) if asked else None
-    if not (own or shared or first) and runs and score > BEHIND * best:
-        own = own_course(search, runs, trials)
-    return own, shared
+    if not runs:
+        return None, first_believed(search, trials, runs)
+    first, best = runs[0], max((t.score for t in trials), default=0.0)
+    leads = first.score > (best if _is_one_number(first) else max(MARGIN * best, best + CHANCE))
+    same, score = bool(trials) and trials[0].key == first.course.key, first.score
+    if same and not leads:  # in another form than the best trial, which has been refitted, too
+        score = max(score, refitted(search, first)[1])
+    own = own_course(search, runs, trials) if leads or (same and score > best) else None
+    if own:
+        return own, None
+    if leads and first.course.carrier == DELAY:
+        return choose(search, trials, [r for r in runs if r.course.carrier != DELAY])
+    shared = first_believed(search, trials, runs) if not leads or best > BESIDE * first.score else None
+    if not (shared or leads) and score > BEHIND * best:
+        return own_course(search, runs, trials), None
+    return None, shared
+
+
+def _is_one_number(run: Run) -> bool:
+    """Whether a course is one number of each session, which other depths do not feign."""
+    return run.course.shape == CONSTANT and run.course.carrier != SLOPE

@@ -54,7 +54,7 @@ def criticise(
         weighted = replace(start, effects=search.hanging)
         baseline = fit(weighted, weighed(train, search.train[0].heaviest), noise) if search.train[0].free_mass else search.baseline
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
-    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.seen)
+    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
 
 
 def _resumed(search: Search) -> bool:

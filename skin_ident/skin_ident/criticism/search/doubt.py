@@ -5,30 +5,32 @@ import numpy as np
 from skin_ident.criticism.courses.carriers import SLOPE, ZERO
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain
-from skin_ident.criticism.search.named import Named, Seen
+from skin_ident.criticism.search.named import Named, NotNamed
 
 REPEATED = "more sessions, as far, as fast and as long as those that speak for it"
 QUIET = "the same motions again with a quieter channel, or rests long enough to see how its noise wanders"
 OWN = {ZERO: "its zero", SLOPE: "its gain"}  # the other carriers say what they are
 
 
-def unproven() -> Seen:
+def unproven() -> NotNamed:
     """Why what explains much of training is no finding, where held-out sessions are not predicted better beyond doubt."""
     why = "the sessions that are fitted speak for it, but what is held out is not surely predicted better with it"
-    return Seen(np.inf, why, REPEATED, doubt=True)
+    return NotNamed(np.inf, why, REPEATED, doubt=True)
 
 
-def shadowed(gain: Gain, named: list[Named]) -> Seen:
+def shadowed(gain: Gain, named: list[Named]) -> NotNamed:
     """Why what held-out data bear out is no finding beside what was `named` and explains far more in the same channel: no form of a cause
     is quite that of a skin."""
     by = max(named, key=lambda n: n.gain.squares * (gain.channel in n.gain.carried))
     falls = f"with it the held-out error of {gain.channel} falls from {gain.before:.2g} to {gain.after:.2g} N"
     why = f"{falls}, little beside what {by.cause} in the {by.where} explains: it may be what an imperfect form of that leaves"
-    return Seen(np.inf, why, f"a session in which {by.cause} in the {by.where} hardly shows, or a form of it that fits better", doubt=True)
+    return NotNamed(
+        np.inf, why, f"a session in which {by.cause} in the {by.where} hardly shows, or a form of it that fits better", doubt=True
+    )
 
 
-def wandering(run: Run) -> Seen:
+def wandering(run: Run) -> NotNamed:
     """Why what single sessions would have of their own is no finding, where the blocks between are not predicted by it."""
     what = OWN.get(run.course.carrier, f"the {run.course.carrier}")
     why = f"within single sessions {what} would wander by {run.size:.2g} N rms, but fitted to every other block it does not predict those"
-    return Seen(np.inf, f"{why} between: noise that wanders does as much", QUIET, doubt=True)
+    return NotNamed(np.inf, f"{why} between: noise that wanders does as much", QUIET, doubt=True)

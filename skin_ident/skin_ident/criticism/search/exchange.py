@@ -10,8 +10,6 @@ So where much is left that is not believed, the rivals are asked, each in the pl
 
 from dataclasses import replace
 
-import numpy as np
-
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.choosing import choose
@@ -146,6 +144,4 @@ def _ahead(search: Search, finding: Named, model: Model) -> Search:
 
 def _explained(present: Fit, without: Search) -> float:
     """What `present` explains beyond the state `without`, as a trial's score is."""
-    cost = cost_of(present.model, without.train, without.noise)
-    charge = np.log(present.count) * (len(present.unknowns) - len(without.present.unknowns))
-    return float(without.present.cost - cost - charge)
+    return replace(present, cost=cost_of(present.model, without.train, without.noise)).gain_over(without.present)

@@ -8,7 +8,7 @@ from skin_ident.criticism.courses.run import AT_REST, Run, least_depth
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.search.growing import instances
-from skin_ident.criticism.search.named import Seen
+from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -18,70 +18,72 @@ FINER = "an encoder, and converters, with finer steps and less noise"
 TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
 
 
-def converter_does(cause: str, gain: Gain, train: list[Session]) -> Seen | None:
+def converter_does(cause: str, gain: Gain, train: list[Session]) -> NotNamed | None:
     """Why a cause that gains is no finding, where the converter may do it by itself."""
     if not (gain.passed and of_the_converter(gain, cause, train)):
         return None
     step = converter_step(train, gain.channel)
     why = f"it would {_worth(gain)}, which a converter with steps of {step:.2g} N may do by itself"
-    return Seen(np.inf, why, f"a {gain.channel} read in finer steps, or a larger force")
+    return NotNamed(np.inf, why, f"a {gain.channel} read in finer steps, or a larger force")
 
 
-def stage_is_off(effects: list[Effect], gain: Gain) -> Seen | None:
+def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
     """Why effects that gain, and are no larger than good hardware has them anyway, are no finding."""
     lengths = [p for e in effects for p in parameters_of(e) if p.role == AMPLITUDE and 0.0 < abs(p.value) <= p.negligible]
     if not (lengths and gain.passed):
         return None
     found, least = (_micrometres(max(of(p) for p in lengths)) for of in (lambda p: abs(p.value), lambda p: p.negligible))
-    return Seen(np.inf, f"it would be {found} and {_worth(gain)}, but a good stage is true to no more than {least}", TRUER)
+    return NotNamed(np.inf, f"it would be {found} and {_worth(gain)}, but a good stage is true to no more than {least}", TRUER)
 
 
-def encoder_does(key: tuple[str, str], gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> Seen | None:
+def encoder_does(
+    key: tuple[str, str], gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float
+) -> NotNamed | None:
     """Why a cause and place that `after` gains by over `before` are no finding, where noise of what drives the test does as much, the
     encoder could not tell, or steps leave as much open."""
     if of_the_drive(gain, key[0], before, after, train):
         why = f"it would {_worth(gain)}, mostly while the driving force rests or little of what there is: the noise of that force may do it"
-        return Seen(np.inf, why, "a depth beside the force, or a load cell with less noise")
+        return NotNamed(np.inf, why, "a depth beside the force, or a load cell with less noise")
     return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, encoder_step)
 
 
-def too_short(key: tuple[str, str], after: Model, encoder_step: float) -> Seen | None:
+def too_short(key: tuple[str, str], after: Model, encoder_step: float) -> NotNamed | None:
     """Why a cause that is a length is no finding, where the encoder does not read so finely."""
     length = unreadable(instances(after, *key), encoder_step)
     why = f"it would be {_micrometres(length)}, but the encoder reads no finer than {_micrometres(encoder_step)}"
-    return Seen(np.inf, why, FINER) if length else None
+    return NotNamed(np.inf, why, FINER) if length else None
 
 
-def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> Seen | None:
+def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> NotNamed | None:
     """Why a cause that gains is no finding, where steps of encoder and converters may leave as much open."""
     if resolved(gain, cause, before, after, train, encoder_step):
         return None
     if not encoder_step:
-        return Seen(np.inf, f"it would {_worth(gain)}, which the converters may leave open", "converters with finer steps")
+        return NotNamed(np.inf, f"it would {_worth(gain)}, which the converters may leave open", "converters with finer steps")
     step = _micrometres(encoder_step)
-    return Seen(np.inf, f"it would {_worth(gain)}, which the encoder (no finer than {step}) and the converters may leave open", FINER)
+    return NotNamed(np.inf, f"it would {_worth(gain)}, which the encoder (no finer than {step}) and the converters may leave open", FINER)
 
 
-def stage_does(run: Run, encoder_step: float) -> Seen:
+def stage_does(run: Run, encoder_step: float) -> NotNamed:
     """Why what sessions have of their own is no finding, where it is less than a good stage or clock does, or an encoder tells."""
     if run.course.carrier == DEPTH:
         return zeros_do(run.largest, encoder_step)
     found, least = (f"{1e3 * x:.3g} ms" for x in (run.largest, run.least(encoder_step)))
-    return Seen(np.inf, f"within single sessions the delay would step by {found}, and good hardware does up to {least} by itself")
+    return NotNamed(np.inf, f"within single sessions the delay would step by {found}, and good hardware does up to {least} by itself")
 
 
-def zeros_do(largest: float, encoder_step: float) -> Seen:
+def zeros_do(largest: float, encoder_step: float) -> NotNamed:
     """Why zeros of depth that sessions have of their own, the `largest` of them in m, are no finding, where stage or encoder do as much."""
     why, least = f"within single sessions the zero of depth would step by {_micrometres(largest)}", _micrometres(least_depth(encoder_step))
     if encoder_step >= AT_REST:
-        return Seen(np.inf, f"{why}, but the encoder reads no finer than {least}", FINER)
-    return Seen(np.inf, f"{why}, and good hardware does up to {least} by itself")
+        return NotNamed(np.inf, f"{why}, but the encoder reads no finer than {least}", FINER)
+    return NotNamed(np.inf, f"{why}, and good hardware does up to {least} by itself")
 
 
-def tare_does(largest: float, tare: Tare) -> Seen:
+def tare_does(largest: float, tare: Tare) -> NotNamed:
     """Why zeros that sessions have of their own, the `largest` of them in N, are no finding, where a `tare` sets them no better."""
     off = f"the zeros of single sessions are off by up to {largest:.2g} N"
-    return Seen(np.inf, f"{off}, as {tare.said} may leave them", "a converter with finer steps, and tares of many seconds in free air")
+    return NotNamed(np.inf, f"{off}, as {tare.said} may leave them", "a converter with finer steps, and tares of many seconds in free air")
 
 
 def _worth(gain: Gain) -> str:

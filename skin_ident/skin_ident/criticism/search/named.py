@@ -30,7 +30,7 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Seen:
+class NotNamed:
     """What is in the record and no finding: its size in the unit of its cause's directions (inf: nothing of it is ruled out), why it is
     none, what would tell, by default what its cause needs, and whether it may be there all the same."""
 
@@ -51,4 +51,4 @@ class Criticism:
     rounds: tuple[tuple[Survey, str | None], ...] = ()
     train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
     held: tuple[Session, ...] = ()
-    usual: dict[tuple[str, str], Seen] = field(default_factory=dict)  # by cause and place: seen, and in doubt or what hardware does
+    not_named: dict[tuple[str, str], NotNamed] = field(default_factory=dict)  # by cause and place

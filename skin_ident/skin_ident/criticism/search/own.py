@@ -11,13 +11,14 @@ from skin_ident.criticism.courses.course import added, beside_the_rest, fitted
 from skin_ident.criticism.courses.gate import believed, course_gain, helps, nearer, stands
 from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import wandering
 from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.tared import take_tare_of_held
+from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_held
 from skin_ident.criticism.search.trial import Trial
 
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
@@ -28,6 +29,7 @@ WANDERING = 3.0  # times what such courses explained in training and could not p
 PLAIN = 0.5  # if it leaves more than this of the error
 CERTAIN = 30.0  # likelihood gain, in the noise that is left there, of what is wrong in them alone: where much else is left, too
 MOSTLY = 0.8  # of what a course explains, what it does if it is the same in all sessions
+TARES = 20  # that may be taken from held-out sessions on the way: each channel has one, and the depth
 EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
 
 
@@ -54,7 +56,7 @@ def own_course(search: Search, runs: list[Run], trials: list[Trial]) -> tuple[Ru
     told = told and score > search.form_of_others(*run.course.key) and not search.shadows(gain)
     stood = stands(run, gain, search.present.model, search.train)
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
-    if not (told and stood and search.resolved(run.course.key, gain, after.model)):
+    if not (told and stood) or search.steps_do(run.course.key, gain, after.model):
         search.wandering = max(search.wandering, run.score)
         if told and score > least and run.course.carrier != DELAY and not believed(gain, run.course):
             search.doubts[run.course.key] = wandering(run)
@@ -90,39 +92,66 @@ def _alike_in_all(run: Run, trials: list[Trial], score: float) -> float:
 
 
 def take_alone(search: Search) -> bool:
-    """Name one thing that is wrong in held-out sessions alone: an own course of theirs, where the blocks between support it."""
+    """Name one thing that is wrong in held-out sessions alone: an own course of theirs, where the blocks between support it. Zeros as their
+    tares leave them are taken on the way, and what is left is asked again."""
     if search.alone or not search.held:
         return False
+    for _ in range(TARES):
+        runs = _not_had(search)
+        run = next(iter(runs), None)
+        if run is not None and run.of_the_tare:
+            if not _take_zero_alone(search, run):
+                return False
+            continue
+        gain = _gain_alone(search, run) if run else None
+        if gain is None:
+            return False
+        if not take_tare_of_held(search, run.course.cause, run.score):
+            _name_alone(search, run, gain, runs)
+            return True
+    return False
+
+
+def _not_had(search: Search) -> list[Run]:
+    """What held-out sessions may have of their own and have not yet, the plainest first."""
     had = {r.course for r in search.runs}
     runs = beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step)
-    runs = plainest_first([r for r in runs if r.worth(search.encoder_step)])
-    run = next((r for r in runs if r.course not in had), None)
-    if run is not None and run.of_the_tare:
-        if not nearer(run, search.present.model, search.held):
-            return False
-        search.held = added(search.held, run.values)
-        search.tared[run.course.key] = tare_does(run.largest, run.tare)
-        return take_alone(search)
+    return [r for r in plainest_first([r for r in runs if r.worth(search.encoder_step)]) if r.course not in had]
+
+
+def _take_zero_alone(search: Search, run: Run) -> bool:
+    """Whether a zero of held-out sessions alone is a tare's and was taken: that of one channel, where they come nearer with it. Where zeros
+    of several channels look like one of them, in noise of a quiet mixture of theirs, all are taken."""
+    if not nearer(run, search.present.model, search.held):
+        return take_zeros_of_held(search, run.score)
+    search.held = added(search.held, run.values)
+    search.tared[run.course.key] = tare_does(run.largest, run.tare)
+    return True
+
+
+def _gain_alone(search: Search, run: Run) -> Gain | None:
+    """What a course of held-out sessions alone gains there, where it is believed: it mends most of their error, is far larger than anything
+    like it in what was fitted, and no hardware does it."""
+    model = search.present.model
     least = search.least(sum(np.count_nonzero(s.weight) for s in search.held))
-    if run is None or run.score < least or _in_their_noise(search, run) < min(least, CERTAIN):
-        return False
-    gain = course_gain(run.course, search.present.model, search.present.model, search.train, search.held, search.noise)
+    if run.score < least or _in_their_noise(search, run) < min(least, CERTAIN):
+        return None
+    gain = course_gain(run.course, model, model, search.train, search.held, search.noise)
     much = gain.after < ALONE * gain.before and gain.squares > FORM * search.fallen(gain.channel)
     wanders = run.score < WANDERING * search.wandering and gain.after > PLAIN * gain.before
-    if not (much and stands(run, gain, search.present.model, search.held) and not wanders):
-        return False
-    if run.size < EXTRAORDINARY * fitted(run.course, search.present.model, search.train, search.noise).size:
-        return False
-    if not search.resolved(run.course.key, gain, search.present.model):
-        return False
-    if take_tare_of_held(search, run.course.cause, run.score):
-        return take_alone(search)
+    if not (much and stands(run, gain, model, search.held) and not wanders):
+        return None
+    if run.size < EXTRAORDINARY * fitted(run.course, model, search.train, search.noise).size:
+        return None
+    return None if search.steps_do(run.course.key, gain, model) else gain
+
+
+def _name_alone(search: Search, run: Run, gain: Gain, runs: list[Run]) -> None:
     search.runs.append(run)
     search.held, search.alone = added(search.held, run.values), True
-    rivals = own_rivals([r for r in runs if r.course not in had], run.score, {run.course.key})
+    rivals = own_rivals(runs, run.score, {run.course.key})
     search.named.append(Named(run.course.cause, run.course.where, gain, run.score, rivals, courses=run.said))
     search.progress(f"named {run.course.cause} in the {run.course.where}, in what was held out alone")
-    return True
 
 
 def _in_their_noise(search: Search, run: Run) -> float:

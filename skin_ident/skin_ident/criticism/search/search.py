@@ -14,20 +14,22 @@ from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import may_wait, weigh, weighs, with_mass
 
+PASSES = 40  # looks at what is left, of which some name nothing and only mend the baseline: they settle long before
+
 
 def run(search: Search, fitted: Fit) -> None:
     """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
     search.present = fitted
-    while len(search.rounds) < search.most and _round(search):
-        pass
+    for _ in range(PASSES):
+        if len(search.rounds) >= search.most or not _round(search):
+            return
 
 
 def _round(search: Search) -> bool:
     """Take what explains most of what the present model leaves, and is believed; return whether to look again."""
-    search.usual, search.doubts = {}, {}
+    search.begin_round()
     last = search.look()
     trials, runs = search.trials(last), search.own_courses()
-    before = set(search.usual)
     mass = with_mass(search.present, search.train, search.noise) if search.weighable else None
     if mass and weighs(search, mass, max([0.0, *(t.score for t in trials), *(r.score for r in runs)])):
         weigh(search, mass)
@@ -40,14 +42,14 @@ def _round(search: Search) -> bool:
     elif shared and not (take_tare(search, shared[1]) or unstuck(search, *shared)):
         search.end_round(last, shared[1].cause)
         search.accept(*shared)
-    return bool(own or shared) or _believing_none(search, last, trials, runs, last_resort, bool(set(search.usual) - before))
+    return bool(own or shared) or _believing_none(search, last, trials, runs, last_resort)
 
 
-def _believing_none(search: Search, last: Survey, trials: list[Trial], runs: list[Run], mass: Fit | None, usual: bool) -> bool:
-    """Take what else may be there where no cause is believed, the plainest first: zeros as tares leave them, if nothing `usual` was
-    seen in place of a cause; what is wrong in held-out sessions alone; another `mass`; two causes that hide each other; a wave.
-    Return whether to look again."""
-    if not (search.zeroed or search.doubts or usual) and take_zeros(search):
+def _believing_none(search: Search, last: Survey, trials: list[Trial], runs: list[Run], mass: Fit | None) -> bool:
+    """Take what else may be there where no cause is believed, the plainest first: zeros as tares leave them, if it is not hardware or doubt
+    that keeps a cause from being named; what is wrong in held-out sessions alone; another `mass`; two causes that hide each other; a
+    wave. Return whether to look again."""
+    if not (search.zeroed or search.doubts or search.hardware) and take_zeros(search):
         search.zeroed = True
         return True
     if take_alone(search):
@@ -56,7 +58,7 @@ def _believing_none(search: Search, last: Survey, trials: list[Trial], runs: lis
     if mass and not search.named:
         weigh(search, mass)
         return True
-    pair = () if search.named or search.usual else two_at_once(search, trials, runs)
+    pair = () if search.named or search.stage or search.hardware else two_at_once(search, trials, runs)
     if pair:
         search.end_round(last, pair[0][1].cause)
         for after, finding in pair:

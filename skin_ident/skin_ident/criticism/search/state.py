@@ -4,8 +4,6 @@ from collections.abc import Callable, Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.courses.course import worthwhile
@@ -15,7 +13,7 @@ from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_tur
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import grow
 from skin_ident.criticism.search.hardware import stage_does, steps_do
-from skin_ident.criticism.search.named import Named, Seen
+from skin_ident.criticism.search.named import Named, NotNamed
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import plainest_first
@@ -60,9 +58,10 @@ class Search:
         self.put_out: set[tuple[str, str]] = set()  # causes in whose place another was put: they do not come back into its
         self.dropped: set[tuple[str, str]] = set()  # causes without which the rest predicted as well: what they took is asked of others
         self.suspected: set[tuple[str, str]] = set()
-        self.usual: dict[tuple[str, str], Seen] = {}  # what would have been named, and is such as good hardware does
-        self.tared: dict[tuple[str, str], Seen] = {}  # zeros of sessions that were taken into the baseline
-        self.doubts: dict[tuple[str, str], Seen] = {}  # what training speaks for, and others leave in doubt
+        self.stage: dict[tuple[str, str], NotNamed] = {}  # courses that explain something, and are such as a good stage does
+        self.hardware: dict[tuple[str, str], NotNamed] = {}  # what would have been named, and is such as good hardware does
+        self.tared: dict[tuple[str, str], NotNamed] = {}  # zeros of sessions that were taken into the baseline
+        self.doubts: dict[tuple[str, str], NotNamed] = {}  # what training speaks for, and others leave in doubt
         self.most = MOST_FINDINGS  # rounds
         self.zeroed = False  # whether zeros as good hardware leaves them were taken where no cause was believed
         self.refused = 0.0  # what the best cause would explain that was not believed in the last round
@@ -72,9 +71,9 @@ class Search:
         self._surveyed: tuple[Model, list[Session], Survey] | None = None
 
     @property
-    def seen(self) -> dict[tuple[str, str], Seen]:
+    def not_named(self) -> dict[tuple[str, str], NotNamed]:
         """What is in the record and no finding, by cause and place."""
-        return self.doubts | self.usual | self.tared
+        return self.doubts | self.stage | self.hardware | self.tared
 
     def ahead(self, present: Fit) -> "Search":
         """The same state with another fit, from which to look further; what is found there is not found here."""
@@ -82,6 +81,10 @@ class Search:
         vars(other).update({name: copy(v) for name, v in vars(self).items() if isinstance(v, (list, dict, set))})
         other.present, other.doubts, other.doubting, other._surveyed = present, {}, True, None
         return other
+
+    def begin_round(self) -> None:
+        """Forget why nothing else was named in the last one: it is asked anew."""
+        self.stage, self.hardware, self.doubts = {}, {}, {}
 
     def end_round(self, last: Survey, cause: str | None, refused: float = 0.0) -> None:
         """Note which cause a round has named, or how much the best explains that was `refused`."""
@@ -119,19 +122,16 @@ class Search:
 
     def _trial(self, r: Ranked) -> Trial:
         self.progress(f"trying {r.cause} in the {r.where}")
-        grown, *plainer = (self._scored(r, after) for after in grow(self.present, r, self.train, self.which, self.noise))
+        fits = grow(self.present, r, self.train, self.which, self.noise)
+        grown, *plainer = (Trial(r, after, after.gain_over(self.present)) for after in fits)
         return replace(grown, plainer=next(iter(plainer), None))
 
-    def _scored(self, r: Ranked, after: Fit) -> Trial:
-        charge = np.log(after.count) * (len(after.unknowns) - len(self.present.unknowns))
-        return Trial(r, after, float(self.present.cost - after.cost - charge))
-
     def own_courses(self) -> list[Run]:
-        """What each session may have of its own and has not yet, the plainest first."""
+        """What each session may have of its own and has not yet, the plainest first; what a good stage does is noted."""
         had = {r.course for r in self.runs}
         runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
         good = [r for r in runs if not r.worth(self.encoder_step) and r.score > self.least(self.present.count)]
-        self.usual |= {r.course.key: stage_does(r, self.encoder_step) for r in good}
+        self.stage |= {r.course.key: stage_does(r, self.encoder_step) for r in good}
         return plainest_first([r for r in runs if r.worth(self.encoder_step) and r.course not in had])
 
     @property
@@ -158,11 +158,11 @@ class Search:
         """Whether what has been named explains so much more that what gains so may be its imperfect form."""
         return gain.squares <= SHADOW * self.fallen(gain.channel)
 
-    def resolved(self, key: tuple[str, str], gain: Gain, after: Model) -> bool:
-        """Whether a gain is more than what steps of encoder and converters leave open. What else is believed, and is not, is said."""
-        seen = steps_do(key[0], gain, self.present.model, after, self.train, self.encoder_step)
-        self.usual |= {key: seen} if seen else {}
-        return seen is None
+    def steps_do(self, key: tuple[str, str], gain: Gain, after: Model) -> bool:
+        """Whether steps of encoder and converters may leave as much open as `after` gains, which is noted, for all else speaks for it."""
+        why = steps_do(key[0], gain, self.present.model, after, self.train, self.encoder_step)
+        self.hardware |= {key: why} if why else {}
+        return why is not None
 
     def gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
         """What `after` gains over `before` in held-out data; in training sessions by turns where what is held out cannot show it."""
@@ -188,7 +188,7 @@ class Search:
     def accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
         start = self.befores.setdefault(finding.key, self.present.model)
-        same = next((n for n in self.named if n.key == finding.key), None)
+        same = next((n for n in self.named if n.key == finding.key and not n.courses), None)
         if same is None:
             self.named.append(finding)
         else:

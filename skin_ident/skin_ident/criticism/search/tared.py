@@ -77,7 +77,13 @@ def _offset_of(model: Model, finding: Named) -> float:
 
 def take_tare_of_held(search: Search, cause: str, explained: float) -> bool:
     """The same of what a `cause` has `explained` in held-out sessions alone."""
-    found = {} if _is_zero(cause) else _instead(search, search.held, explained, free=False)
+    return not _is_zero(cause) and take_zeros_of_held(search, explained)
+
+
+def take_zeros_of_held(search: Search, explained: float) -> bool:
+    """Whether zeros of all channels, as the tares of held-out sessions leave them, explain as much there as was `explained` otherwise, and
+    were taken."""
+    found = _instead(search, search.held, explained, free=False)
     if not found:
         return False
     search.held = added(search.held, added_by(found, search.present.model, search.held))

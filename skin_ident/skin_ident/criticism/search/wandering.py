@@ -18,7 +18,8 @@ def take_wave(search: Search) -> bool:
         return False
     wave, gain = found
     after = fit(model, added(search.train, wave.values), search.noise)
-    if not (believed(gain, wave.course) and wave.course.shows(gain) and search.resolved(wave.course.key, gain, after.model)):
+    shows = believed(gain, wave.course) and wave.course.shows(gain)
+    if not shows or search.steps_do(wave.course.key, gain, after.model):
         return False
     run = run_of(wave, model, [*search.train, *search.held], search.present.cost - after.cost)
     search.runs.append(run)

@@ -43,7 +43,7 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | N
     hung = hanging(present.model, free.model)
     if hung:
         free = fit(free.model.extended(*hung), sessions, noise)
-    return free if _gained(present, free) > _least(free, sessions) else None
+    return free if free.gain_over(present) > _least(free, sessions) else None
 
 
 def heaviest_of(present: Model, free: Model) -> float:
@@ -57,7 +57,7 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
     if not 0.0 < m < np.inf:
         return None
     held = fit(replace(present.model, dispersion=replace(present.model.dispersion, m=m)), weighed(sessions, 0.0), noise)
-    return held if _gained(held, present) < _least(held, sessions) else None
+    return held if present.gain_over(held) < _least(held, sessions) else None
 
 
 def weighs(search: Search, free: Fit, best: float) -> bool:
@@ -81,7 +81,7 @@ def may_be_skin(search: Search, free: Fit) -> bool:
 def tells_more(free: Fit, present: Fit, best: float, may_be: bool = False) -> bool:
     """Whether the `free` mass explains clearly more than the `best` of all causes does (squared whitened units); where it takes from the
     mass that was set, or `may_be` the skin's, as much."""
-    gained, m = _gained(present, free), free.model.dispersion.m
+    gained, m = free.gain_over(present), free.model.dispersion.m
     if lighter(present.model, free.model) or may_be:
         return gained > reach(best)
     return m > present.model.dispersion.m and reach(gained) > best
@@ -91,12 +91,12 @@ def counts_beside(search: Search, free: Fit, best: float) -> bool:
     """Whether the `free` mass explains enough to matter beside the `best` of all causes, and by itself, not by fitting once more: while
     newtons are unexplained, millinewtons of weight can wait."""
     again = fit(search.present.model, search.train, search.noise)
-    return _gained(again, free) > max(COUNTS * best, _least(free, search.train))
+    return free.gain_over(again) > max(COUNTS * best, _least(free, search.train))
 
 
 def settles(search: Search, free: Fit, best: float) -> bool:
     """Whether the `free` mass explains more than the `best` of all causes does, though not clearly, and leaves none of them anything."""
-    if _gained(search.present, free) <= best:
+    if free.gain_over(search.present) <= best:
         return False
     ahead = search.ahead(free)
     ahead.train = weighed(search.train, heaviest_of(search.present.model, free.model))
@@ -124,10 +124,6 @@ def unweigh(search: Search) -> None:
     held = None if search.declared else held_again(search.present, search.train, search.noise)
     if held:
         search.present, search.train, search.held = held, weighed(search.train, 0.0), weighed(search.held, 0.0)
-
-
-def _gained(present: Fit, free: Fit) -> float:
-    return present.cost - free.cost - float(np.log(free.count)) * (len(free.unknowns) - len(present.unknowns))
 
 
 def _least(free: Fit, sessions: list[Session]) -> float:

@@ -92,7 +92,7 @@ def _reads_nothing(session: Session, told: np.ndarray, free: np.ndarray) -> bool
 
 
 def _taxels(session: Session) -> np.ndarray:
-    return session.bridged[session.bridged.shape[0] - session.n_taxels :]
+    return session.bridged[session.taxel_rows]
 
 
 def _slower(skin: Dispersion, times: float) -> Dispersion:

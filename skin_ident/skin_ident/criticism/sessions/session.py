@@ -57,6 +57,11 @@ class Session:
         return sum(c.startswith("taxel") for c in self.channels)
 
     @property
+    def taxel_rows(self) -> slice:
+        """Which rows of `measured` the taxels are: the last ones, or none."""
+        return slice(len(self.channels) - self.n_taxels, None)
+
+    @property
     def seconds(self) -> float:
         """How long it may be believed, s, in the channel that may be longest."""
         return float(np.max(np.count_nonzero(self.weight, axis=1), initial=0)) * self.band.spacing

@@ -27,7 +27,7 @@ BESIDE = 20  # samples to either side of a run, that tell where it should be
 STANDS = 3  # samples at one value, far off: noise of single samples does not do that
 UNLIKELY = 1e-3  # chance that so many excursions stand still
 FROZEN = 5  # samples at one value
-MISSED = 10.0  # noise widths of change that a frozen run must have missed
+MISSED = 10.0  # steps of the converter, by which a frozen run must at least be behind when it comes back
 SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
 EARLY = 0.25  # of that change, which the first half of the run must have missed
 SEEN = 0.4  # of that change, which another channel must have seen by the end of the run if it can see it
@@ -208,7 +208,7 @@ def _denied(e: np.ndarray, y: np.ndarray, noise: list[float], c: int, a: int, b:
 def _frozen(y: np.ndarray, e: np.ndarray, limit: float, step: float, resting: np.ndarray) -> np.ndarray:
     """Mask of runs of one value, none of it `resting`, while the residual runs away, and comes back in one jump."""
     mask = np.zeros(y.size, bool)
-    least = max(MISSED / 10.0 * limit, MISSED * step)
+    least = max(limit, MISSED * step)
     for a, b in zip(*held(y, FROZEN), strict=True):
         jump = abs(y[b] - y[b - 1])
         should = (y[b - 1] - e[b - 1]) - (y[a] - e[a])

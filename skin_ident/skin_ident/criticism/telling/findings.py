@@ -10,7 +10,7 @@ from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
 from skin_ident.criticism.search.bounds import excluded_and_untestable, place, placed
 from skin_ident.criticism.search.growing import instances
-from skin_ident.criticism.search.named import Criticism, Named, Seen
+from skin_ident.criticism.search.named import Criticism, Named, NotNamed
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
@@ -149,29 +149,31 @@ def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
     return words
 
 
-def _steps_seen(recordings: list) -> dict[str, Seen]:
+def _steps_seen(recordings: list) -> dict[str, NotNamed]:
     """By place: steps that nobody declared, N, so that nobody can say whether they are as they should be."""
     n = len(recordings[0].taxels)
     return {
-        place_of(channel, n): Seen(step, f"the levels of {channel} are {step:.3g} N apart, and rig.yaml declares no step to compare with")
+        place_of(channel, n): NotNamed(
+            step, f"the levels of {channel} are {step:.3g} N apart, and rig.yaml declares no step to compare with"
+        )
         for channel, step in undeclared_steps(recordings).items()
     }
 
 
-def _silent(taxel: str, recordings: list) -> Seen:
+def _silent(taxel: str, recordings: list) -> NotNamed:
     """A taxel of which nobody can say whether it is dead."""
     because = f"{taxel} does not follow the load in any session, and nothing says that it should: it is open, or lies apart"
     places = "" if recordings[0].declared.taxel_positions_mm else "the place of every taxel in rig.yaml (taxel_positions_mm), or "
-    return Seen(np.inf, because, f"{places}a press on {taxel}")
+    return NotNamed(np.inf, because, f"{places}a press on {taxel}")
 
 
-def _not_findings(c: Criticism, recordings: list, named: set[tuple[str, str]]) -> dict[str, dict[str, Seen]]:
+def _not_findings(c: Criticism, recordings: list, named: set[tuple[str, str]]) -> dict[str, dict[str, NotNamed]]:
     """By cause and place: what is in the record and is no finding, since nobody declared it or good hardware does as much; nothing of what
     is `named`."""
     seen = {"quantization": _steps_seen(recordings), "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)}}
-    for (cause, where), usual in c.usual.items():
+    for (cause, where), why in c.not_named.items():
         if (cause, place(where)) not in named:
-            seen.setdefault(cause, {}).setdefault(where, usual)
+            seen.setdefault(cause, {}).setdefault(where, why)
     return seen
 
 

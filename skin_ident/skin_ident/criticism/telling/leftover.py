@@ -38,17 +38,23 @@ class Rest:
 
     def is_systematic(self, explained: float) -> bool:
         """Whether the rest deserves the word `unexplained`, next to causes that made a mean square fall by `explained` (N^2)."""
+        if not self.seconds:
+            return False
         least = max(1.0, ENOUGH_S / self.seconds) * SYSTEMATIC_RMSE
         sure = self.lower > 0.0 and self.fall > SYSTEMATIC and self.after < (1.0 - least) * self.before
         return sure and self.before**2 - self.after**2 > max(SHADOW * explained, self.resolution**2)
 
 
 def systematic_rest(last: Survey, train: list[Session], held: list[Session], encoder_step: float = 0.0) -> Rest:
-    """Fit the general predictor to the training residual and try it on `held` (the last training session where there is none).
+    """Fit the general predictor to the training residual and try it on `held` (that training session of which most is compared, where there
+    is none). Where nothing of it is compared, nothing is said to be left.
 
     An encoder that steps by `encoder_step` (m) leaves a force open, and at the depths that every session returns to the same one each time.
     """
-    held = held or train[-1:]
+    held = held or [max(reversed(train), key=lambda s: s.seconds)]
+    seconds = sum(s.seconds for s in held)
+    if not seconds:
+        return Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     fitted = [s for s in train if s not in held] or train
     every = {s.name: last.directions_of(s) for s in [*fitted, *held]}
     _, own = every[fitted[0].name]
@@ -63,4 +69,4 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     c = int(np.argmax(1.0 - rms[1] / np.maximum(rms[0], 1e-300)))
     unread = np.sqrt(AT_FEW_DEPTHS) * unread_force(last.model, held[0].channels[c], held, encoder_step)
     open_to = np.hypot(RESOLVED * max(s.steps[c] for s in held), unread)
-    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to), sum(s.seconds for s in held))
+    return Rest(fall, lower, float(rms[0, c]), float(rms[1, c]), float(open_to), seconds)

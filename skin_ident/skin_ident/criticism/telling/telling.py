@@ -53,14 +53,13 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
 
 def _once_each(entries: list[dict[str, Any]], symptoms: int) -> list[dict[str, Any]]:
     """The entries, of which the first are `symptoms`, with those joined that name the same cause at the same place: what was seen in the
-    record, and the numbers with which the model has it."""
-    named = {(e["cause"], e["where"]): e for e in entries[symptoms:]}
-    joined, seen = [], set()
+    record, and the numbers with which the model has it. What the search has named twice, as of two clocks, stays two."""
+    joined, left = [], entries[symptoms:]
     for e in entries[:symptoms]:
-        again = named.get((e["cause"], e["where"]))
-        seen.add((e["cause"], e["where"]))
+        again = next((n for n in left if (n["cause"], n["where"]) == (e["cause"], e["where"])), None)
+        left = [n for n in left if n is not again]
         joined.append(e if again is None else {**again, "evidence": {**e["evidence"], **again["evidence"]}})
-    return joined + [e for key, e in named.items() if key not in seen]
+    return joined + left
 
 
 def gain_at_the_end(named: Named, judged: Judged) -> dict[str, Any]:
