@@ -1,15 +1,20 @@
 """Faults of the record: found where they are, marked for what they are, and nothing raised over sound recordings or other causes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from making import recording, write_table
 from scipy.signal import lfilter
 from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
+from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.grid import factor_of
 from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.criticism.telemetry.units import FACTORS
 from skin_ident.recordings.load import load
+from skin_models.tables.order import Mended
 
 FAULTS = [
     ("outliers", "load_cell", "spikes"), ("outliers", "rig", "spikes"), ("outliers", "rig", "frozen"), ("outliers", "taxel_0", "dropouts"),
@@ -144,3 +149,21 @@ def test_noise_that_wanders_in_jumps_comes_back_now_and_then(pole):
 
 def found_in(y):
     return find_outliers(["a"], ("force",), [y[None] - 2.45], [y[None]], [np.zeros(y.size, bool)], 0, 0.01)
+
+
+def test_what_is_wrong_with_the_clock_is_counted_and_not_read_from_what_is_said_of_it(tmp_path):
+    r = recording(n=300)
+    lines = write_table(tmp_path / "a.csv", r).read_text().splitlines()
+    lines[50] = lines[51]
+    lines[150], lines[151] = lines[151], lines[150]
+    (tmp_path / "a.csv").write_text("\n".join(lines))
+    (found,) = find_clock_faults(load(tmp_path / "a.csv"))
+    assert found.evidence["why"].endswith("evenly: a.csv: 1 sample out of order; a.csv: 1 repeated time stamp dropped")
+    assert found.parameters["samples"]["value"] == 2.0
+    assert find_clock_faults([r.warned("3 repeated time stamps dropped, the first sample of each kept")]) == []
+
+
+def test_topics_that_lost_the_same_stamps_lost_them_once():
+    topics = (Mended(repeated=3), Mended(repeated=3), Mended(unstamped=1), Mended(late=2))
+    (found,) = find_clock_faults([replace(recording(n=300), mended=topics)])
+    assert found.parameters["samples"]["value"] == 5.0

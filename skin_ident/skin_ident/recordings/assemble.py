@@ -14,6 +14,7 @@ from skin_ident.recordings.readings import Readings
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.rows import all_finite, extremes
 from skin_ident.recordings.timing import Track, even, kept
+from skin_models.tables.order import Mended
 from skin_models.tables.table import check_load, check_span
 
 SLOWEST, LONGEST = 1.0, 1000.0  # s between samples, and in all, beyond both of which the unit of time is asked for
@@ -53,9 +54,16 @@ class Channels:
 
 
 def assemble(
-    name: str, t: np.ndarray, parts: Sequence[Channels], declared: Declared, warnings: tuple[str, ...] = (), keep: bool = False
+    name: str,
+    t: np.ndarray,
+    parts: Sequence[Channels],
+    declared: Declared,
+    warnings: tuple[str, ...] = (),
+    keep: bool = False,
+    mended: tuple[Mended, ...] = (),
 ) -> Recording:
-    """One recording from channels that share the stamps `t` (N,) s: evenly sampled, unless `keep` leaves stamps as they are.
+    """One recording from channels that share the stamps `t` (N,) s: evenly sampled, unless `keep` leaves stamps as they are. `mended` is
+    what was put right in the stamps of each topic before they were one.
 
     Raises `RecordingError`.
     """
@@ -91,6 +99,7 @@ def assemble(
         steps=_named(parts, lambda p: p.steps or (0.0,) * len(p.names)),
         digits=_named(parts, lambda p: (None,) * len(p.names) if p.digits is None else p.digits),
         readings=_named(parts, lambda p: [r and r.within(track.t[0], track.t[-1]) for r in p.readings]),
+        mended=(*mended, track.mended),
     )
     return _plausible(recording)
 

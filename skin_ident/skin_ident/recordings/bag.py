@@ -63,7 +63,7 @@ def read_bag(
         Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows, *read)
         for role, (rows, *read) in aligned.items()
     ]
-    return assemble(path.name, t, channels, declared, tuple(warnings), keep)
+    return assemble(path.name, t, channels, declared, tuple(warnings), keep, tuple(track.mended for track in tracks.values()))
 
 
 def _read(bag: Storage, chosen: Chosen, log_time: bool) -> tuple[dict[str, Decoded], tuple[str, ...], tuple, list[str]]:

@@ -12,6 +12,7 @@ from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.levels import step_of
 from skin_ident.recordings.readings import Readings
 from skin_ident.recordings.rows import all_finite
+from skin_models.tables.order import Mended
 
 DISPLACEMENT = "displacement"  # depth, and what it does to taxels (and to the load cell, where there is one)
 MATERIAL_TEST = "material_test"  # depth and force, no taxel
@@ -32,6 +33,7 @@ class Recording:
     steps            of channels that were interpolated, by name (`depth`, `force`, `taxel_0`, …): between their levels before that, m or N
     digits           of the same, (N,) each: of the reading nearest to every sample (`skin_ident.recordings.digits`)
     readings         of channels whose topic came at instants of its own, by name (`skin_ident.recordings.readings`)
+    mended           what was put right in stamps: of every topic by itself, and of all together
 
     `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
     do not fit together, are not finite, or not spaced as they should be.
@@ -51,6 +53,7 @@ class Recording:
     steps: Mapping[str, float] = field(default_factory=dict)
     digits: Mapping[str, np.ndarray] = field(default_factory=dict)
     readings: Mapping[str, Readings] = field(default_factory=dict)
+    mended: tuple[Mended, ...] = ()
 
     def __post_init__(self) -> None:
         n = np.size(self.t)

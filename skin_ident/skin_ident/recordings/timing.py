@@ -5,7 +5,7 @@ that steps back is refused, and a long gap ends the session: only its longest st
 is copied that needs no mending: ten minutes of 64 taxels are 300 MB.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from skin_ident.recordings.digits import digits_at
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.rows import all_finite, finite, interpolated
 from skin_ident.stretches import runs
-from skin_models.tables.order import in_order
+from skin_models.tables.order import Mended, in_order
 from skin_models.words import counted
 
 SNAP = 0.01  # of the period: jitter below this is taken as even
@@ -24,8 +24,8 @@ BRIDGED = 10  # samples: the longest loss that is interpolated
 
 @dataclass(frozen=True)
 class Track:
-    """Samples with their stamps: t (N,) s (or ns, as long as it is not yet even), blocks of rows (R_i, N), and the `digits` (R_i, N) of
-    blocks that were interpolated, None of others."""
+    """Samples with their stamps: t (N,) s (or ns, as long as it is not yet even), blocks of rows (R_i, N), the `digits` (R_i, N) of
+    blocks that were interpolated, None of others, and how the stamps were `mended`."""
 
     t: np.ndarray
     blocks: tuple[np.ndarray, ...]
@@ -33,6 +33,7 @@ class Track:
     whole: bool = False  # known to hold nothing but numbers
     interpolated: bool = False
     digits: tuple[np.ndarray | None, ...] = ()
+    mended: Mended = field(default_factory=Mended)
 
     def kept(self, index: np.ndarray | slice, *warnings: str) -> "Track":
         """A selection of the samples, with more warnings."""
@@ -47,8 +48,8 @@ class Track:
 
 def ordered(track: Track, name: str) -> Track:
     """The track with finite, strictly increasing stamps. Raises `TableError` where the clock steps back."""
-    index, notes = in_order(track.t, name)
-    return track if index is None else track.kept(index, *notes)
+    index, mended = in_order(track.t, name)
+    return track if index is None else replace(track.kept(index, *mended.notes), mended=mended)
 
 
 def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
@@ -115,7 +116,7 @@ def _resampled(track: Track, dt: float) -> Track:
     known = track.digits or (None,) * len(track.blocks)
     digits = tuple(digits_at(t, track.t, rows if d is None else d) for rows, d in zip(track.blocks, known, strict=True))
     blocks = tuple(interpolated(t, track.t, rows) for rows in track.blocks)
-    return Track(t, blocks, (*track.warnings, note), interpolated=True, digits=digits)
+    return Track(t, blocks, (*track.warnings, note), interpolated=True, digits=digits, mended=track.mended)
 
 
 def longest_stretch(track: Track, name: str) -> Track:

@@ -1,5 +1,7 @@
 """Stamps that grow: late samples are sorted in, repeats dropped, all of it counted; a clock that steps back is refused."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from skin_models.errors import TableError
@@ -9,26 +11,40 @@ OFTEN = 0.01  # of all samples: steps back that are no single event
 LATE_RUN = 3  # so many samples in a row behind the newest one are no longer "late" but a clock that stepped back
 
 
-def in_order(t: np.ndarray, name: str) -> tuple[np.ndarray | None, tuple[str, ...]]:
+@dataclass(frozen=True)
+class Mended:
+    """How many samples had to be put right before the stamps grew: those without a stamp were dropped, late ones sorted in, and of repeated
+    stamps all but the first dropped."""
+
+    unstamped: int = 0
+    late: int = 0
+    repeated: int = 0
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The same as sentences."""
+        said = (
+            (self.unstamped, f"{counted(self.unstamped, 'sample')} without a time stamp dropped"),
+            (self.late, f"{counted(self.late, 'sample')} out of order sorted by time"),
+            (self.repeated, f"{counted(self.repeated, 'repeated time stamp')} dropped, the first sample of each kept"),
+        )
+        return tuple(words for count, words in said if count)
+
+
+def in_order(t: np.ndarray, name: str) -> tuple[np.ndarray | None, Mended]:
     """Which samples of the stamps t (N,), s or whole ns, in which order have finite ones that grow, and what was mended.
 
     None stands for all of them as they are. Raises `TableError` where the clock steps back.
     """
     finite = np.isfinite(t)
     if finite.all() and np.all(t[1:] > t[:-1]):
-        return None, ()
-    index, notes = np.flatnonzero(finite), []
-    if index.size < t.size:
-        notes.append(f"{counted(t.size - index.size, 'sample')} without a time stamp dropped")
-    late = _late(t[index], name)
+        return None, Mended()
+    index = np.flatnonzero(finite)
+    unstamped, late = t.size - index.size, _late(t[index], name)
     if late:
         index = index[np.argsort(t[index], kind="stable")]
-        notes.append(f"{counted(late, 'sample')} out of order sorted by time")
     repeated = np.concatenate([np.zeros(min(index.size, 1), bool), np.diff(t[index]) <= 0])
-    if repeated.any():
-        index = index[~repeated]
-        notes.append(f"{counted(repeated.sum(), 'repeated time stamp')} dropped, the first sample of each kept")
-    return index, tuple(notes)
+    return index[~repeated], Mended(int(unstamped), late, int(repeated.sum()))
 
 
 def _late(t: np.ndarray, name: str) -> int:

@@ -54,15 +54,15 @@ def _recorded(path: str, table: tables.Table) -> Recorded:
     volts = next((c.name for c in table.columns if c.unit == "V"), None)
     if volts:
         raise RigError(f"{path}: {volts} is in volts: write newtons into it ({volts}_n), or leave it out")
-    order, notes = in_order(table.t, path)
+    order, mended = in_order(table.t, path)
     rows = table.values if order is None else table.values[:, order]
     t = table.t if order is None else table.t[order]
     if t.size < 2:
-        raise RigError(f"{path} holds {counted(t.size, 'usable sample')}: two or more are needed{_why(notes)}")
+        raise RigError(f"{path} holds {counted(t.size, 'usable sample')}: two or more are needed{_why(mended.notes)}")
     _check_sizes(path, table, depth[0])
     depth, force = (rows[[c.kind == kind for c in table.columns]][0] for kind in ("depth", "force"))
     taxels = rows[[c.kind == "taxel" for c in table.columns]].T
-    warnings = (*table.warnings, *tables.renumbered(table.columns), *notes)
+    warnings = (*table.warnings, *tables.renumbered(table.columns), *mended.notes)
     return Recorded(Track(t, depth), Track(t, force), Track(t, taxels), warnings)
 
 
