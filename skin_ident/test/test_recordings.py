@@ -324,6 +324,10 @@ def test_a_taxel_of_no_numbers_keeps_its_place(tmp_path):
     read = load(tmp_path / "a.csv")[0]
     assert read.taxel_names == ("taxel_0", "taxel_1", "taxel_2") and not read.taxels[1].any()
     assert np.allclose(read.taxels[2], r.taxels[2]) and "taxel_1: most of its samples are no numbers" in " ".join(read.warnings)
+    holes = [",".join("" if i > 2 else cell for i, cell in enumerate(line.split(","))) for line in lines[1:]]
+    (tmp_path / "a.csv").write_text("\n".join([lines[0], *holes]))
+    with pytest.raises(RecordingError, match="every taxel is dead"):
+        load(tmp_path / "a.csv")
 
 
 def test_a_file_named_in_capitals_is_the_same(tmp_path):

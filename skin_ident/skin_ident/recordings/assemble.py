@@ -27,7 +27,7 @@ PROBES = 1000  # samples in which a dead taxel shows
 class Channels:
     """Measured rows of one kind (depth, force, taxel) and unit (m, N or V): names, samples (R, N), and where these were interpolated the
     steps between the levels on which they were read before, 0 where there were none, the `digits` (R, N) that were read, and the rows
-    (R, M) at instants (M,) s of their own, `read`."""
+    (R, M) at instants (M,) s of their own, `read`. `dead` are the names of taxels of which hardly a sample was a number."""
 
     kind: str
     names: tuple[str, ...]
@@ -36,13 +36,16 @@ class Channels:
     steps: tuple[float, ...] | None = None
     digits: np.ndarray | None = None
     read: tuple[np.ndarray, np.ndarray] | None = None
+    dead: tuple[str, ...] = ()
 
     def only(self, keep: Sequence[bool]) -> "Channels":
         """Some of the rows."""
         mine, steps = np.asarray(keep, bool), self.steps and tuple(compress(self.steps, keep))
         digits = None if self.digits is None else self.digits[mine]
         read = self.read and (self.read[0], self.read[1][mine])
-        return replace(self, names=tuple(compress(self.names, keep)), rows=self.rows[mine], steps=steps, digits=digits, read=read)
+        names = tuple(compress(self.names, keep))
+        dead = tuple(name for name in names if name in self.dead)
+        return replace(self, names=names, rows=self.rows[mine], steps=steps, digits=digits, read=read, dead=dead)
 
     @property
     def readings(self) -> list[Readings | None]:
@@ -69,7 +72,7 @@ def assemble(
     """
     notes: list[str] = [*declared.warnings, *warnings]
     parts = [p for part in parts for p in _calibrated(t, _live(part, notes), declared, notes) if p.names]
-    _some_alive(name, parts, notes)
+    _some_alive(name, parts)
     _some_numbers(name, parts)
     _note_unused(declared, parts, notes)
     if not parts:
@@ -135,18 +138,19 @@ def _live(part: Channels, notes: list[str]) -> Channels:
     if part.kind != "taxel" or all_finite(part.rows[:, :: max(1, part.rows.shape[1] // PROBES)]):
         return part
     keep = np.isfinite(part.rows).mean(axis=1) >= 0.5
-    notes += [f"{n}: {DEAD}; it is taken for dead" for n, k in zip(part.names, keep, strict=True) if not k]
+    dead = tuple(compress(part.names, ~keep))
+    notes += [f"{n}: {DEAD}; it is taken for dead" for n in dead]
     if keep.all():
         return part
     digits = None if part.digits is None else part.digits * keep[:, None].astype(np.uint32)
     read = part.read and (part.read[0], np.where(keep[:, None], part.read[1], 0.0))
-    return replace(part, rows=np.where(keep[:, None], part.rows, 0.0), digits=digits, read=read)
+    return replace(part, rows=np.where(keep[:, None], part.rows, 0.0), digits=digits, read=read, dead=dead)
 
 
-def _some_alive(name: str, parts: Sequence[Channels], notes: list[str]) -> None:
+def _some_alive(name: str, parts: Sequence[Channels]) -> None:
     """Raises `RecordingError` where no taxel holds numbers."""
-    taxels = sum(len(p.names) for p in parts if p.kind == "taxel")
-    if taxels and sum(DEAD in note for note in notes) >= taxels:
+    taxels = [p for p in parts if p.kind == "taxel"]
+    if taxels and all(len(p.dead) == len(p.names) for p in taxels):
         raise RecordingError(f"{name}: every taxel is dead ({DEAD}); leave the taxels out")
 
 
@@ -181,7 +185,8 @@ def _in_newtons(t: np.ndarray, one: Channels, c: Calibration, notes: list[str]) 
         notes.append(f"{meaning}: zero taken as {zero:.6g} V, the median of the first second; declare zero_v to be sure")
     kind, steps = "force" if meaning == "force" else "taxel", one.steps and (abs(c.slope_n_per_v) * one.steps[0],)
     read = one.read and (one.read[0], c.slope_n_per_v * (one.read[1] - zero))
-    return Channels(kind, (meaning,), "N", c.slope_n_per_v * (volts - zero), steps, one.digits, read)
+    dead = (meaning,) if one.dead and kind == "taxel" else ()
+    return Channels(kind, (meaning,), "N", c.slope_n_per_v * (volts - zero), steps, one.digits, read, dead)
 
 
 def _note_unused(declared: Declared, parts: list[Channels], notes: list[str]) -> None:
