@@ -6,16 +6,26 @@ from typing import Any
 
 class Said(str):
     """A text; `sizes` are its numbers: {"value", "unit"}, with "at_s" for what begins or is met at a moment. `under_way`: something changed
-    after the session had begun."""
+    after the session had begun. `crept`: it is another at the end than at the beginning, and no moment is known at which it jumped."""
 
     sizes: tuple[dict[str, Any], ...] = ()
     under_way: bool = False
+    crept: bool = False
 
     @classmethod
-    def of(cls, words: str, values: Iterable[float], unit: str, moments: Iterable[float] | None = None, under_way: bool = False) -> "Said":
+    def of(
+        cls,
+        words: str,
+        values: Iterable[float],
+        unit: str,
+        moments: Iterable[float] | None = None,
+        *,
+        under_way: bool = False,
+        crept: bool = False,
+    ) -> "Said":
         """`values` in `unit` (SI), each at its moment, s, unless it is there all the time."""
         said = cls(words)
         sizes = [{"value": float(v), "unit": unit} for v in values]
         said.sizes = tuple(sizes if moments is None else ({**q, "at_s": float(m)} for q, m in zip(sizes, moments, strict=True)))
-        said.under_way = under_way
+        said.under_way, said.crept = under_way, crept
         return said

@@ -314,7 +314,8 @@ def _said(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> S
     """A session's course in words and numbers: steps are added up, a bend is read between its knots. `begin` of the session, s."""
     unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
     under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - begin) > START_S
-    return Said.of(_words(course, moments, z), values, unit, None if course.shape == CONSTANT else moments, under_way)
+    words, at = _words(course, moments, z), None if course.shape == CONSTANT else moments
+    return Said.of(words, values, unit, at, under_way=under_way, crept=(course.carrier, course.shape) == (ZERO, BEND))
 
 
 def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:

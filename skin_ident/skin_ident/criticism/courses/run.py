@@ -7,6 +7,7 @@ import numpy as np
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH
 from skin_ident.criticism.courses.kinds import Course
 from skin_ident.criticism.courses.left_by_tare import Tare
+from skin_ident.criticism.said import Said
 
 SLIP = 0.3  # of a sample's period: a buffer slips by whole ones
 AT_REST = 2.5e-6  # m, half of a good stage's accuracy (thesis 3.1)
@@ -31,7 +32,7 @@ class Run:
     charge: float
     largest: float
     values: dict[str, np.ndarray]
-    said: dict[str, str]
+    said: dict[str, Said]
     period: float
     tare: Tare | None = None
     moments: Moments = field(default_factory=dict)

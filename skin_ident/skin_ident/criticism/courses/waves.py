@@ -181,4 +181,4 @@ def _said(course: Course, model: Model, s: Session, values: np.ndarray) -> Said:
     at = np.sort([np.argmin(row), np.argmax(row)])
     first, last = row[at]
     words = f"{1e2 * first:+.2g} to {1e2 * last:+.2g} %" if of_slope else f"{first:+.3g} to {last:+.3g} N"
-    return Said.of(f"wanders from {words}", (first, last), "1" if of_slope else "N", s.motion.t[at])
+    return Said.of(f"wanders from {words}", (first, last), "1" if of_slope else "N", s.motion.t[at], crept=True)

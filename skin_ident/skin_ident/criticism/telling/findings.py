@@ -76,12 +76,12 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
 
 def advice_on(named: Named) -> str:
     """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
-    usual, said = BY_NAME[named.cause].act, " ".join(named.courses.values())
-    if any(getattr(course, "under_way", False) for course in named.courses.values()):
+    usual, own = BY_NAME[named.cause].act, named.courses.values()
+    if any(course.under_way for course in own):
         return f"look for what happened at the moments that are named (a knock, a plug, a re-mount, a tare in between); then {usual}"
-    if " to " in said:
+    if any(course.crept for course in own):
         return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose plug or a tare in between"
-    return f"{usual}, before every session" if said else usual
+    return f"{usual}, before every session" if own else usual
 
 
 def _of_each_session(named: Named) -> dict[str, Any]:
@@ -89,7 +89,7 @@ def _of_each_session(named: Named) -> dict[str, Any]:
         return {}
     said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())
     why = f"each session has its own ({said}), which no parameter that they share could be"
-    sizes = {session: list(getattr(course, "sizes", ())) for session, course in named.courses.items()}
+    sizes = {session: list(course.sizes) for session, course in named.courses.items()}
     return {"why": why, "of_each_session": named.courses, "sessions": sizes}
 
 
