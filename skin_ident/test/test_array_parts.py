@@ -151,8 +151,8 @@ def test_the_finding_says_that_the_model_does_not_have_it():
     lags = walks | {"cause": "lag", "where": "taxel"}
     content = {"findings": [walks, lags], "excluded": [], "untestable": [], "verdict": "explained", "warnings": []}
     model = Model(Dispersion(m=0.0, b1=900.0, k1=9600.0, b2=600.0, k2=2800.0), (0.6, 0.8, 0.1), (BENDS[1],))
-    said = [f["evidence"].get("simulated") for f in joined(content, "a taxel is dead", model)["findings"]]
-    assert said == [NOT_JUDGED, None]
+    said = [(f["evidence"].get("simulated"), f["evidence"].get("in_model")) for f in joined(content, "a taxel is dead", model)["findings"]]
+    assert said == [(NOT_JUDGED, False), (None, None)]
 
 
 def test_the_family_has_the_shares_of_the_world_under_a_moved_contact():

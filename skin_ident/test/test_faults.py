@@ -78,7 +78,7 @@ def test_what_comes_at_random_is_simulated_and_claims_no_gain():
     outcome = diagnosed(spoil)
     assert set(entries(outcome)) == {("interference", "taxel_1"), ("outliers", "taxel_0")}
     for f in outcome.findings["findings"]:
-        assert f["gain"]["ci95"] is None and f["evidence"]["simulated"].startswith("yes, but")
+        assert f["gain"]["ci95"] is None and f["evidence"]["in_model"] and f["evidence"]["predicts_nothing_for"]
     one = outcome.model.simulate(motion(T, np.full(T.size, 4e-4)), seed=1).taxels
     assert np.std(one[1]) == pytest.approx(0.3 / np.sqrt(2), rel=0.15) and np.abs(one[0] - np.median(one[0])).max() > 1.0
 

@@ -17,7 +17,8 @@ SHAPE = "shape"
 
 @dataclass(frozen=True)
 class Parameter:
-    """One physical parameter. `role` is AMPLITUDE (zero removes the effect) or SHAPE (meaningless without an amplitude)."""
+    """One physical parameter. `role` is AMPLITUDE (zero removes the effect) or SHAPE (meaningless without an amplitude); at its `neutral`
+    value it changes nothing."""
 
     name: str
     unit: str
@@ -28,6 +29,7 @@ class Parameter:
     typical: float = math.nan
     negligible: float = 0.0
     doc: str = ""
+    neutral: float = 0.0
 
 
 def quantity(
@@ -41,14 +43,17 @@ def quantity(
     negligible: float = 0.0,
     scan: tuple[float, ...] = (),
     doc: str = "",
+    neutral: float = 0.0,
 ) -> Any:
     """Declare a parameter as a field of a frozen dataclass.
 
     `typical` is a sensible size (the prior's median), used to draw examples and to start fits; an amplitude up to `negligible` is what good
     hardware has anyway, and no cause to be named; `scan` is the grid on which a SHAPE parameter is profiled when a cause is proposed, and
-    holds the sizes at which an amplitude is tried where a large one acts otherwise than many small ones.
+    holds the sizes at which an amplitude is tried where a large one acts otherwise than many small ones. `neutral` is the value that
+    changes nothing, which of a ratio is one.
     """
     metadata = dict(unit=unit, lower=lower, upper=upper, role=role, typical=typical, negligible=negligible, scan=scan, doc=doc)
+    metadata["neutral"] = neutral
     return field(default=default, metadata=metadata, kw_only=True)
 
 
@@ -71,6 +76,7 @@ def _parameter(f: Any, thing: Any) -> Parameter:
         typical=math.nan if typical is None else typical,
         negligible=f.metadata["negligible"],
         doc=f.metadata["doc"],
+        neutral=f.metadata["neutral"],
     )
 
 

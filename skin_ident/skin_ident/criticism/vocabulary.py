@@ -8,12 +8,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Cause:
-    """`means` completes "the simulation lacks …"; `act` is the advice; `needs` the experiment that excites it."""
+    """`means` completes "the simulation lacks …"; `act` is the advice; `needs` the experiment that excites it. `instead` is
+    what can be done where the extended model does not do it: by default the whole advice, which then speaks of no model."""
 
     name: str
     means: str
     act: str
     needs: str
+    instead: str = ""
 
 
 def verdict_of(anything: bool, systematic: bool) -> str:
@@ -65,6 +67,7 @@ CAUSES: tuple[Cause, ...] = (
         "the skin pulls on the plunger while it leaves",
         "dust or lubricate the surface, or use the extended model near contact",
         "slow and fast withdrawals right out of contact",
+        "dust or lubricate the surface",
     ),
     Cause(
         "dead_zone",

@@ -74,7 +74,7 @@ def size_ruled_out(e: dict, v: View) -> str:
 def why_untestable(e: dict, v: View) -> str:
     """Why a cause could not be tested; where some of it was ruled out, that this is the rest."""
     because, ruled_out = text(e.get("because")), _also(e, v.excluded)
-    if not ruled_out or "other forms" in because:  # which says it itself
+    if not ruled_out or "form" in e:  # which says itself that it is of this form alone
         return sentence(because)
     forms = " and ".join(dict.fromkeys(spoken(text(o.get("form"))) for o in ruled_out if o.get("form")))
     return f"Ruled out in part only{f' (its form {forms})' if forms else ''}: {because.rstrip('.')}."

@@ -128,11 +128,13 @@ def _briefly(name: str) -> str:
 def against_motion(trace: Trace, row: int, v: View) -> list[Safe]:
     """Residual against depth and against speed; nothing where the recording has neither."""
     panels = []
-    for quantity, label, factor in ((trace.depth, "depth, mm", 1e3), (trace.speed, "speed, mm/s (pressing is positive)", 1e3)):
+    depth, speed = (trace.depth, "depth, mm", True), (trace.speed, "speed, mm/s (pressing is positive)", False)
+    for quantity, label, by_depth in (depth, speed):
         found = span_of(quantity)
         if found is not None:
-            found = (max(found[0], 0.0), found[1]) if label.startswith("depth") and found[1] > 0.0 else found  # in the air nothing is left
-            panels.append(_against(quantity, _left(trace, row), found, label, factor, v, unit_of(v, trace.channels[row]), trace.speed))
+            found = (max(found[0], 0.0), found[1]) if by_depth and found[1] > 0.0 else found  # in the air nothing is left
+            apart = trace.speed if by_depth and np.isfinite(trace.speed).all() else None
+            panels.append(_against(quantity, _left(trace, row), found, label, 1e3, v, unit_of(v, trace.channels[row]), apart))
     return [p for p in panels if p is not None]
 
 
@@ -142,9 +144,9 @@ def _left(trace: Trace, row: int) -> list[tuple[str, np.ndarray]]:
     return [(kind, trace.measured[row] - curves[row] + out) for kind, _, curves in simulations(trace)]
 
 
-def _against(quantity, pair, found, label: str, factor: float, v: View, unit: str, speed) -> Safe | None:
-    low, high = found
-    split = label.startswith("depth") and np.isfinite(speed).all()
+def _against(quantity, pair, found, label: str, factor: float, v: View, unit: str, speed: np.ndarray | None) -> Safe | None:
+    """The residuals of a `pair` of simulations over a quantity; by the sign of the `speed`, where that is given."""
+    (low, high), split = found, speed is not None
     sides = ((speed > 0, "", "pressing"), (speed < 0, " dashed", "releasing")) if split else ((np.isfinite(quantity), "", ""),)
     parts: list[tuple[Binned, str, str]] = []
     for kind, r in pair:

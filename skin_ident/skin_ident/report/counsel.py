@@ -18,7 +18,6 @@ TESTED = {
 MOST_ADVICE = 4
 GAIN = "gain_error"
 LATER, BY_HAND = "not before the next experiment", "not before a check by hand"
-NO_MOTION = "no motion that was tried"  # begins what a finding says where no experiment helps
 
 
 def sure(v: View) -> tuple[str, tuple[str, ...]]:
@@ -102,7 +101,7 @@ def _of_all_names(f: Finding) -> Rebuild:
     """What is true of a finding whichever of its names it is: a reason holds that all share."""
     each = [rebuild(cause, where) for cause, where in f.names]
     answers, reasons = {a.answer for a in each}, {a.because for a in each}
-    later = BY_HAND if f.separating.startswith(NO_MOTION) else LATER
+    later = BY_HAND if f.by_hand else LATER
     if len(reasons) == 1:
         return each[0]
     if answers == {"no"} and not any(where.startswith("taxel") for _, where in f.names):
@@ -121,7 +120,7 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
     for f in v.findings:
         if f.battery:
             yield sentence(f.separating.replace(f.battery, f"{folder}/{f.battery}" if folder else f.battery, 1))
-        elif f.separating.startswith(NO_MOTION):
+        elif f.by_hand:
             yield from _by_hand(f)
         elif f.separating:
             yield sentence(f"{_between(f)}: {f.separating}")

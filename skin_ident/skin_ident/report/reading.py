@@ -9,7 +9,7 @@ from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, percent
 from skin_ident.report.tolerant import mapping, place_in, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
-from skin_ident.report.words import advice, effect_words, parameter_words, sentence
+from skin_ident.report.words import advice, declared, effect_words, parameter_words, sentence
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")
@@ -107,9 +107,9 @@ def _model_amounts(entries: Any) -> tuple[Amount, ...]:
     return tuple(_amount(name, entry, words.get(name) or parameter_label(name)) for name, entry in entries.items())
 
 
-def _amount(name: str, entry: Any, words: str) -> Amount:
+def _amount(name: str, entry: Any, words: str, none: float = 0.0) -> Amount:
     entry = entry if isinstance(entry, dict) else {"value": entry}
-    return Amount(name, words, finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")))
+    return Amount(name, words, finite(entry.get("value")), text(entry.get("unit")), finite(entry.get("std")), none)
 
 
 def _held(name: str, entry: dict[str, Any]) -> tuple[Amount, str]:
@@ -121,18 +121,20 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
     channels = tuple(text(c) for c in sequence(f.get("channels")))
 
     sizes = {str(name).rpartition(".")[2]: entry for name, entry in mapping(f.get("parameters")).items()}
-    words = effect_words(cause, where, tuple(sizes))
+    words, known = effect_words(cause, where, tuple(sizes)), declared(cause, where, tuple(sizes))
+    none = {name: p.neutral for name, p in known.items()}
     return Finding(
         cause,
         where,
         channels,
-        tuple(_amount(name, entry, words.get(name) or spoken(name)) for name, entry in sizes.items()),
+        tuple(_amount(name, entry, words.get(name) or spoken(name), none.get(name, 0.0)) for name, entry in sizes.items()),
         tuple(mapping(f.get("evidence")).items()),
         _gain(mapping(f.get("gain")), channels, baseline, mapping(f.get("evidence")).get("held_out")),
         tuple(_alternative(a, mapping(f.get("evidence"))) for a in sequence(f.get("alternatives"))),
         text(f.get("separating_experiment")),
         tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
         text(f.get("battery")),
+        "separating_evidence" in f and not f.get("battery"),
         text(f.get("advice")) or advice(cause),
         tuple(_behind(a, mapping(f.get("evidence"))) for a in sequence(f.get("alternatives"))),
     )

@@ -22,9 +22,8 @@ def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) ->
 
 
 def _tells(a: Amount) -> bool:
-    """Whether a parameter is clearly another than none: than zero, or of a ratio than one."""
-    none = 1.0 if a.words.startswith("ratio") else 0.0
-    return a.value is None or not a.std or abs(a.value - none) > LEAST * a.std
+    """Whether a parameter is clearly another than none."""
+    return a.value is None or not a.std or abs(a.value - a.none) > LEAST * a.std
 
 
 def put_right(v: View) -> list[str]:

@@ -174,12 +174,12 @@ def _as_well(f: Finding) -> Iterator[str]:
 
 
 def _unsettled(v: View) -> Iterator[str]:
-    """What was seen, and is in doubt, or leaves several causes open: a reason that they share and that tells of a difference."""
+    """What was seen, and is in doubt, or leaves several causes open: the reason that they share."""
     yield from (f"{named_at(e)}: {text(e.get('because'))}" for e in v.doubts)
     if v.findings or v.verdict != NOTHING:
         return
-    shared = [re.sub(r"taxel_(\d)", r"taxel \1", text(e.get("because"))) for e in v.untestable]
-    yield from dict.fromkeys(said for said in shared if shared.count(said) > 1 and " differ " in said)
+    shared = [text(e.get("because")) for e in v.untestable if e.get("left_open") is True]
+    yield from dict.fromkeys(re.sub(r"taxel_(\d)", r"taxel \1", said) for said in shared)
 
 
 def _in_newtons(seen: Focus, v: View) -> str:

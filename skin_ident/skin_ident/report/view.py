@@ -9,20 +9,21 @@ from skin_ident.report.tolerant import mapping, text
 
 SCAN = "static spread scan"  # the kind of its recordings
 DIRECT = {"quantization", "saturation", "outliers", "dead_taxel", "noise", "data_error", "interference"}
-OWN = "single sessions"  # in the reason for which a zero is no finding
 ZEROS = {"position_offset": "zero of depth", "force_offset": "zero of {}"}
 HELD_OUT, STRETCHES, IN_TURN, UNTESTED = "held_out", "stretches", "in_turn", ""  # how a gain was tested
 
 
 @dataclass(frozen=True)
 class Amount:
-    """One parameter: its name in code, what it is in words, SI value with unit and standard error (None where not known)."""
+    """One parameter: its name in code, what it is in words, SI value with unit and standard error (None where not known), and the value at
+    which it is none."""
 
     name: str
     words: str
     value: float | None
     unit: str
     std: float | None = None
+    none: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,7 @@ class Finding:
     separating: str
     hid_in: tuple[tuple[Amount, Amount], ...] = ()  # parameters of the baseline that it had bent, before and after
     battery: str = ""  # file of the experiment that `separating` speaks of, where one was computed
+    by_hand: bool = False  # experiments were computed, and none of them is of help
     act: str = ""  # what to do about it, where the finding says more than its cause does
     behind: tuple[float | None, ...] = ()  # of the alternatives: the share by which each explains less, clearly and yet too little
 
@@ -79,7 +81,7 @@ class Finding:
     @property
     def simulated(self) -> bool:
         """Whether the finding says that it is in the extended model."""
-        return text(dict(self.evidence).get("simulated")).startswith("yes")
+        return dict(self.evidence).get("in_model") is True
 
     @property
     def carried(self) -> bool:
@@ -89,7 +91,7 @@ class Finding:
     @property
     def says_whether_simulated(self) -> bool:
         """Whether the finding says that it is in the extended model, or that it is not."""
-        return "simulated" in dict(self.evidence)
+        return "in_model" in dict(self.evidence)
 
     @property
     def direct(self) -> bool:
@@ -99,7 +101,7 @@ class Finding:
     @property
     def unmeasured(self) -> str:
         """Why the comparison cannot say what simulating it is worth, as a clause; empty where it can, or it is a fault of the record."""
-        said = text(dict(self.evidence).get("simulated")).partition("nothing is predicted with it, for ")[2]
+        said = text(dict(self.evidence).get("predicts_nothing_for"))
         beside = "" if self.cause in DIRECT else "the moments at which it acts are not compared"
         return (said or beside) if self.direct else ""
 
@@ -157,7 +159,7 @@ class View:
     @property
     def own_zeros(self) -> tuple[str, ...]:
         """The zeros that every session was let have of its own, since good hardware and tares leave them so: no fault."""
-        own = [e for e in self.untestable if OWN in text(e.get("because")) and text(e.get("cause")) in ZEROS]
+        own = [e for e in self.untestable if e.get("own_zero") is True and text(e.get("cause")) in ZEROS]
         return tuple(dict.fromkeys(ZEROS[text(e.get("cause"))].format(place(text(e.get("where")))) for e in own))
 
     @property

@@ -7,7 +7,7 @@ from functools import cache
 from skin_ident.criticism.vocabulary import BY_NAME, place, spoken
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
-from skin_models.parameter import parameters_of
+from skin_models.parameter import Parameter, parameters_of
 
 
 def channel(name: str) -> str:
@@ -82,17 +82,26 @@ def effect_words(cause: str, where: str, names: tuple[str, ...]) -> dict[str, st
 
     Where a cause has several forms, the form that declares most of the names is meant.
     """
+    return {name: _of(p, name) for name, p in declared(cause, where, names).items()}
+
+
+@cache
+def declared(cause: str, where: str, names: tuple[str, ...]) -> dict[str, Parameter]:
+    """The parameters `names` of an effect as it declares them, an arm's (`tau_2`) as the first of them. Unknown ones are absent."""
     word = "taxel" if where.startswith("taxel") else where
-    forms = [{p.name: _without_symbols(p.doc) for p in parameters_of(c)} for c in effects() if c.cause == cause and word in c.places]
-    said = [{name: words for name in names if (words := _of(docs, name))} for docs in forms]
+    forms = [{p.name: p for p in parameters_of(c)} for c in effects() if c.cause == cause and word in c.places]
+    said = [{name: of[own] for name in names for own in (_stem(name), name) if own in of and of[own].doc} for of in forms]
     return max(said, key=len, default={})
 
 
-def _of(docs: dict[str, str], name: str) -> str:
+def _stem(name: str) -> str:
     stem, _, number = name.rpartition("_")
-    if name in docs:
-        return docs[name]
-    return f"{docs[stem]}, number {number}" if number.isdigit() and stem in docs else ""
+    return stem if number.isdigit() else ""
+
+
+def _of(p: Parameter, name: str) -> str:
+    words = _without_symbols(p.doc)
+    return words if p.name == name else f"{words}, number {name.rpartition('_')[2]}"
 
 
 EVIDENCE = {

@@ -39,7 +39,7 @@ def adhesion() -> dict:
     return {
         "cause": "adhesion", "where": "skin", "channels": ["force"], "means": "m", "alternatives": [], "separating_experiment": "",
         "parameters": {"reach": {"value": 1e-5, "unit": "m"}},
-        "evidence": {"why": "it pulls", "simulated": f"yes, but nothing is predicted with it, for {LEFT_OUT}"},
+        "evidence": {"why": "it pulls", "in_model": True, "predicts_nothing_for": LEFT_OUT},
         "gain": {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": "force", "unit": "N"},
     }  # fmt: skip
 
@@ -84,7 +84,7 @@ def test_sizes_of_each_session_are_printed():
 
 def test_zeros_that_are_no_fault_are_no_gain():
     """With nothing named there is one simulation, that with the zeros, and one sentence says that it has them."""
-    own = {"cause": "position_offset", "where": "rig", "because": "within single sessions the zero of depth would step by 2 µm"}
+    own = {"cause": "position_offset", "where": "rig", "because": "it would step by 2 µm", "own_zero": True}
     before = {c: {"train": 0.07, "held_out": 0.07, "unit": "N"} for c in ("force", "taxel_0")}
     content = findings() | {"untestable": [own]}
     content["baseline"] = content["baseline"] | {"rmse": before}
@@ -139,8 +139,8 @@ def test_what_is_ruled_out_in_part_says_so_in_both_tables():
         ({}, "warm up"),
         ({"a": Said.of("+1.2 % at 140.0 s", [0.012], "1", [140.0], under_way=True)}, "what happened at the moments"),
         ({"a": Said.of("+1.2 % at 100.0 s", [0.012], "1", [100.0])}, "before every session"),
-        ({"a": "from +0.1 to +0.2 N"}, "crept (warm up"),
-        ({"a": "+0.1 N"}, "before every session"),
+        ({"a": Said.of("creeps by 0.1 N", [0.1, 0.2], "N", [0.0, 9.0], crept=True)}, "crept (warm up"),
+        ({"a": Said.of("close to +0.1 N", [0.1], "N")}, "before every session"),
     ],
 )
 def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
@@ -182,19 +182,19 @@ def test_an_experiment_speaks_for_itself_and_words_without_one_are_said_for_whom
 
 
 @pytest.mark.parametrize(
-    ("said", "scan", "words"),
+    ("has", "scan", "words"),
     [
-        (("", ""), False, "everything named here is in it"),
-        (("yes, as an effect", "no: the skin has none of this form"), False, "what can be simulated of what is named here is in it"),
-        (("", ""), True, "what can be simulated of what is named here is in it"),
-        (("yes, as an effect", "yes, as an effect"), True, "everything named here is in it"),
-        (("no: the skin has none of this form",) * 2, False, None),
+        ((None, None), False, "everything named here is in it"),
+        ((True, False), False, "what can be simulated of what is named here is in it"),
+        ((None, None), True, "what can be simulated of what is named here is in it"),
+        ((True, True), True, "everything named here is in it"),
+        ((False, False), False, None),
     ],
 )
-def test_the_model_is_not_said_to_have_what_the_findings_say_it_has_not(said, scan, words):
+def test_the_model_is_not_said_to_have_what_the_findings_say_it_has_not(has, scan, words):
     gain = {"held_out_rmse_before": 0.2, "held_out_rmse_after": 0.1}
-    simulated = [{"simulated": s} if s else {} for s in said]
-    entries = [rivals((cause, "rig"), gain=gain, evidence=s) for cause, s in zip(("off_centre", "crosstalk"), simulated, strict=True)]
+    known = [{} if h is None else {"in_model": h, "simulated": "as it may be said"} for h in has]
+    entries = [rivals((cause, "rig"), gain=gain, evidence=e) for cause, e in zip(("off_centre", "crosstalk"), known, strict=True)]
     content = findings("explained", entries=entries) | {"recordings": [{"name": "a"} | ({"kind": "static spread scan"} if scan else {})]}
     told = [s for s in tell(examples.Outcome(content)).story.next if "model.yaml" in s]
     assert [words in s for s in told] == ([] if words is None else [True])
@@ -237,8 +237,8 @@ def test_what_may_be_nothing_is_no_size():
 
 
 def test_where_no_motion_helps_it_is_said_what_a_person_can_do():
-    nothing = "no motion that was tried in simulation tells them apart"
-    entry = rivals(("lag", "taxel_1"), ("time_shift", "clock"), advice="remove the filter", separating_experiment=nothing)
+    nothing = {"separating_experiment": "none tells them apart", "separating_evidence": {"expected": 2.0, "recorded": 1.0}}
+    entry = rivals(("lag", "taxel_1"), ("time_shift", "clock"), advice="remove the filter", **nothing)
     story = tell(examples.Outcome(findings("explained", entries=[entry]))).story
     assert story.rebuild == "Not before a check by hand"
     assert story.next[1] == "If it is lag in taxel 1: remove the filter." and story.next[2].startswith(

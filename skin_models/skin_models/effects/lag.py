@@ -129,7 +129,9 @@ class OneSidedLag(Lag):
     proposed: ClassVar[bool] = False
     refines: ClassVar[type] = Lag
 
-    recovery: float = quantity("1", 1.0, lower=0.02, upper=50.0, role=SHAPE, typical=1.5, doc="ratio r of time constants, fall to rise")
+    recovery: float = quantity(
+        "1", 1.0, lower=0.02, upper=50.0, role=SHAPE, typical=1.5, doc="ratio r of time constants, fall to rise", neutral=1.0
+    )
 
     def step(self, state, y, s: Sample, dt: float):
         """z[n] = e z[n-1] + (g - e) y[n-1] + (1 - g) y[n], e and g those of the way that leads from z[n-1] to y[n]."""

@@ -9,7 +9,7 @@ from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.family import Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
-from skin_ident.criticism.array.sentences import SCAN, separating, shift_of, why
+from skin_ident.criticism.array.sentences import SCAN, farthest, separating, shift_of, why
 from skin_ident.criticism.vocabulary import BY_NAME
 
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
@@ -131,9 +131,10 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
                 yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "because": UNTOLD, "needs": SCAN}
     if not a.named and a.judgement.sure > POSSIBLE:
         because = f"{_scatter(a)}, which calibrations or positions off by as much would explain too"
-        yield from ({"cause": c, "because": because, "needs": SCAN} for c in said if c not in ("spread_width", "anisotropy"))
+        open_ = {"because": because, "needs": SCAN, "left_open": True}
+        yield from ({"cause": c, **open_} for c in said if c not in ("spread_width", "anisotropy"))
 
 
 def _scatter(a: ArrayCriticism) -> str:
-    off = a.judgement.causes[0]
-    return f"the ratios of the taxels differ from those of the declared layout ({why(off, a.layout).partition(';')[2].strip()})"
+    off = farthest(a.judgement.causes[0], a.layout)
+    return f"the ratios of the taxels differ from those of the declared layout ({off})"

@@ -77,7 +77,7 @@ def _in_words(entry: dict[str, Any], model: Model) -> dict[str, Any]:
 
 def _marked(entry: dict[str, Any], why: str) -> dict[str, Any]:
     """The entry, saying `why` the extended model does not have it; as it is, where there is no reason."""
-    return {**entry, "evidence": {**entry["evidence"], "simulated": why}} if why else entry
+    return {**entry, "evidence": {**entry["evidence"], "simulated": why, "in_model": False}} if why else entry
 
 
 def _with(entries: list[dict[str, Any]], new: dict[str, Any]) -> list[dict[str, Any]]:

@@ -29,9 +29,14 @@ APART = {frozenset(pair.split()): words for pair, words in _PAIRS.items()}
 
 def why(j: Judged, layout: Layout) -> str:
     """One sentence that shows the cause."""
-    said, far = _what(j, layout), _deviations(j, layout)
+    return f"{_what(j, layout)}; {farthest(j, layout)}"
+
+
+def farthest(j: Judged, layout: Layout) -> str:
+    """The taxel that reads least as declared, as a clause."""
+    far = _deviations(j, layout)
     i = int(np.argmax(np.abs(far)))
-    return f"{said}; against the declared layout, taxel_{i} reads {far[i]:+.1%} of the sensed force"
+    return f"against the declared layout, taxel_{i} reads {far[i]:+.1%} of the sensed force"
 
 
 def _what(j: Judged, layout: Layout) -> str:

@@ -153,6 +153,7 @@ def entry(n: Named, found: Search, s: Setting) -> dict[str, Any]:
             "held_out": n.gain.held_out,
             "forms": [c.form or c.cause],
             "simulated": UNSIMULATED.get(c.cause, "yes, in the written model"),
+            "in_model": c.cause not in UNSIMULATED,
         },
         "gain": {
             "held_out_rmse_before": n.gain.before,

@@ -73,7 +73,7 @@ def placed(where: str) -> dict[str, str]:
 def undecided(cause: Cause, where: str, seen: NotNamed) -> dict[str, Any]:
     """The entry `untestable` for what is `seen` at one place and is no finding."""
     entry = {"cause": cause.name, "where": where, "because": seen.because, "needs": seen.needs or cause.needs}
-    return entry | ({"in_doubt": True} if seen.doubt else {})
+    return entry | ({"in_doubt": True} if seen.doubt else {}) | ({"own_zero": True} if seen.own_zero else {})
 
 
 def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:
@@ -144,12 +144,14 @@ def _imitated(p: Projected, cause: Cause, excluded: list[dict[str, Any]]) -> lis
     for d, share in zip(p.which, p.left, strict=True):
         if d.cause == cause.name:
             left[d.where, d.effect.form] = max(share, left.get((d.where, d.effect.form), 0.0))
-    hidden = {where: form or "a constant one" for (where, form), most in left.items() if 0.0 < most <= UNEXCITED}
+    hidden = {where: form for (where, form), most in left.items() if 0.0 < most <= UNEXCITED}
     return [
         {
             "cause": cause.name,
             "where": where,
-            "because": f"{form} looks exactly like a change of the model's own parameters here; only its other forms are excluded",
+            "form": form,
+            "because": f"{form or 'a constant one'} looks exactly like a change of the model's own parameters here; only its other forms "
+            "are excluded",
             "needs": cause.needs,
         }
         for where, form in hidden.items()

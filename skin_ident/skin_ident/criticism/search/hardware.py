@@ -76,14 +76,15 @@ def zeros_do(largest: float, encoder_step: float) -> NotNamed:
     """Why zeros of depth that sessions have of their own, the `largest` of them in m, are no finding, where stage or encoder do as much."""
     why, least = f"within single sessions the zero of depth would step by {_micrometres(largest)}", _micrometres(least_depth(encoder_step))
     if encoder_step >= AT_REST:
-        return NotNamed(np.inf, f"{why}, but the encoder reads no finer than {least}", FINER)
-    return NotNamed(np.inf, f"{why}, and good hardware does up to {least} by itself")
+        return NotNamed(np.inf, f"{why}, but the encoder reads no finer than {least}", FINER, own_zero=True)
+    return NotNamed(np.inf, f"{why}, and good hardware does up to {least} by itself", own_zero=True)
 
 
 def tare_does(largest: float, tare: Tare) -> NotNamed:
     """Why zeros that sessions have of their own, the `largest` of them in N, are no finding, where a `tare` sets them no better."""
     off = f"the zeros of single sessions are off by up to {largest:.2g} N"
-    return NotNamed(np.inf, f"{off}, as {tare.said} may leave them", "a converter with finer steps, and tares of many seconds in free air")
+    needs = "a converter with finer steps, and tares of many seconds in free air"
+    return NotNamed(np.inf, f"{off}, as {tare.said} may leave them", needs, own_zero=True)
 
 
 def _worth(gain: Gain) -> str:

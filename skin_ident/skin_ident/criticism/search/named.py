@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
@@ -21,7 +22,7 @@ class Named:
     alternatives: tuple[Rival, ...]
     before: Model | None = None
     model: Model | None = None
-    courses: dict[str, str] = field(default_factory=dict)  # what belongs to one session alone, in words by session
+    courses: dict[str, Said] = field(default_factory=dict)  # what belongs to one session alone, in words by session
 
     @property
     def key(self) -> tuple[str, str]:
@@ -32,12 +33,14 @@ class Named:
 @dataclass(frozen=True)
 class NotNamed:
     """What is in the record and no finding: its size in the unit of its cause's directions (inf: nothing of it is ruled out), why it is
-    none, what would tell, by default what its cause needs, and whether it may be there all the same."""
+    none, what would tell, by default what its cause needs, whether it may be there all the same, and whether it is a zero that every
+    session was let have of its own."""
 
     size: float
     because: str
     needs: str = ""
     doubt: bool = False
+    own_zero: bool = False
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from skin_ident.criticism.telemetry.faults import PREDICTS, UNLIKE, effect_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.floor import beyond_noise, floor_of_all, left_beside, noise_floor
 from skin_ident.criticism.telling.judging import Judged
+from skin_ident.criticism.vocabulary import BY_NAME
 from skin_models.model import Model
 
 OTHER_UNIT = 3.0  # times the applied force, which no taxel reads whose gain is merely off
@@ -33,9 +34,8 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
         entry["gain"] |= gain
         entry["evidence"] |= _simulated(symptom, bool(gain))
         if symptom.evidence.get(UNLIKE):
-            entry["advice"] = (
-                f"{entry['advice'].partition(', or ')[0]}; the extended model does not do this, so do not rely on it near contact"
-            )
+            instead = BY_NAME[symptom.cause].instead or entry["advice"]
+            entry["advice"] = f"{instead}; the extended model does not do this, so do not rely on it near contact"
         if gain and not given:
             entry["hid_in"] = moved(judged.naive, c.baseline.model, c)
     for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):
@@ -115,17 +115,21 @@ def _verdict(verdict: str, more: bool) -> str:
 
 
 def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
+    """Whether the extended model has it, and whether anything is predicted with it; as a sentence, too."""
     effect = effect_of(symptom)
     if symptom.evidence.get(UNLIKE):
-        return {"simulated": "no: the simulated skin does it in another way, which would be further from the record than none"}
+        why = "the simulated skin does it in another way, which would be further from the record than none"
+        return {"simulated": f"no: {why}", "in_model": False}
     if effect is None:
-        return {"simulated": "no: the simulated chain has no place for this"}
+        return {"simulated": "no: the simulated chain has no place for this", "in_model": False}
+    has = {"in_model": True, "forms": [type(effect).__name__]}
+    if predicts:
+        return {"simulated": "yes, and held-out data are predicted with it", **has}
     reasons = dict.fromkeys(PREDICTS, "the noise carries readings across the steps") | {
         "adhesion": "the moments at which it acts are not compared"
     }
     why = reasons.get(symptom.cause, "it comes at random")
-    said = "yes, and held-out data are predicted with it" if predicts else f"yes, but nothing is predicted with it, for {why}"
-    return {"simulated": said, "forms": [type(effect).__name__]}
+    return {"simulated": f"yes, but nothing is predicted with it, for {why}", "predicts_nothing_for": why, **has}
 
 
 def hid_in(named: Named, c: Criticism) -> dict[str, Any]:
