@@ -7,6 +7,7 @@ than the noise s beneath, they bury it, and that can be seen in what a model lea
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -46,11 +47,12 @@ def find_quantization(recordings: list) -> list[Symptom]:
         unit = "m" if channel == "depth" else "N"
         steps = [s for s in _steps(recordings, channel) if s is not None]
         if step and len(steps) == len(recordings) and min(steps) > COARSER * step:
-            found.append(_coarse(recordings, channel, float(np.median(steps)), "as rig.yaml declares", step, unit))
+            found.append(_coarse(recordings, channel, float(np.median(steps)), "as rig.yaml declares", {"declared": quantity(step, unit)}))
             continue
         uneven = [uneven_step(y, step) for y in _rows(recordings, channel)] if step else []
         if uneven and None not in uneven:
-            s = _coarse(recordings, channel, float(np.median(uneven)), "on average as rig.yaml declares, and unevenly", step, unit)
+            against, known = "on average as rig.yaml declares, and unevenly", {"declared": quantity(step, unit)}
+            s = _coarse(recordings, channel, float(np.median(uneven)), against, known)
             found.append(replace(s, evidence={**s.evidence, "uneven": True}))
     return found
 
@@ -86,12 +88,14 @@ def _unlike(recordings: list, declared: dict[str, float | None]) -> list[Symptom
         return []
     usual = float(np.median(list(steps.values())))
     alone = [c for c, step in steps.items() if step > UNLIKE * usual]
-    return [_coarse(recordings, c, steps[c], "as those of the other taxels, and no step is declared", usual) for c in alone]
+    known, against = {"usual": quantity(usual, "N")}, "as those of the other taxels, and no step is declared"
+    return [_coarse(recordings, c, steps[c], against, known) for c in alone]
 
 
-def _coarse(recordings: list, channel: str, step: float, against: str, usual: float, unit: str = "N") -> Symptom:
-    why = f"the levels of {channel} are {step / usual:.1f} times as far apart {against}"
-    evidence = {"declared" if "rig.yaml" in against else "usual": quantity(usual, unit), "why": why}
+def _coarse(recordings: list, channel: str, step: float, against: str, known: dict[str, dict[str, Any]]) -> Symptom:
+    """Steps that are wider than those that are `known`, by where they are known from, and how to say that."""
+    ((expected, unit),) = ((q["value"], q["unit"]) for q in known.values())
+    evidence = {**known, "why": f"the levels of {channel} are {step / expected:.1f} times as far apart {against}"}
     return Symptom("quantization", place_of(channel, len(recordings[0].taxels)), (channel,), {"step": quantity(step, unit)}, evidence)
 
 
