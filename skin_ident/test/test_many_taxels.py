@@ -1,16 +1,20 @@
 """Recordings with many taxels: some are chosen by name, and all of them are searched, a few together and the others in groups."""
 
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from rows import rows
 
+from skin_ident import criticism
 from skin_ident.cli.diagnose import main
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
-from skin_ident.criticism.many import Rest, loaded_most, renamed, with_rest
+from skin_ident.criticism.many import Rest, loaded_most, renamed, some, symptom_of_all, with_rest
 from skin_ident.criticism.search.size import affordable
+from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.errors import RecordingError
@@ -73,20 +77,56 @@ def lagging(taxels):
     return out
 
 
+COUNTED = "taxels are counted from 0: taxel_0 is taxel_1, taxel_5 is taxel_6"  # said in reading, of all taxels
+
+
 @pytest.mark.parametrize(("spoil", "expected"), rows([(lagging, ("lag", "taxel_2")), (clipped, ("saturation", "taxel_7"))], 1))
 def test_what_a_taxel_has_of_its_own_is_found_among_many(spoil, expected):
-    recordings = [grid(i, spoil) for i in range(2)]
+    recordings = [grid(i, spoil).warned(COUNTED) for i in range(2)]
     few = loaded_most(recordings)
     assert 12 in few and len(few) <= 6
     outcome = diagnose(recordings)
     assert expected in [(f["cause"], f["where"]) for f in outcome.findings["findings"]]
     assert len(outcome.model.shares) == 25 and outcome.model.shares[13] == pytest.approx(np.exp(-25 / 36), rel=0.05)
     assert "the others, in groups" in outcome.findings["warnings"][0] and "taxel_12" in outcome.findings["baseline"]["rmse"]
+    assert outcome.findings["warnings"][1] == f"every session: {COUNTED}"
+    assert all(COUNTED in r["warnings"] for r in outcome.findings["recordings"])
 
 
 def test_numbers_are_those_of_all_taxels():
     said = {"taxel_1": ["share_0 of taxel_2", 3], "taxel_10": ("taxel_1", "b")}
     assert renamed(said, [4, 7, 9]) == {"taxel_7": ["share_4 of taxel_9", 3], "taxel_10": ("taxel_7", "b")}
+
+
+def silent_between(count, taxel, declared):
+    """As many taxels in a row, of which one reads noise alone between two that feel the load, far from the contact."""
+    rng, shares = np.random.default_rng(0), np.full(count, 0.3)
+    shares[taxel] = 0.0
+    places = tuple((5.0 * i, 0.0) for i in range(count)) if declared else ()
+    taxels = shares[:, None] * LOAD + 0.01 * rng.standard_normal((count, T.size))
+    return Recording("row", T, None, LOAD, taxels, declared=Declared(taxel_positions_mm=places))
+
+
+def test_a_taxel_that_others_promise_a_reading_is_told_with_their_numbers_among_all():
+    among = [6, 8, 9]
+    row = silent_between(12, 8, declared=True)
+    (found,) = find_dead_taxels(some([row], among))
+    told = symptom_of_all(found, among)
+    assert told.where == "taxel_8" and "though taxel_6 and taxel_9 on both sides of it say" in told.evidence["why"]
+    (alone,) = find_dead_taxels([row])
+    assert alone.where == "taxel_8" and "though taxel_0 and taxel_11 on" in alone.evidence["why"]
+
+
+def test_three_chosen_out_of_more_are_no_row():
+    """Without a layout the second of three lies between the others, unless they are some of many that were numbered together."""
+    assert [s.where for s in find_dead_taxels([silent_between(3, 1, declared=False)])] == ["taxel_1"]
+    assert not find_dead_taxels(some([silent_between(12, 4, declared=False)], [0, 4, 11]))
+
+
+def test_every_sentence_names_a_taxel_as_its_channel():
+    """So that it can be told under another number: `taxels 0 and 2` could not."""
+    sources = Path(criticism.__file__).parent.rglob("*.py")
+    assert not [path.name for path in sources if re.search(r"taxels [{\d]", path.read_text(encoding="utf-8"))]
 
 
 def test_names_of_files_are_no_numbers_of_taxels():

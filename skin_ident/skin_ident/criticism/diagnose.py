@@ -27,6 +27,7 @@ from skin_ident.criticism.many import (
     some,
     symptom_of_all,
     with_rest,
+    with_those_of_reading,
 )
 from skin_ident.criticism.record import Inspected, inspect
 from skin_ident.criticism.scan import diagnose_scans
@@ -181,7 +182,8 @@ def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model
     progress("judging the ratios of all taxels")
     wide = criticism_of_all(c, rest, every, chosen, extended, seen, split)
     array = array_criticism(wide, layout, seen, every)
-    findings = with_rest(renamed(part.findings, chosen), odd, rest, chosen, len(every[0].taxels))
+    findings = with_those_of_reading(renamed(part.findings, chosen), every)
+    findings = with_rest(findings, odd, rest, chosen, len(every[0].taxels))
     told = {(cause, renamed(where, chosen)) for cause, where in c.not_named} | {(u["cause"], u["where"]) for u in rest.untestable}
     outcome = _outcome(part, findings, array, extended, wide.train[0], (*odd, *seen), told)
     baseline = model_of_all(c.baseline.model, chosen, rest.shares, (), layout)

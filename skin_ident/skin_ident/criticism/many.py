@@ -29,7 +29,7 @@ from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import Session, longest, prepare
 from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
-from skin_ident.criticism.telling.findings import found, seen
+from skin_ident.criticism.telling.findings import found, of_reading, seen
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_ident.recordings.chosen import only_taxels
 from skin_models.effect import Effect
@@ -73,16 +73,24 @@ def loaded_most(recordings: list) -> list[int]:
 
 
 def some(recordings: list, taxels: list[int]) -> list:
-    """The recordings with these taxels alone."""
+    """The recordings with these taxels alone, and without the warnings of reading, which know all taxels (see `with_those_of_reading`)."""
+    each = [only_taxels([r], [r.taxel_names[i] for i in taxels])[0] for r in recordings]
     return [
-        replace(only_taxels([r], [r.taxel_names[i] for i in taxels])[0], spread=None if r.spread is None else r.spread[taxels])
-        for r in recordings
+        replace(few, spread=None if r.spread is None else r.spread[taxels], warnings=(), declared=replace(few.declared, warnings=()))
+        for few, r in zip(each, recordings, strict=True)
     ]
 
 
+def with_those_of_reading(findings: dict[str, Any], recordings: list) -> dict[str, Any]:
+    """findings.json of a search of a few taxels with the warnings of all `recordings`: they have the numbers and names of the files."""
+    entries = [{**e, "warnings": [*r.warnings, *e["warnings"]]} for e, r in zip(findings["recordings"], recordings, strict=True)]
+    return {**findings, "recordings": entries, "warnings": [*of_reading(recordings), *findings["warnings"]]}
+
+
 def renamed(thing: Any, taxels: list[int], sessions: Collection[str] = ()) -> Any:
-    """Anything made of texts, with the numbers of `taxels` in place of their order among themselves. Names of `sessions`, which the whole
-    of findings.json brings itself, are those of files and stay as they are, in the middle of a sentence too."""
+    """Anything made of texts, with the numbers of `taxels` in place of their order among themselves. A text names a taxel as its channel
+    (`taxel_3`, or `taxel 3`) and in no other way. Names of `sessions`, which the whole of findings.json brings itself, are those of files
+    and stay as they are, in the middle of a sentence too."""
     if isinstance(thing, str):
         either = _numbered_or(sessions)
         return either.sub(lambda m: f"{m[1]}{taxels[int(m[2])]}" if m[2] and int(m[2]) < len(taxels) else m[0], thing)
@@ -104,8 +112,8 @@ def _numbered_or(sessions: Collection[str]) -> re.Pattern[str]:
 def symptom_of_all(s: Symptom, taxels: list[int], sessions: Collection[str] = ()) -> Symptom:
     """A symptom under the numbers that all taxels have; `sessions` are names that its words may hold."""
     bad = {(session, renamed(channel, taxels)): mask for (session, channel), mask in s.bad.items()}
-    said = {name: renamed(getattr(s, name), taxels, sessions) for name in ("where", "channels", "parameters", "evidence", "alternatives")}
-    return replace(s, bad=bad, **said)
+    words = ("where", "channels", "parameters", "evidence", "alternatives", "apart")
+    return replace(s, bad=bad, **{name: renamed(getattr(s, name), taxels, sessions) for name in words})
 
 
 def named_of_all(n: Named, taxels: list[int]) -> Named:

@@ -34,6 +34,7 @@ class Recording:
     digits           of the same, (N,) each: of the reading nearest to every sample (`skin_ident.recordings.digits`)
     readings         of channels whose topic came at instants of its own, by name (`skin_ident.recordings.readings`)
     mended           what was put right in stamps: of every topic by itself, and of all together
+    some             whether there are more taxels, that were left out: then those that are neighbours in number may lie far apart
 
     `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
     do not fit together, are not finite, or not spaced as they should be.
@@ -54,6 +55,7 @@ class Recording:
     digits: Mapping[str, np.ndarray] = field(default_factory=dict)
     readings: Mapping[str, Readings] = field(default_factory=dict)
     mended: tuple[Mended, ...] = ()
+    some: bool = False
 
     def __post_init__(self) -> None:
         n = np.size(self.t)
@@ -114,7 +116,7 @@ class Recording:
 
         names, units = (tuple(each[i] for i in rows) for each in (self.taxel_names, self.taxel_units))
         read = dict(steps=moved(self.steps), digits=moved(self.digits), readings=moved(self.readings))
-        known = dict(taxel_names=names, taxel_units=units) | read
+        known = dict(taxel_names=names, taxel_units=units, some=self.some or len(rows) < len(self.taxels)) | read
         return replace(self, taxels=self.taxels[list(rows)], **(known | more))
 
     def with_channels(self, rows: Mapping[str, np.ndarray]) -> "Recording":

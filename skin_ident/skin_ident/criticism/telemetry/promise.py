@@ -2,7 +2,7 @@
 
 Any spread falls off from the contact in all directions, so that a taxel on the straight line between two others feels at least what the
 lesser of them does. Without a declared layout only the second of three taxels is taken to lie between others, as they are numbered in a
-row; of more, the numbers may go row by row over an area.
+row; of more, the numbers may go row by row over an area, and so they may where three were chosen out of more.
 """
 
 import numpy as np
@@ -25,7 +25,7 @@ def promised(recordings: list, i: int, n: int) -> str:
         return "its place says that it should"
     pair = next((p for r in recordings for p in _pairs(r, i, n) if _between(r, i, *p)), None)
     how = "" if places else ", as they are numbered,"
-    return f"taxels {pair[0]} and {pair[1]} on both sides of it{how} say that it should" if pair else ""
+    return f"taxel_{pair[0]} and taxel_{pair[1]} on both sides of it{how} say that it should" if pair else ""
 
 
 def _by_place(r, i: int) -> bool:
@@ -38,7 +38,7 @@ def _pairs(r, i: int, n: int) -> list[tuple[int, int]]:
     """Taxels between which taxel `i` lies."""
     places = np.array(r.declared.taxel_positions_mm, float)
     if len(places) < n:
-        return [(0, 2)] if n == 3 and i == 1 and not len(places) else []
+        return [(0, 2)] if n == 3 and i == 1 and not len(places) and not r.some else []
     pairs = []
     for a in (a for a in range(n) if a != i):
         along, out = places[a + 1 :] - places[a], places[i] - places[a]

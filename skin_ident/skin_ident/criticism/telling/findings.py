@@ -233,12 +233,16 @@ def _all_of(c: Criticism) -> tuple[Unknown, ...]:
     return (*(u for u in c.baseline.unknowns if u.label not in fitted), *c.extended.unknowns)
 
 
-def _warnings(recordings: list) -> list[str]:
-    """What the reader must know before believing any of it."""
+def of_reading(recordings: list) -> list[str]:
+    """The warnings of recordings, what all sessions share once."""
     said = {r.name: dict.fromkeys((*r.warnings, *r.declared.warnings)) for r in recordings}
     shared = [w for w in said[recordings[0].name] if len(recordings) > 1 and all(w in own for own in said.values())]
-    warnings = [f"every session: {w}" for w in shared]
-    warnings += [f"{name}: {w}" for name, own in said.items() for w in own if w not in shared]
+    return [f"every session: {w}" for w in shared] + [f"{name}: {w}" for name, own in said.items() for w in own if w not in shared]
+
+
+def _warnings(recordings: list) -> list[str]:
+    """What the reader must know before believing any of it."""
+    warnings = of_reading(recordings)
     if len(recordings) == 1:
         warnings.append(
             "only one session: blocks of it were held out instead of a session, which passes more than it should; record a second one"
