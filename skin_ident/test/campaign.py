@@ -143,7 +143,7 @@ def _about(reason, hidden) -> bool:
     doubt, or such as good hardware does."""
     if "where" not in reason:
         return True
-    of_this = reason.get("in_doubt") or any(word in reason["because"] for word in ("converter", "encoder", "tare", "good hardware"))
+    of_this = reason.get("in_doubt") or reason.get("hardware")
     return (hidden.form == "static" or of_this) and _same_place(reason["where"], hidden.where)
 
 

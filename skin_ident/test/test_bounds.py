@@ -83,4 +83,5 @@ def test_what_a_converter_may_do_itself_is_not_called_tested(tmp_path):
     assert said["verdict"] == "nothing_wrong" and not said["findings"]
     entry = next(u for u in said["untestable"] if u["cause"] == "nonlinear_stiffness")
     assert entry["where"] == "skin" and "a converter with steps of" in entry["because"] and "finer steps" in entry["needs"]
+    assert entry["hardware"] and "own_zero" not in entry
     assert not any(e["cause"] == "nonlinear_stiffness" for e in said["excluded"])

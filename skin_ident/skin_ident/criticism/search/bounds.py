@@ -73,7 +73,8 @@ def placed(where: str) -> dict[str, str]:
 def undecided(cause: Cause, where: str, seen: NotNamed) -> dict[str, Any]:
     """The entry `untestable` for what is `seen` at one place and is no finding."""
     entry = {"cause": cause.name, "where": where, "because": seen.because, "needs": seen.needs or cause.needs}
-    return entry | ({"in_doubt": True} if seen.doubt else {}) | ({"own_zero": True} if seen.own_zero else {})
+    known = {"in_doubt": seen.doubt, "hardware": seen.hardware, "own_zero": seen.own_zero}
+    return entry | {name: True for name, is_so in known.items() if is_so}
 
 
 def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:

@@ -24,7 +24,7 @@ def converter_does(cause: str, gain: Gain, train: list[Session]) -> NotNamed | N
         return None
     step = converter_step(train, gain.channel)
     why = f"it would {_worth(gain)}, which a converter with steps of {step:.2g} N may do by itself"
-    return NotNamed(np.inf, why, f"a {gain.channel} read in finer steps, or a larger force")
+    return _usual(why, f"a {gain.channel} read in finer steps, or a larger force")
 
 
 def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
@@ -33,7 +33,7 @@ def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
     if not (lengths and gain.passed):
         return None
     found, least = (_micrometres(max(of(p) for p in lengths)) for of in (lambda p: abs(p.value), lambda p: p.negligible))
-    return NotNamed(np.inf, f"it would be {found} and {_worth(gain)}, but a good stage is true to no more than {least}", TRUER)
+    return _usual(f"it would be {found} and {_worth(gain)}, but a good stage is true to no more than {least}", TRUER)
 
 
 def encoder_does(
@@ -43,7 +43,7 @@ def encoder_does(
     encoder could not tell, or steps leave as much open."""
     if of_the_drive(gain, key[0], before, after, train):
         why = f"it would {_worth(gain)}, mostly while the driving force rests or little of what there is: the noise of that force may do it"
-        return NotNamed(np.inf, why, "a depth beside the force, or a load cell with less noise")
+        return _usual(why, "a depth beside the force, or a load cell with less noise")
     return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, encoder_step)
 
 
@@ -51,7 +51,7 @@ def too_short(key: tuple[str, str], after: Model, encoder_step: float) -> NotNam
     """Why a cause that is a length is no finding, where the encoder does not read so finely."""
     length = unreadable(instances(after, *key), encoder_step)
     why = f"it would be {_micrometres(length)}, but the encoder reads no finer than {_micrometres(encoder_step)}"
-    return NotNamed(np.inf, why, FINER) if length else None
+    return _usual(why, FINER) if length else None
 
 
 def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> NotNamed | None:
@@ -59,9 +59,9 @@ def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Se
     if resolved(gain, cause, before, after, train, encoder_step):
         return None
     if not encoder_step:
-        return NotNamed(np.inf, f"it would {_worth(gain)}, which the converters may leave open", "converters with finer steps")
+        return _usual(f"it would {_worth(gain)}, which the converters may leave open", "converters with finer steps")
     step = _micrometres(encoder_step)
-    return NotNamed(np.inf, f"it would {_worth(gain)}, which the encoder (no finer than {step}) and the converters may leave open", FINER)
+    return _usual(f"it would {_worth(gain)}, which the encoder (no finer than {step}) and the converters may leave open", FINER)
 
 
 def stage_does(run: Run, encoder_step: float) -> NotNamed:
@@ -69,22 +69,22 @@ def stage_does(run: Run, encoder_step: float) -> NotNamed:
     if run.course.carrier == DEPTH:
         return zeros_do(run.largest, encoder_step)
     found, least = (f"{1e3 * x:.3g} ms" for x in (run.largest, run.least(encoder_step)))
-    return NotNamed(np.inf, f"within single sessions the delay would step by {found}, and good hardware does up to {least} by itself")
+    return _usual(f"within single sessions the delay would step by {found}, and good hardware does up to {least} by itself")
 
 
 def zeros_do(largest: float, encoder_step: float) -> NotNamed:
     """Why zeros of depth that sessions have of their own, the `largest` of them in m, are no finding, where stage or encoder do as much."""
     why, least = f"within single sessions the zero of depth would step by {_micrometres(largest)}", _micrometres(least_depth(encoder_step))
     if encoder_step >= AT_REST:
-        return NotNamed(np.inf, f"{why}, but the encoder reads no finer than {least}", FINER, own_zero=True)
-    return NotNamed(np.inf, f"{why}, and good hardware does up to {least} by itself", own_zero=True)
+        return _usual(f"{why}, but the encoder reads no finer than {least}", FINER, own_zero=True)
+    return _usual(f"{why}, and good hardware does up to {least} by itself", own_zero=True)
 
 
 def tare_does(largest: float, tare: Tare) -> NotNamed:
     """Why zeros that sessions have of their own, the `largest` of them in N, are no finding, where a `tare` sets them no better."""
     off = f"the zeros of single sessions are off by up to {largest:.2g} N"
     needs = "a converter with finer steps, and tares of many seconds in free air"
-    return NotNamed(np.inf, f"{off}, as {tare.said} may leave them", needs, own_zero=True)
+    return _usual(f"{off}, as {tare.said} may leave them", needs, own_zero=True)
 
 
 def _worth(gain: Gain) -> str:
@@ -93,3 +93,8 @@ def _worth(gain: Gain) -> str:
 
 def _micrometres(length: float) -> str:
     return f"{1e6 * length:.3g} µm"
+
+
+def _usual(why: str, needs: str = "", own_zero: bool = False) -> Seen:
+    """What may be of any size and is no finding, for hardware does as much."""
+    return Seen(np.inf, why, needs, hardware=True, own_zero=own_zero)

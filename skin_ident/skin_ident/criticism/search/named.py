@@ -33,13 +33,14 @@ class Named:
 @dataclass(frozen=True)
 class NotNamed:
     """What is in the record and no finding: its size in the unit of its cause's directions (inf: nothing of it is ruled out), why it is
-    none, what would tell, by default what its cause needs, whether it may be there all the same, and whether it is a zero that every
-    session was let have of its own."""
+    none, what would tell, by default what its cause needs, whether it may be there all the same, whether hardware that is no worse than
+    it should be does as much, and whether it is a zero that every session was let have of its own."""
 
     size: float
     because: str
     needs: str = ""
     doubt: bool = False
+    hardware: bool = False
     own_zero: bool = False
 
 

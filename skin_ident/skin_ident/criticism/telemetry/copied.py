@@ -17,7 +17,7 @@ VALUES = 12  # different values that a column must hold
 FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
 EQUAL = 0.98  # of its samples
 ELSEWHERE = 0.05  # of its range, by which the depth must differ, beyond its own steps, from that of a stretch which one channel repeats
-COLUMN = "copied column"
+COLUMN, SESSION = "copied column", "copied session"  # kinds of copies
 
 
 def find_copies(recordings: list) -> list[Symptom]:
@@ -27,7 +27,7 @@ def find_copies(recordings: list) -> list[Symptom]:
     for symptom in together:
         for (name, _), mask in symptom.bad.items():
             known[name] |= mask
-    whole = any(s.evidence["kind"] == "copied session" for s in together)
+    whole = any(s.evidence["kind"] == SESSION for s in together)
     alone = [] if whole or len(recordings[0].channels) < 2 else _channel_blocks(recordings, known)
     return [*together, *alone, *_columns(recordings)]
 
@@ -107,7 +107,7 @@ def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> S
         why += f"; so do {len(again) - 1} more" if len(again) > 2 else "; so does another stretch" if len(again) == 2 else ""
     parameters = {"from": quantity(first.start * r.dt, "s"), "length": quantity(first.length * r.dt, "s")}
     bad = {} if whole else {(r.name, c): _mask(r, k, again) for k, r in enumerate(recordings) for c in channels}
-    evidence = {"why": why, "kind": "copied session" if whole else "repeated block", "session": r.name}
+    evidence = {"why": why, "kind": SESSION if whole else "repeated block", "session": r.name}
     where = place_of(channels[0], len(r.taxels))
     return Symptom("data_error", where, channels, parameters, evidence, {key: mask for key, mask in bad.items() if mask.any()})
 

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
-from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of, pressed
+from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, UNIT_FACTOR, by_grid, load_of, pressed
 
 ODD = 0.15  # distance of two unit vectors of shares from which a session is asked for another order
 MENDS = 0.25  # of that distance, what the other order may leave
@@ -65,7 +65,7 @@ def _in_newtons(recordings: list) -> tuple[list, list[Symptom]]:
     for channel in recordings[0].channels:
         for s in by_grid(recordings, channel):
             factor = s.parameters["factor"]["value"]
-            if s.evidence["kind"] == "unit factor" and abs(np.log10(factor) - np.round(np.log10(factor))) > DECIMAL:
+            if s.evidence["kind"] == UNIT_FACTOR and abs(np.log10(factor) - np.round(np.log10(factor))) > DECIMAL:
                 judged = f"{s.evidence['why']}. It is judged divided by {factor:.5g}"
                 symptoms.append(replace(s, evidence={**s.evidence, "why": judged}))
                 recordings = [r.scaled({channel: 1.0 / factor}) for r in recordings]
@@ -164,7 +164,7 @@ def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
         f"the depth of {r.name} spans {1e3 * np.ptp(r.depth):.3g} mm, and all its loads grow {1.0 / factor:.4g} times as fast with it as "
         f"those of the other sessions: its unit is wrong. {r.name} is judged with its depth divided by {factor:.5g}"
     )
-    evidence = {"why": why, "kind": "unit factor", "session": r.name}
+    evidence = {"why": why, "kind": UNIT_FACTOR, "session": r.name}
     symptom = Symptom("data_error", "rig", ("depth",), {"factor": quantity(factor, "1")}, evidence)
     return _Fault(symptom, i, replace(r, depth=r.depth / factor))
 

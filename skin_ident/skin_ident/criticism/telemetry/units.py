@@ -14,6 +14,7 @@ PIECES = 12  # of a session, each asked for its grid
 FOLLOWS = 0.5  # correlation with the load, without which a slope means nothing
 WITHIN, ENOUGH = 0.3, 0.1  # of the greatest depth, from which on contact is sure, and of the samples, which must be there
 AGAINST = -0.6  # correlation with the load by which a channel is upside down
+UNIT_FACTOR = "unit factor"  # a kind of fault
 
 
 def find_unit_faults(recordings: list) -> list[Symptom]:
@@ -63,7 +64,7 @@ def by_grid(recordings: list, channel: str) -> list[Symptom]:
         why = (
             f"the levels of {channel} are {factor:.5g} times as far apart as declared, in all {len(recordings)} sessions: a factor of units"
         )
-        return [_unit(recordings, channel, factor, why, "unit factor")]
+        return [_unit(recordings, channel, factor, why, UNIT_FACTOR)]
     at = k * len(r) / PIECES * r.dt
     why = f"from about {at:.1f} s on in {r.name} the levels of {channel} are {factor:.5g} times as far apart as before: its unit changed"
     return [_unit(recordings, channel, factor, why, "unit change")]
@@ -80,7 +81,7 @@ def _by_slope(recordings: list, channel: str) -> list[Symptom]:
         factor = next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR), None)
         if factor:
             why = f"{channel} of {r.name} is {ratio:.4g} times what the other sessions say: a factor of units"
-            return [_unit(recordings, channel, factor, why, "unit factor")]
+            return [_unit(recordings, channel, factor, why, UNIT_FACTOR)]
     return []
 
 
