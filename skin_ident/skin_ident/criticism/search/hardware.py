@@ -95,6 +95,6 @@ def _micrometres(length: float) -> str:
     return f"{1e6 * length:.3g} µm"
 
 
-def _usual(why: str, needs: str = "", own_zero: bool = False) -> Seen:
+def _usual(why: str, needs: str = "", own_zero: bool = False) -> NotNamed:
     """What may be of any size and is no finding, for hardware does as much."""
-    return Seen(np.inf, why, needs, hardware=True, own_zero=own_zero)
+    return NotNamed(np.inf, why, needs, hardware=True, own_zero=own_zero)
