@@ -32,10 +32,16 @@ def test_a_table_is_called_with_or_without_its_suffix(folder, suffix):
     assert contacts(found) == [(1.0, 2.0), (5.0, 0.0)] and not any(r.declared.warnings for r in found)
 
 
-def test_a_name_that_no_recording_has_is_warned_of(folder):
+def test_a_recording_without_a_place_of_its_own_is_warned_of(folder):
     first, second = loaded(folder, "contact_position_mm: {session_0: [1, 2], sesion_1: [5, 0]}")
     assert contacts([first, second]) == [(1.0, 2.0), (0.0, 0.0)]
-    assert [w for w in first.declared.warnings if "sesion_1" in w] and [w for w in second.declared.warnings if "not this one" in w]
+    assert not first.declared.warnings and [w for w in second.declared.warnings if "session_0, sesion_1), not this one" in w]
+
+
+def test_places_of_recordings_that_lie_elsewhere_are_nobodys_fault(folder):
+    """One rig.yaml may be copied beside those that are held out."""
+    found = loaded(folder, "contact_position_mm: {session_0: [1, 2], session_1: [5, 0], session_2: [3, 0]}")
+    assert not any(r.declared.warnings for r in found)
 
 
 def test_one_place_is_everybodys(folder):

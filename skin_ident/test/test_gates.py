@@ -333,10 +333,11 @@ def test_of_what_the_others_do_not_feel_a_fit_to_them_knows_nothing():
 
 @pytest.mark.parametrize(("cause", "enough"), [("nonlinear_stiffness", False), ("stress_relaxation", True)])
 def test_a_zero_of_depth_that_nobody_reads_may_bend_a_force_but_relaxes_nothing(cause, enough):
-    """Half of a step of 10 µm beside 12 N/mm is 0.06 N, of which a free stiffness leaves half."""
-    train, squares = [prepare(recorded(PLAIN))], 0.04**2
+    """Half of a step of 10 µm beside 12 N/mm is 0.06 N, of which a free stiffness leaves half; a taxel beside it knows better."""
+    both = prepare(recorded(PLAIN))
+    train, squares = [prepare(replace(recorded(PLAIN), taxels=np.empty((0, T.size)), taxel_names=(), taxel_units=()))], 0.04**2
     gain = replace(QUICK, before=float(np.sqrt(0.005**2 + squares)), after=0.005)
-    assert resolved(gain, cause, PLAIN, PLAIN, train, 10e-6) is enough
+    assert resolved(gain, cause, PLAIN, PLAIN, train, 10e-6) is enough and resolved(gain, cause, PLAIN, PLAIN, [both], 10e-6)
 
 
 def test_a_session_is_as_long_as_it_may_be_believed():

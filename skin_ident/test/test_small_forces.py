@@ -87,7 +87,7 @@ def test_noise_grows_with_the_load_not_with_its_own_readings(grows):
     taxel = 6.5e-4 * np.round((load + noise) / 6.5e-4)
     declared = Declared(taxel_noise_n=(6e-4,), taxel_step_n=(6.5e-4,))
     r = Recording("a", T, 1e-3 * np.sin(0.5 * T), load, taxel[None], declared=declared)
-    found = find_noise([r], ("force", "taxel_0"), [np.stack([0.0 * load, taxel - load])], [np.ones(T.size, bool)], lambda: np.zeros(2))
+    found = find_noise([r], ("force", "taxel_0"), [np.stack([0.0 * load, taxel - load])], [np.ones((2, T.size), bool)], lambda: np.zeros(2))
     assert [s.evidence["kind"] for s in found] == ["growth"] * grows
 
 

@@ -29,7 +29,7 @@ from skin_ident.criticism.many import (
     with_rest,
     with_those_of_reading,
 )
-from skin_ident.criticism.record import Inspected, inspect
+from skin_ident.criticism.record import Inspected, bad_samples, inspect
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.search.criticise import criticise
 from skin_ident.criticism.search.named import Criticism
@@ -208,10 +208,11 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     rest = [s.raw - simulated(model, s) for s in sessions]
     calm = [~meeting(motion_under(s, model.dispersion), model.dispersion) for s in sessions]
     slow = [c & at_leisure(s) for c, s in zip(calm, sessions, strict=True)]
+    right = [s & ~bad_samples(r, known) for s, r in zip(slow, recordings, strict=True)]  # of each channel
     coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
     found = [
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
-        *find_noise(recordings, channels, rest, slow, lambda: by_drive(model, sessions, recordings, rest, slow)),
+        *find_noise(recordings, channels, rest, right, lambda: by_drive(model, sessions, recordings, rest, slow)),
     ]
     told = [told_of_bursts(s, channels, rest, [r.dt for r in recordings]) for s in known if remains(s, recordings, channels, rest, model)]
     return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]

@@ -110,7 +110,8 @@ class Declared:
         place = {"": self.contact_of(recording)}
         if {"", recording, Path(recording).stem} & set(self.contact_position_mm):
             return replace(self, contact_position_mm=place)
-        said = "contact_position_mm says where other recordings press, not this one: it is taken to press at [0, 0]"
+        others = ", ".join(self.contact_position_mm)
+        said = f"contact_position_mm says where other recordings press ({others}), not this one: it is taken to press at [0, 0]"
         return replace(self, contact_position_mm=place, warnings=(*self.warnings, said))
 
     def filled_with(self, other: "Declared") -> "Declared":
@@ -121,19 +122,11 @@ class Declared:
 
 def declared_beside(path: Path) -> Declared:
     """What the `rig.yaml` in the folder of `path` declares for it, or that in `path` itself where that is a folder; nothing where there is
-    none. What is said of recordings that are not there is warned of."""
+    none."""
     for folder in (path, path.parent) if path.is_dir() else (path.parent,):
         if (folder / FILE_NAME).is_file():
-            found = read_declared(folder / FILE_NAME)
-            return replace(found, warnings=(*found.warnings, *_strangers(found, path if folder == path else folder))).of(path.name)
+            return read_declared(folder / FILE_NAME).of(path.name)
     return Declared()
-
-
-def _strangers(declared: Declared, folder: Path) -> list[str]:
-    """A warning of names under which no recording lies in a folder, or beside its `rig.yaml`."""
-    there = {name for entry in (folder, *folder.iterdir()) for name in (entry.name, entry.stem)}
-    unknown = [name for name in declared.contact_position_mm if name and name not in there]
-    return [f"contact_position_mm in {FILE_NAME} speaks of recordings that are not beside it: {', '.join(unknown)}"] if unknown else []
 
 
 def read_declared(path: Path) -> Declared:

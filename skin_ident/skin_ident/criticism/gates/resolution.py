@@ -55,17 +55,23 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     reads: what depends on speed, or smooths the depth, must exceed what steps beat against samples in any session, and those speeds, too,
     unless the likelihood gains much by it and nobody is `strict`. A stage that trembles at rest does so no more while it moves: a fall
     there may be smaller. White noise of the encoder averages out within the band; what smooths the depth, or leaves some of the damping to
-    something else, spares the forces what is left of it, and explains no more than that."""
+    something else, spares the forces what is left of it, and explains no more than that. An error of the depth shows in every channel:
+    where another one is left with less than it would be, there is none so large."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     drag = max(damping(m, gain.channel) for m in ((before, after) if cause in SMOOTHING else (before,)))
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     moves, step = partial(_moves, encoder_step), _without_noise(encoder_step, train)
     chance = AT_FEW_DEPTHS if held_depths(train, step) < FEW else OPEN
-    bent = (k * UNZEROED * step) ** 2 if cause in OF_READING else 0.0
+    unzeroed = UNZEROED * step if cause in OF_READING else 0.0
     trembling = OPEN * _trembling(train, k, drag if cause in SMOOTHING else 0.0) ** 2
     if cause in SMOOTHING:  # spares the fit what noise of the depth has made of damping
         trembling += (drag * dilution(train) * _speed_rms(train)) ** 2
-    still, moving = (chance * (k * unread_depth(train, step, part)) ** 2 + uneven + bent + trembling for part in (None, moves))
+
+    def unread(part: Part | None) -> float:
+        """Of the depth, m^2."""
+        return min(chance * unread_depth(train, step, part) ** 2 + unzeroed**2, _shared_depth(before, gain.channel, train, part) ** 2)
+
+    still, moving = (k**2 * unread(part) + uneven + trembling for part in (None, moves))
     if cause in OF_SPEED:
         beats = OPEN * max((drag * _beat([s], step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
@@ -109,6 +115,19 @@ def unread_depth(sessions: list[Session], encoder_step: float, part: Part | None
 
     every = np.concatenate([squares(s) for s in sessions])
     return float(np.sqrt(every.mean())) if every.size else 0.0
+
+
+def _shared_depth(model: Model, channel: str, sessions: list[Session], part: Part | None = None) -> float:
+    """The largest error of the depth, m rms, that is left in every other channel than this one: inf where there is none."""
+    if sessions[0].drive is not None:
+        return np.inf
+
+    def in_depth(row: int, other: str) -> float:
+        e, w = (np.concatenate([y[row][part(s) if part else slice(None)] for s, y in each]) for each in (left, weights))
+        return float(np.sqrt(np.sum(w * e**2) / max(np.sum(w), 1.0))) / max(stiffness(model, other), 1e-9)
+
+    left, weights = [(s, residual(model, s)) for s in sessions], [(s, s.weight) for s in sessions]
+    return min((in_depth(row, c) for row, c in enumerate(sessions[0].channels) if c != channel), default=np.inf)
 
 
 def held_depths(sessions: list[Session], encoder_step: float) -> float:

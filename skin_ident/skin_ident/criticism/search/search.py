@@ -5,6 +5,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.own import take_alone, take_course
+from skin_ident.criticism.search.several import in_order
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.search.tared import take_tare, take_zeros
@@ -29,7 +30,7 @@ def _round(search: Search) -> bool:
     """Take what explains most of what the present model leaves, and is believed; return whether to look again."""
     search.begin_round()
     last = search.look()
-    trials, runs = search.trials(last), search.own_courses()
+    trials, runs = in_order(search, search.trials(last)), search.own_courses()
     mass = with_mass(search.present, search.train, search.noise) if search.weighable else None
     if mass and weighs(search, mass, max([0.0, *(t.score for t in trials), *(r.score for r in runs)])):
         weigh(search, mass)

@@ -34,7 +34,7 @@ SEED = 0  # any: the same record is told the same
 def find_noise(
     recordings: list, channels: tuple[str, ...], residuals: list[np.ndarray], believed: list[np.ndarray], unread: Callable[[], np.ndarray]
 ) -> list[Symptom]:
-    """Channels whose noise is not as declared, from residuals (C, N) at full rate and masks (N,) of the samples to look at.
+    """Channels whose noise is not as declared, from residuals (C, N) at full rate and masks (C, N) of the samples to look at.
 
     `unread` gives what errors of what drives the test do to the simulation, (C,) N rms (`by_drive`): dear, and asked only where a level is
     declared.
@@ -43,7 +43,7 @@ def find_noise(
     errors, n_taxels, found = unread() if levels else np.zeros(0), len(recordings[0].taxels), []
     for c, level in levels.items():
         channel = channels[c]
-        lines = calm_lines(channel, c, recordings, residuals, believed)
+        lines = calm_lines(channel, c, recordings, residuals, [b[c] for b in believed])
         periods = [r.dt if line.own is None else line.own.period for line, r in zip(lines, recordings, strict=True)]
         steps = np.array([(recordings[0].step(channel) or 0.0) / np.sqrt(12.0), errors[c]])
         why = _unlike(level, steps, lines, periods)
