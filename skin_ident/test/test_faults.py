@@ -208,3 +208,10 @@ def test_few_far_spikes_stand_out_of_noise_whose_tail_is_seen_to_be_short(tail, 
 
     found = [s for s in inspect([session(i, change) for i in range(3)]).symptoms if s.cause == "outliers"]
     assert [s.channels for s in found] == [("taxel_0",)] * told
+
+
+def test_noise_that_is_read_in_steps_wider_than_itself_is_the_steps():
+    """It comes through them now as nothing, now as a whole step, which neither grows with the load nor is too quiet."""
+    declared = Declared(taxel_noise_n=(0.018,), taxel_step_n=(0.02,), force_noise_n=0.018)
+    outcome = diagnosed(lambda y, rng: 0.065 * np.round(y / 0.065), declared=declared, noise=0.018)
+    assert entries(outcome) == [("quantization", f"taxel_{i}") for i in range(3)]

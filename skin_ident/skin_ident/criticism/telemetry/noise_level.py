@@ -7,7 +7,8 @@ the test), or of what all channels share of them:
 
     expected^2 = declared^2 + q^2 / 12 + u^2.
 
-An encoder that adds as much as was declared makes any noise coloured and load-dependent; then only the level is looked at.
+An encoder that adds as much as was declared makes any noise coloured and load-dependent; then only the level is looked at. And noise is
+read through steps as wide as itself now as nothing, now as a whole step; then only a level that is too high is.
 """
 
 from collections.abc import Callable
@@ -26,6 +27,7 @@ SLOW_S = 2.0  # of the running median
 OTHER_LEVEL = 1.5  # times as much, or as little, as expected
 COLOURED = 0.5  # correlation of neighbouring samples of noise that should have none
 GROWN = 1.6  # times the spread in the air, in the third of the samples with the greatest load
+BURIED = 0.5  # of the noise declared, which rounding to a converter's steps is (rms) where they are 1.7 times as wide as it
 FEWEST = 300  # samples that a verdict needs
 AROUND_S = 0.3  # within which the plunger's greatest speed counts
 SEED = 0  # any: the same record is told the same
@@ -102,7 +104,8 @@ def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[
     low, high = np.percentile(y, [33.0, 67.0])
     idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[y >= high])
     declared = f"rig.yaml declares white noise of {level:.3g} N"
-    plain = steps[1] < 0.5 * level
+    buried = steps[0] >= BURIED * level
+    plain = not buried and steps[1] < 0.5 * level
     if plain and high > low + expected and loaded > GROWN * idle:
         share = np.sqrt(loaded**2 - idle**2) / max(float(np.mean(np.abs(y[y >= high]))), 1e-9)
         said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
@@ -120,7 +123,8 @@ def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[
         said = f"wanders: neighbouring samples are alike (correlation {colour:.2f}, where white noise has none), over about {tau:.2g} s"
         numbers = {"correlation_of_neighbours": quantity(colour, "1"), "coloured": quantity(measured, "N"), "tau": quantity(tau, "s")}
         return "correlation", f"{said}; {declared}", numbers
-    if ratio > OTHER_LEVEL or OTHER_LEVEL * measured < float(np.hypot(level, steps[0])):  # an encoder at rest adds nothing
+    quieter = not buried and OTHER_LEVEL * measured < float(np.hypot(level, steps[0]))  # an encoder at rest adds nothing
+    if ratio > OTHER_LEVEL or quieter:
         steps = f", {expected:.3g} N together with the steps of converter and encoder" if expected > 1.05 * level else ""
         numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
         return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {declared}{steps}", numbers
