@@ -37,7 +37,7 @@ TRAVEL_S, TRAVELLED = 1.0, 1.5  # within this time the depth of a stage that mov
 OF_SPEED = ("rate_dependence", "mount_compliance")
 CLEARLY = 3.0  # standard deviations of noise
 DRIVEN = 0.3  # of what is explained in all, the least that must be while the driving force changes
-SMOOTHING = ("rate_dependence", "mount_compliance", "stress_relaxation", "hysteresis", "backlash", "lag", "time_shift")
+SMOOTHING = ("rate_dependence", "mount_compliance", "stress_relaxation", "hysteresis", "backlash", "lag", "time_shift", "quantization")
 DILUTED = 0.15  # of the mean square, plain or whitened, that noise of what drives the test may seem to explain
 
 Part = Callable[[Session], np.ndarray]  # a mask (n,) of the samples that count
