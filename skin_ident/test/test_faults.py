@@ -11,6 +11,7 @@ from skin_ident.criticism.record import inspect
 from skin_ident.criticism.telemetry.faults import effect_of
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+from skin_ident.criticism.telling.alike import in_all_taxels
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -214,4 +215,18 @@ def test_noise_that_is_read_in_steps_wider_than_itself_is_the_steps():
     """It comes through them now as nothing, now as a whole step, which neither grows with the load nor is too quiet."""
     declared = Declared(taxel_noise_n=(0.018,), taxel_step_n=(0.02,), force_noise_n=0.018)
     outcome = diagnosed(lambda y, rng: 0.065 * np.round(y / 0.065), declared=declared, noise=0.018)
-    assert entries(outcome) == [("quantization", f"taxel_{i}") for i in range(3)]
+    assert entries(outcome) == [("quantization", "taxel")]  # one converter reads them all
+
+
+def test_what_some_taxels_have_or_each_in_another_way_is_told_of_each():
+    def entry(i, hertz):
+        evidence, gain = {"why": f"a line in taxel_{i}"}, {"held_out_rmse_before": None, "held_out_rmse_after": None}
+        parameters = {"frequency": {"value": hertz, "unit": "Hz"}, "amplitude": {"value": 0.01 * (i + 1), "unit": "N"}}
+        where = {"where": f"taxel_{i}", "channels": [f"taxel_{i}"]}
+        return {"cause": "interference", **where, "parameters": parameters, "evidence": evidence, "gain": gain}
+
+    alike, others = [entry(i, 13.7) for i in range(3)], [entry(i, 13.7 + i) for i in range(3)]
+    assert in_all_taxels(alike, 4) == alike and in_all_taxels(others, 3) == others
+    (one,) = in_all_taxels(alike, 3)
+    assert (one["where"], one["channels"]) == ("taxel", ["taxel_0", "taxel_1", "taxel_2"])
+    assert one["parameters"]["amplitude"]["value"] == 0.02 and set(one["evidence"]["of_each_taxel"]) == set(one["channels"])

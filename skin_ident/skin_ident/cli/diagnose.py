@@ -136,11 +136,16 @@ def summary(findings: dict[str, Any]) -> str:
     """The findings as a person wants them in a terminal."""
     lines = [_verdict(findings)]
     lines += [f"  ({', '.join(f'{i} is {name}' for i, name in findings['taxels'].items())})"] if "taxels" in findings else []
+    several = sum(channel.startswith("taxel") for channel in findings["baseline"].get("rmse", ())) > 1
+
+    def placed(entry: dict[str, Any]) -> str:
+        return f"{entry['cause']} in {'all taxels' if several and entry['where'] == 'taxel' else 'the ' + entry['where']}"
+
     for f in findings["findings"]:
-        lines += [f"\n  {f['cause']} in the {f['where']}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
-        lines += [f"    cannot be told from: {a['cause']} in the {a['where']}" for a in f["alternatives"]]
+        lines += [f"\n  {placed(f)}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
+        lines += [f"    cannot be told from: {placed(a)}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
-    lines += [f"\n  in doubt: {u['cause']} in the {u['where']}: {u['because']}" for u in _doubts(findings)]
+    lines += [f"\n  in doubt: {placed(u)}: {u['because']}" for u in _doubts(findings)]
     held = findings["baseline"].get("held", {})
     lines += [f"\n  {name} held at {h['value']:.3g} {h['unit']}: {h['because']}" for name, h in held.items()]
     lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]

@@ -45,6 +45,7 @@ from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.telemetry.quantization import depth_resolution, find_buried
 from skin_ident.criticism.telemetry.remaining import remains
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.telling.alike import in_all_taxels
 from skin_ident.criticism.telling.findings import Experiments, as_findings
 from skin_ident.criticism.telling.judging import judge
 from skin_ident.criticism.telling.leftover import systematic_rest
@@ -157,6 +158,7 @@ def _outcome(
     """`model` is the extended one, `first` the first session, with all their taxels; `seen` are causes and places, by the same numbers, of
     which there is something that is no finding."""
     c, findings = part.criticism, joined(findings, array, model, seen)
+    findings["findings"] = in_all_taxels(findings["findings"], len(model.shares))
     if findings["findings"] and findings["verdict"] == "unexplained":  # until the array had its say
         findings["verdict"] = "partly_explained"
     kept, whole = {s.name for s in part.held}, part.looked.whole
