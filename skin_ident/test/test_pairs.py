@@ -30,6 +30,21 @@ def test_both_are_named(tmp_path, one, other, taxels):
     assert len(found) == 2 and all(any(h.cause in names for names in named) for h in (one, other)), named
 
 
+LARGE = [
+    (Hide("cyclic_softening", "skin", "mullins", 4.0), Hide("stress_relaxation", "skin", "prony2", 1.0), 7),
+    (Hide("drift", "load_cell", "warm_up", 4.0), Hide("friction", "rig", "coulomb", 1.0), 7),
+]
+
+
+@pytest.mark.parametrize(("large", "small", "seed"), rows(LARGE, 0), ids=lambda h: getattr(h, "cause", ""))
+def test_what_explains_all_that_is_left_beside_a_large_effect_is_no_imperfect_form_of_that(tmp_path, large, small, seed):
+    sessions, _ = make_sessions([large, small], seed=seed, n_taxels=1, protocol="full", noise="white")
+    write_case(sessions, tmp_path)
+    recordings = load(tmp_path)
+    found = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert [(f["cause"], f["where"]) for f in found] == [(h.cause, h.where) for h in (large, small)]
+
+
 @given(st.floats(10.0, 1e6), st.floats(10.0, 1e6), st.integers(-9, 9))
 def test_of_two_accounts_at_most_one_takes_the_place_of_the_other(one, other, more_numbers):
     """Else the search would go to and fro."""

@@ -20,6 +20,7 @@ from skin_ident.criticism.search.trial import OFFSET, Trial, same_by_nature, siz
 SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
+ALL = 0.9  # of what the richest set of directions explains, which a cause must that is small beside others
 WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it predicts held-out data as well but for so little
 
 
@@ -32,6 +33,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         if _is_hardware(search, trial, gain):
             return None
         itself = not search.shadows(gain) and trial.score > search.form_of_others(*trial.key)
+        itself = itself or _explains_all(search, trial)
         if itself and _in_doubt(search, trial, trials[0], gain):
             search.doubts[trial.key] = too_short(trial.key, trial.fit.model, search.encoder_step) or unproven()
         if not _is_believed(search, trial, gain, second_chance=trial not in trials):
@@ -46,6 +48,12 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
             return trial.fit, _finding(search, trial, rivals, trials, runs, gain)
         search.hardware |= hardware
     return None
+
+
+def _explains_all(search: Search, trial: Trial) -> bool:
+    """Whether a trial of one instance explains nearly all that anything explains of what is left: what an imperfect form of another cause
+    leaves, no other cause has the form of."""
+    return trial.plainer is None and trial.score > ALL * search.survey().explained_by_everything(search.train)
 
 
 def _forms(trials: list[Trial]) -> Iterator[Trial]:

@@ -8,7 +8,7 @@ from skin_ident.criticism.baseline.fitting import sliding, tangents, unpressed
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.unknowns import scales, unknowns, values
 from skin_ident.criticism.courses.course import bends_of_each_session
-from skin_ident.criticism.noise.estimate import less, noise_model
+from skin_ident.criticism.noise.estimate import RICHEST, less, noise_model, pursue
 from skin_ident.criticism.noise.whitening import Stacked, Whitener, stack
 from skin_ident.criticism.search.proposals import Direction, between
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, Projected, Ranked, project, rank
@@ -38,6 +38,15 @@ class Survey:
             rows = between(own, self.model, self.projected.which, session, own[:0])
             self.kept[session.name] = session, rows
         return rows, len(mine)
+
+    def explained_by_everything(self, sessions: list[Session]) -> float:
+        """What the richest set of directions explains of sessions beside the model's own unknowns, less the charge for each of them."""
+        rows = [self.directions_of(s) for s in sessions]
+        own = rows[0][1]
+        A = stack([every for every, _ in rows], sessions, self.noise)
+        r = stack([residual(self.model, s) for s in sessions], sessions, self.noise)
+        z = pursue(A, r, own + RICHEST, own)
+        return float(r @ r - np.sum((r - A @ z) ** 2) - np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z[own:]))
 
     def left_by_everything(self, session: Session) -> np.ndarray:
         """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
