@@ -52,8 +52,12 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
 
 def _explains_all(search: Search, trial: Trial) -> bool:
     """Whether a trial of one instance explains nearly all that anything explains of what is left: what an imperfect form of another cause
-    leaves, no other cause has the form of."""
-    return trial.plainer is None and trial.score > ALL * search.survey().explained_by_everything(search.train)
+    leaves, no other cause has the form of. One that explains much more than small amounts of everything is no small effect: it leads the
+    fit out of a false minimum."""
+    if trial.plainer is not None:
+        return False
+    everything = search.survey().explained_by_everything(search.train)
+    return ALL * everything < trial.score < everything / ALL
 
 
 def _forms(trials: list[Trial]) -> Iterator[Trial]:
