@@ -56,7 +56,8 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     unless the likelihood gains much by it and nobody is `strict`. A stage that trembles at rest does so no more while it moves: a fall
     there may be smaller. White noise of the encoder averages out within the band; what smooths the depth, or leaves some of the damping to
     something else, spares the forces what is left of it, and explains no more than that. An error of the depth shows in every channel:
-    where another one is left with less than it would be, there is none so large."""
+    where a gain is of one alone, and another is left with less than it would be, there is none so large; at a few depths the other's own
+    stiffness may have taken it."""
     k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
     drag = max(damping(m, gain.channel) for m in ((before, after) if cause in SMOOTHING else (before,)))
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
@@ -67,9 +68,12 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     if cause in SMOOTHING:  # spares the fit what noise of the depth has made of damping
         trembling += (drag * dilution(train) * _speed_rms(train)) ** 2
 
+    alone = chance == OPEN and len(gain.carried) == 1
+
     def unread(part: Part | None) -> float:
         """Of the depth, m^2."""
-        return min(chance * unread_depth(train, step, part) ** 2 + unzeroed**2, _shared_depth(before, gain.channel, train, part) ** 2)
+        most = chance * unread_depth(train, step, part) ** 2 + unzeroed**2
+        return min(most, _shared_depth(before, gain.channel, train, part) ** 2) if alone else most
 
     still, moving = (k**2 * unread(part) + uneven + trembling for part in (None, moves))
     if cause in OF_SPEED:
