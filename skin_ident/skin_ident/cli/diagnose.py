@@ -136,20 +136,21 @@ def summary(findings: dict[str, Any]) -> str:
     """The findings as a person wants them in a terminal."""
     lines = [_verdict(findings)]
     lines += [f"  ({', '.join(f'{i} is {name}' for i, name in findings['taxels'].items())})"] if "taxels" in findings else []
-    several = sum(channel.startswith("taxel") for channel in findings["baseline"].get("rmse", ())) > 1
-
-    def placed(entry: dict[str, Any]) -> str:
-        return f"{entry['cause']} in {'all taxels' if several and entry['where'] == 'taxel' else 'the ' + entry['where']}"
-
+    taxels = sum(channel.startswith("taxel") for channel in findings["baseline"].get("rmse", ()))
     for f in findings["findings"]:
-        lines += [f"\n  {placed(f)}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
-        lines += [f"    cannot be told from: {placed(a)}" for a in f["alternatives"]]
+        lines += [f"\n  {_placed(f, taxels)}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
+        lines += [f"    cannot be told from: {_placed(a, taxels)}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
-    lines += [f"\n  in doubt: {placed(u)}: {u['because']}" for u in _doubts(findings)]
+    lines += [f"\n  in doubt: {_placed(u, taxels)}: {u['because']}" for u in _doubts(findings)]
     held = findings["baseline"].get("held", {})
     lines += [f"\n  {name} held at {h['value']:.3g} {h['unit']}: {h['because']}" for name, h in held.items()]
     lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]
     return "\n".join(lines)
+
+
+def _placed(entry: dict[str, Any], taxels: int) -> str:
+    """A cause and its place, as they are called; of several taxels `taxel` is all of them."""
+    return f"{entry['cause']} in {'all taxels' if taxels > 1 and entry['where'] == 'taxel' else 'the ' + entry['where']}"
 
 
 def _verdict(findings: dict[str, Any]) -> str:

@@ -6,7 +6,7 @@ with bounds by clipping. Jacobians are forward differences of the simulation its
 Source: L. Ljung, System Identification, 2nd ed., 1999, ch. 7 and 10.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,10 @@ class Fit:
         (G. Schwarz, Annals of Statistics 6 (1978) 461-464)."""
         charge = np.log(self.count) * (len(self.unknowns) - len(before.unknowns))
         return float(before.cost - self.cost - charge)
+
+    def under(self, noise: Whitener, sessions: list[Session]) -> "Fit":
+        """The same model, with what it costs of these sessions in another noise."""
+        return replace(self, cost=cost_of(self.model, sessions, noise))
 
 
 def whitened(model: Model, sessions: list[Session], noise: Whitener) -> np.ndarray:

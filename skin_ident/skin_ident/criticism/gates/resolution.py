@@ -67,13 +67,12 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
     trembling = OPEN * _trembling(train, k, drag if cause in SMOOTHING else 0.0) ** 2
     if cause in SMOOTHING:  # spares the fit what noise of the depth has made of damping
         trembling += (drag * dilution(train) * _speed_rms(train)) ** 2
-
-    alone = chance == OPEN and len(gain.carried) == 1
+    alone = chance == OPEN and len(gain.carried) == 1 and train[0].drive is None
+    left = [(s, residual(before, s)) for s in train] if alone else []
 
     def unread(part: Part | None) -> float:
         """Of the depth, m^2."""
-        most = chance * unread_depth(train, step, part) ** 2 + unzeroed**2
-        return min(most, _shared_depth(before, gain.channel, train, part) ** 2) if alone else most
+        return min(chance * unread_depth(train, step, part) ** 2 + unzeroed**2, _shared_depth(before, gain.channel, left, part) ** 2)
 
     still, moving = (k**2 * unread(part) + uneven + trembling for part in (None, moves))
     if cause in OF_SPEED:
@@ -121,17 +120,15 @@ def unread_depth(sessions: list[Session], encoder_step: float, part: Part | None
     return float(np.sqrt(every.mean())) if every.size else 0.0
 
 
-def _shared_depth(model: Model, channel: str, sessions: list[Session], part: Part | None = None) -> float:
-    """The largest error of the depth, m rms, that is left in every other channel than this one: inf where there is none."""
-    if sessions[0].drive is not None:
-        return np.inf
-
-    def in_depth(row: int, other: str) -> float:
-        e, w = (np.concatenate([y[row][part(s) if part else slice(None)] for s, y in each]) for each in (left, weights))
-        return float(np.sqrt(np.sum(w * e**2) / max(np.sum(w), 1.0))) / max(stiffness(model, other), 1e-9)
-
-    left, weights = [(s, residual(model, s)) for s in sessions], [(s, s.weight) for s in sessions]
-    return min((in_depth(row, c) for row, c in enumerate(sessions[0].channels) if c != channel), default=np.inf)
+def _shared_depth(model: Model, channel: str, left: list[tuple[Session, np.ndarray]], part: Part | None = None) -> float:
+    """The largest error of the depth, m rms, that every other channel than this one shows, of which a model has `left` so much (C, n) of
+    each session: inf where there is none."""
+    power, count = 0.0, 0.0
+    for s, e in left:
+        counts = s.weight * (part(s) if part else 1.0)
+        power, count = power + np.sum(counts * e**2, axis=1), count + np.sum(counts, axis=1)
+    rms, channels = np.sqrt(power / np.maximum(count, 1.0)), left[0][0].channels if left else ()
+    return min((float(rms[c]) / max(stiffness(model, other), 1e-9) for c, other in enumerate(channels) if other != channel), default=np.inf)
 
 
 def held_depths(sessions: list[Session], encoder_step: float) -> float:

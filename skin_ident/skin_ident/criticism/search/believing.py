@@ -56,7 +56,7 @@ def _explains_all(search: Search, trial: Trial) -> bool:
     fit out of a false minimum."""
     if trial.plainer is not None:
         return False
-    everything = search.survey().explained_by_everything(search.train)
+    everything = search.survey().explained_by_everything
     return ALL * everything < trial.score < everything / ALL
 
 

@@ -144,4 +144,4 @@ def _ahead(search: Search, finding: Named, model: Model) -> Search:
 
 def _explained(present: Fit, without: Search) -> float:
     """What `present` explains beyond the state `without`, as a trial's score is."""
-    return replace(present, cost=cost_of(present.model, without.train, without.noise)).gain_over(without.present)
+    return present.under(without.noise, without.train).gain_over(without.present)

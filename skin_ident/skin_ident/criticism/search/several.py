@@ -5,9 +5,6 @@ hours; either one of those explains less than the lag does. So where with one in
 granted, and the search looks one step further: if what comes next beside it makes the better account of the two, it is asked first.
 """
 
-from dataclasses import replace
-
-from skin_ident.criticism.baseline.fitting import Fit, cost_of
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
@@ -15,13 +12,13 @@ from skin_ident.criticism.search.trial import Trial
 
 def in_order(search: Search, trials: list[Trial]) -> list[Trial]:
     """The trials, the best first; before one of several instances that other which explains more alone, and more than it with the next."""
-    best, others = (trials[0], trials[1:]) if trials else (None, [])
-    if best is None or best.plainer is None or not search.lasts:
+    if not (trials and trials[0].plainer and search.lasts):
         return trials
-    alone = max((t for t in others if t.key[0] != best.key[0]), key=_alone, default=None)
-    if alone is None or _alone(alone) <= _alone(best) or not _leads_further(search, alone, best):
+    best = trials[0]
+    other = max((t for t in trials if t.key[0] != best.key[0]), key=_alone, default=best)
+    if _alone(other) <= _alone(best) or not _leads_further(search, other.forms[-1], best):
         return trials
-    return [alone.forms[-1], *(t for t in trials if t is not alone)]
+    return [other.forms[-1], *(t for t in trials if t is not other)]
 
 
 def _alone(trial: Trial) -> float:
@@ -30,18 +27,12 @@ def _alone(trial: Trial) -> float:
 
 
 def _leads_further(search: Search, first: Trial, best: Trial) -> bool:
-    """Whether `first` alone and the cause that explains most beside it are clearly better than the `best` by its several instances, which
-    that cause is not."""
+    """Whether `first` and the cause that explains most beside it, which is not that of the `best`, are clearly better than its several
+    instances."""
     search.progress(f"asking what is beside {first.key[0]} in the {first.key[1]}")
-    ahead = search.ahead(first.forms[-1].fit)
+    ahead = search.ahead(first.fit)
     following = ahead.trials(ahead.look())
-    if not following or best.key[0] in (t.key[0] for t in following[:1]):
+    if not following or following[0].key[0] == best.key[0]:
         return False
-    pair = following[0]
-
-    def weighed(fit: Fit) -> Fit:
-        return replace(fit, cost=cost_of(fit.model, ahead.train, ahead.noise))
-
-    before = weighed(search.present)
-    together, several = (weighed(t.fit).gain_over(before) for t in (pair, best))
-    return reach(together) > several
+    before, both, several = (fit.under(ahead.noise, ahead.train) for fit in (search.present, following[0].fit, best.fit))
+    return reach(both.gain_over(before)) > several.gain_over(before)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 
-from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit
+from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.courses.course import worthwhile
 from skin_ident.criticism.courses.run import Run
@@ -100,7 +100,7 @@ class Search:
         self.progress("surveying every cause")
         last = self.survey()
         self.noise = last.noise
-        self.present = replace(self.present, cost=cost_of(self.present.model, self.train, self.noise))
+        self.present = self.present.under(self.noise, self.train)
         return last
 
     def survey(self) -> Survey:

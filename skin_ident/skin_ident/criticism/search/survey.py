@@ -1,6 +1,7 @@
 """One look at everything the catalogue offers, on top of the present model."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from skin_models.model import Model
 
 @dataclass(frozen=True)
 class Survey:
-    """Every cause ranked against the residual of `model`, under the noise model that the survey itself found.
+    """Every cause ranked against the residual of `model` in `sessions`, under the noise model that the survey itself found.
 
     `kept` are the directions of sessions by name, as long as this is the latest survey: they are large, and dear to compute.
     """
@@ -27,6 +28,7 @@ class Survey:
     noise: Whitener
     projected: Projected
     ranked: tuple[Ranked, ...]
+    sessions: tuple[Session, ...] = field(default=(), compare=False, repr=False)
     kept: dict[str, tuple[Session, np.ndarray]] = field(default_factory=dict, compare=False, repr=False)
 
     def directions_of(self, session: Session) -> tuple[np.ndarray, int]:
@@ -39,14 +41,20 @@ class Survey:
             self.kept[session.name] = session, rows
         return rows, len(mine)
 
-    def explained_by_everything(self, sessions: list[Session]) -> float:
-        """What the richest set of directions explains of sessions beside the model's own unknowns, less the charge for each of them."""
-        rows = [self.directions_of(s) for s in sessions]
-        own = rows[0][1]
-        A = stack([every for every, _ in rows], sessions, self.noise)
-        r = stack([residual(self.model, s) for s in sessions], sessions, self.noise)
-        z = pursue(A, r, own + RICHEST, own)
+    @cached_property
+    def explained_by_everything(self) -> float:
+        """What the richest set of directions explains beside the model's own unknowns, less the charge for each of them."""
+        A, r, z, own = self.richest(list(self.sessions))
         return float(r @ r - np.sum((r - A @ z) ** 2) - np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z[own:]))
+
+    def richest(self, sessions: list[Session]) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+        """All that may change sessions, whitened, (rows, M), what is left of them, (rows,), the coefficients (M,) of the richest set of
+        directions that explain that, and how many of the M are the model's own unknowns."""
+        every = [self.directions_of(s) for s in sessions]
+        own = every[0][1]
+        A = stack([rows for rows, _ in every], sessions, self.noise)
+        r = stack([residual(self.model, s) for s in sessions], sessions, self.noise)
+        return A, r, pursue(A, r, own + RICHEST, own), own
 
     def left_by_everything(self, session: Session) -> np.ndarray:
         """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
@@ -66,7 +74,7 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     J = (J @ sliding(mine, scales(model, mine), free))[:, free]  # a mass that cannot fall below nothing explains nothing
     projected = project(which, A[:, own:known], J, r)
     kept = {s.name: (s, rows[:known]) for s, rows in zip(sessions, every.rows, strict=True)}
-    return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE), kept)
+    return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE), tuple(sessions), kept)
 
 
 def noise_beside(model: Model, sessions: list[Session], which: tuple[Direction, ...]) -> Whitener:

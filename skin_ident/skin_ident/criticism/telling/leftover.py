@@ -13,8 +13,6 @@ from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.gates.gate import bootstrap_fall, rmse_fall
 from skin_ident.criticism.gates.resolution import AT_FEW_DEPTHS, RESOLVED, unread_force
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
-from skin_ident.criticism.noise.estimate import RICHEST, pursue
-from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
 
@@ -56,13 +54,9 @@ def systematic_rest(last: Survey, train: list[Session], held: list[Session], enc
     if not seconds:
         return Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     fitted = [s for s in train if s not in held] or train
-    every = {s.name: last.directions_of(s) for s in [*fitted, *held]}
-    _, own = every[fitted[0].name]
-    A = stack([every[s.name][0] for s in fitted], fitted, last.noise)
-    r = stack([residual(last.model, s) for s in fitted], fitted, last.noise)
-    z = pursue(A, r, own + RICHEST, forced=own)
+    _, _, z, _ = last.richest(fitted)
     before = [residual(last.model, s) for s in held]
-    after = [e - np.tensordot(z, every[s.name][0], 1) for e, s in zip(before, held, strict=True)]
+    after = [e - np.tensordot(z, last.directions_of(s)[0], 1) for e, s in zip(before, held, strict=True)]
     before, after = (beside_uncertainty(e, last.model, fitted, held, last.noise) for e in (before, after))
     fall, lower = bootstrap_fall(*([last.noise.apply(e, s) for e, s in zip(es, held, strict=True)] for es in (before, after)), held)
     rms, _ = rmse_fall(before, after, held)
