@@ -7,9 +7,9 @@ from scipy.integrate import solve_ivp
 
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.search.by_nature import late_one_way
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.survey import survey
-from skin_ident.criticism.search.trial import _late_one_way
 from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
@@ -91,7 +91,7 @@ def test_skin_with_a_fast_arm_and_a_mount_that_yields_are_named_together():
 )
 def test_damping_of_one_way_that_one_kind_of_sensor_feels_may_be_its_lag(sensed, dispersed, late):
     """What the load cell alone feels is dispersed; what taxels alone feel is taken from there."""
-    assert _late_one_way(sensed, dispersed) == [("lag", where) for where in late]
+    assert list(late_one_way(sensed, dispersed)) == [("lag", where) for where in late]
 
 
 def test_a_tone_is_looked_for_at_full_rate_alone():

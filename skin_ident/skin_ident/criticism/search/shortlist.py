@@ -3,9 +3,10 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
 
+from skin_ident.criticism.search.by_nature import all_alike
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import reach
-from skin_ident.criticism.search.trial import Trial, all_alike
+from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.vocabulary import CAUSES
 
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out

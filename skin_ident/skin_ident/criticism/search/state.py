@@ -14,12 +14,13 @@ from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import grow
 from skin_ident.criticism.search.hardware import stage_does, steps_do
 from skin_ident.criticism.search.named import Named, NotNamed
+from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import plainest_first
 from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
-from skin_ident.criticism.search.trial import Trial, plausible
+from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model

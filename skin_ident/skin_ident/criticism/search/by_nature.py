@@ -1,0 +1,165 @@
+"""Names that are the same signal by nature in these data: nobody can tell them apart here, so all of them are said.
+
+Every rule looks at the effects that carry a named cause, and yields the causes and places that would be the same signal. Their equations
+are those of the effects in `skin_models.effects`.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.search.growing import instances, lacking
+from skin_ident.criticism.search.rivals import Rival, reach
+from skin_ident.criticism.search.trial import Trial
+from skin_ident.criticism.sessions.one_rate import at_one_rate
+from skin_ident.criticism.sessions.session import Session
+from skin_models.effect import Effect
+from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
+from skin_models.effects.mount_compliance import DampedMount, JointedMount, PowerMount, YieldingMount
+from skin_models.effects.rate_dependence import OneSidedDamping
+
+Key = tuple[str, str]  # cause and place
+
+CLOSES = 0.05  # of the greatest depth, within which a joint is closed
+AT_ONCE_S = 1.0  # within which a drift that begins so fast is there: what follows is hardly more than a constant
+SENSED = 0.95  # of an arm that relaxes, under the taxels: nearly all of it
+UNTOLD = 0.97  # of the squares that the load cell leaves without an effect, left with it: it does not tell
+ALONE = 0.1  # of what one kind of sensor feels of damping, the most that the other feels where it is told by the first alone
+SWALLOWED = {"skin": ("dead_zone", "skin"), "taxel": ("dead_zone", "taxel")}
+OFFSET, LATE_DEPTH = ("position_offset", "rig"), ("time_shift", "clock_depth")
+HYSTERESIS, RELAXATION, DAMPING = ("hysteresis", "skin"), ("stress_relaxation", "skin"), ("rate_dependence", "skin")
+STIFFER, LEAKS = ("nonlinear_stiffness", "skin"), ("crosstalk", "taxel")
+
+
+@dataclass(frozen=True)
+class Instances:
+    """The effects that carry the cause of one trial, in the sessions to which it was fitted."""
+
+    trial: Trial
+    sessions: list[Session]
+
+    @property
+    def key(self) -> Key:
+        """Cause and place."""
+        return self.trial.key
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects themselves."""
+        return instances(self.trial.fit.model, *self.key)
+
+    def have(self, *forms: type[Effect]) -> bool:
+        """Whether one of them is of one of these forms."""
+        return any(isinstance(e, forms) for e in self.effects)
+
+
+def same_by_nature(trial: Trial, trials: list[Trial], said: set[Key], sessions: list[Session]) -> tuple[Rival, ...]:
+    """The names, not `said` yet, that are the same signal as what a trial has; as they were tried, where they were."""
+    mine = Instances(trial, sessions)
+    others = dict.fromkeys(other for rule in RULES for other in rule(mine) if other not in said)
+    tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
+    return tuple(tried.get(other) or Rival(*other, 0.0) for other in others)
+
+
+def _swallowed(mine: Instances) -> Iterator[Key]:
+    """A force below a threshold is swallowed by the skin or by its taxels: each taxel reads what is above it. A plunger with F / k less
+    to go presses in contact as if the skin swallowed F."""
+    cause, where = mine.key
+    if cause == "dead_zone" and where in SWALLOWED:
+        yield from (key for place, key in SWALLOWED.items() if place != where)
+    if mine.key == OFFSET and all(getattr(e, "offset", 0.0) < 0.0 for e in mine.effects):
+        yield SWALLOWED["skin"]
+
+
+def _memory(mine: Instances) -> Iterator[Key]:
+    """At one speed memory of time is memory of the path: of a skin that relaxes as of a sensor that creeps."""
+    if not at_one_rate(mine.sessions):
+        return
+    cause, where = mine.key
+    if mine.key == RELAXATION:
+        yield HYSTERESIS
+    elif mine.key == HYSTERESIS:
+        yield RELAXATION
+    elif cause == "hysteresis":
+        yield "drift", where
+    elif mine.have(Creep):
+        yield "hysteresis", where
+
+
+def _there_at_once(mine: Instances) -> Iterator[Key]:
+    """What drifts as log(1 + t / tau) from the first second on is nearly there from the start: a constant."""
+    for form, constant in ((LogDrift, "force_offset"), (LogGainDrift, "gain_error")):
+        if any(isinstance(e, form) and e.tau < AT_ONCE_S for e in mine.effects):
+            yield constant, mine.key[1]
+
+
+def _mounts(mine: Instances) -> Iterator[Key]:
+    """A tip at g(x), as behind a joint, makes of a linear skin one whose spring stiffens as g, and whose damping grows as g' with depth;
+    one behind a joint that closes at once presses as if the skin swallowed a force. A tip that follows late makes of it one with an arm
+    that relaxes fast."""
+    joints = [e for e in mine.effects if isinstance(e, JointedMount)]
+    if joints or mine.have(PowerMount):
+        yield from (STIFFER, DAMPING)
+        deepest = max(float(s.motion.x.max()) for s in mine.sessions)
+        if joints and max(e.closing for e in joints) < CLOSES * deepest:
+            yield SWALLOWED["skin"]
+    elif mine.have(DampedMount, YieldingMount):
+        yield RELAXATION
+
+
+def _heard_by_neighbours(mine: Instances) -> Iterator[Key]:
+    """An arm that the load cell does not tell is what taxels would hear of their neighbours' changes."""
+    if mine.key == RELAXATION and len(mine.sessions[0].channels) > 2 and _told_by_taxels_alone(mine):
+        yield LEAKS
+
+
+def _told_by_taxels_alone(mine: Instances) -> bool:
+    """Whether what the skin does is nearly all under the taxels, and the load cell, which feels it, too, is no better simulated for it."""
+    with_it = mine.trial.fit.model
+    without = lacking(with_it, *mine.key)
+    sensed, dispersed = (sum(abs(getattr(e, name, 1.0)) for e in mine.effects) for name in ("k_sensed", "k_dispersed"))
+    after, before = (sum(np.sum(residual(model, s)[0] ** 2) for s in mine.sessions) for model in (with_it, without))
+    return sensed > SENSED * (sensed + dispersed) and ("force" not in mine.sessions[0].channels or after > UNTOLD * before)
+
+
+def _late_one_way(mine: Instances) -> Iterator[Key]:
+    """Damping of one way, which the load cell or the taxels alone tell, is a lag of theirs that is longer on that way."""
+    if mine.key == DAMPING and all(isinstance(e, OneSidedDamping) for e in mine.effects):
+        yield from late_one_way(sum(e.c_sensed for e in mine.effects), sum(e.c_dispersed for e in mine.effects))
+
+
+def late_one_way(sensed: float, dispersed: float) -> Iterator[Key]:
+    """The lag of that sensor which alone tells of damping under the taxels and beside them, N s/m, if there is one."""
+    if abs(sensed) < ALONE * abs(dispersed):
+        yield "lag", "load_cell"
+    elif abs(sensed + dispersed) < ALONE * abs(sensed):
+        yield "lag", "taxel"
+
+
+def _within_a_sample(mine: Instances) -> Iterator[Key]:
+    """What skin or mount have done within a sample, a late depth does as well."""
+    fastest = min((getattr(e, name, np.inf) for e in mine.effects for name in ("tau", "late")), default=np.inf)
+    if mine.key[1] in ("skin", "rig") and fastest < mine.sessions[0].period:
+        yield LATE_DEPTH
+
+
+RULES: tuple[Callable[[Instances], Iterator[Key]], ...] = (
+    _swallowed,
+    _memory,
+    _there_at_once,
+    _mounts,
+    _heard_by_neighbours,
+    _late_one_way,
+    _within_a_sample,
+)
+
+
+def all_alike(trials: list[Trial]) -> list[Trial]:
+    """Where the best trial is a dead zone, of the skin or of one taxel: the same dead zone in all taxels, if that explains as much."""
+    best = trials[0] if trials else None
+    if best is None or best.key[0] != "dead_zone" or best.key[1] == "taxel":
+        return []
+    return [t for t in trials if t.key == SWALLOWED["taxel"] and t.score > reach(best.score)]

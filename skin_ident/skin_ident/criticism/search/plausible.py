@@ -1,0 +1,82 @@
+"""What physics rules out of the causes tried, whatever it explains."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from skin_ident.criticism.baseline.residual import simulated
+from skin_ident.criticism.baseline.unknowns import LATE, least_damping
+from skin_ident.criticism.search.growing import instances, lacking, unlike_skin
+from skin_ident.criticism.search.trial import Trial
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.telemetry.pull import is_pulled
+
+FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
+DAMPING, ADHESION = ("rate_dependence", "skin"), ("adhesion", "skin")
+
+
+def plausible(trial: Trial, sessions: list[Session]) -> bool:
+    """Whether no rule of physics speaks against a trial."""
+    return not any(rule(trial, sessions) for rule in RULES)
+
+
+def _leaks_less_than_nothing(trial: Trial, sessions: list[Session]) -> bool:
+    """What leaks from one taxel into another is of one sign with it."""
+    return trial.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(trial.fit.model, *trial.key))
+
+
+def _spreads_both_ways(trial: Trial, sessions: list[Session]) -> bool:
+    """A spread grows with depth or shrinks, not both."""
+    return len({np.sign(getattr(e, "growth", 0.0)) for e in instances(trial.fit.model, "spread_depth", "skin")}) > 1
+
+
+def _is_no_skin(trial: Trial, sessions: list[Session]) -> bool:
+    """Skin is no filter and no brake."""
+    return unlike_skin(trial.fit.model)
+
+
+def _drives(trial: Trial, sessions: list[Session]) -> bool:
+    """Skin is no motor: damping that depends on speed gives back no more than it takes, under the taxels and in all; what a late reading
+    makes of it is allowed."""
+    model = trial.fit.model
+    if not instances(model, *DAMPING):
+        return False
+    without, skin = lacking(model, *DAMPING), model.dispersion
+    under_taxels, in_all = least_damping(skin, LATE * sessions[0].period)
+    spare = [(0, skin.b1 + skin.b2 - in_all)] if "force" in sessions[0].channels else []
+    if model.shares:
+        spare.append((int(np.argmax(model.shares)) - len(model.shares), skin.b1 - under_taxels))
+    taken, linear = np.zeros(len(spare)), 0.0
+    for s in sessions:
+        more = simulated(model, s) - simulated(without, s)
+        taken += [float(np.sum(more[row] * s.motion.v)) for row, _ in spare]
+        linear += float(np.sum(s.motion.v**2 * (s.motion.x > 0.0)))
+    return bool(np.any(taken + linear * np.array([b for _, b in spare]) < 0.0))
+
+
+def _pulls_unseen(trial: Trial, sessions: list[Session]) -> bool:
+    """Skin that pulls is seen to."""
+    return trial.key == ADHESION and not is_pulled(trial.fit.model, lacking(trial.fit.model, *trial.key), sessions)
+
+
+def _passes_by_the_load_cell(trial: Trial, sessions: list[Session]) -> bool:
+    """What reaches a taxel has passed the load cell, which therefore feels an effect of the skin as the taxels do, but for what the skin
+    hands round the taxels."""
+    channels = sessions[0].channels
+    if trial.ranked.where != "skin" or trial.ranked.cause.startswith(("spread", "dead_zone")):
+        return False
+    if "force" not in channels or len(channels) == 1:
+        return False
+    without = lacking(trial.fit.model, *trial.key)
+    felt = np.sqrt(sum(np.sum((simulated(trial.fit.model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
+    return bool(felt[0] <= FELT * felt[1:].max())
+
+
+RULES: tuple[Callable[[Trial, list[Session]], bool], ...] = (
+    _leaks_less_than_nothing,
+    _spreads_both_ways,
+    _is_no_skin,
+    _drives,
+    _pulls_unseen,
+    _passes_by_the_load_cell,
+)
