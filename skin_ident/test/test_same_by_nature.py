@@ -5,14 +5,21 @@ import pytest
 from rows import rows
 from scipy.integrate import solve_ivp
 
+from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.search.by_nature import late_one_way
+from skin_ident.criticism.search.by_nature import late_one_way, likelier_place
 from skin_ident.criticism.search.proposals import directions
+from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.survey import survey
+from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.effect import Effect
+from skin_models.effects.hysteresis import LaggingHysteresis, SensorHysteresis
+from skin_models.model import Model
 
 RATE = 100.0
 K, B, SHARE = 12_000.0, 1_400.0, 0.7  # N/m, N s/m, and what a taxel has of the force
@@ -84,6 +91,25 @@ def test_skin_with_a_fast_arm_and_a_mount_that_yields_are_named_together():
     (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     names = {(found["cause"], found["where"]), *((a["cause"], a["where"]) for a in found["alternatives"])}
     assert ("mount_compliance", "rig") in names, names
+
+
+def tried(effect: Effect, score: float, std: float = 1.0) -> Trial:
+    """A trial of one effect, its amplitudes known to a standard error `std`."""
+    model = Model(Dispersion(m=0.0, b1=900.0, k1=9000.0, b2=600.0, k2=3000.0), shares=(SHARE,), effects=(effect,))
+    errors = {model.listed_as(0, name): std for name in ("k_sensed", "k_dispersed")}
+    ranked = Ranked(effect.cause, effect.where, score, score, (), np.zeros(0), None, 0.0, 0.0)
+    return Trial(ranked, Fit(model, (), errors, 0.0, 1), score)
+
+
+@pytest.mark.parametrize(
+    ("sensed", "std", "load_cell", "first"),
+    [(0.0, 1.0, 85.0, "load_cell"), (0.0, 1.0, 70.0, None), (0.0, 20.0, 85.0, None), (30.0, 1.0, 85.0, None)],
+    ids=["no taxel feels it", "the load cell explains too little", "taxels cannot tell", "taxels feel it"],
+)
+def test_a_loop_that_no_taxel_feels_is_of_the_load_cell(sensed: float, std: float, load_cell: float, first: str | None):
+    skin = tried(LaggingHysteresis("skin", k_sensed=sensed, k_dispersed=100.0), 100.0, std)
+    sensor = tried(SensorHysteresis("load_cell", relative=0.01), load_cell)
+    assert likelier_place([skin, sensor]) == ([sensor] if first else [])
 
 
 @pytest.mark.parametrize(

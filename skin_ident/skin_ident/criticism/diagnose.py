@@ -52,7 +52,7 @@ from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import believed, tell
 from skin_ident.criticism.usable import are_other_data, belong_together, doubted, in_sound_units, named_apart, something_moves
-from skin_ident.criticism.vocabulary import verdict_of
+from skin_ident.criticism.vocabulary import Key, verdict_of
 from skin_ident.recordings.mass import known_mass
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
@@ -153,7 +153,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
 
 
 def _outcome(
-    part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, model: Model, first: Session, symptoms, seen: set[tuple[str, str]]
+    part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, model: Model, first: Session, symptoms, seen: set[Key]
 ) -> Outcome:
     """`model` is the extended one, `first` the first session, with all their taxels; `seen` are causes and places, by the same numbers, of
     which there is something that is no finding."""

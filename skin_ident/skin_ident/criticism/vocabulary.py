@@ -5,6 +5,8 @@ The names and their meaning are fixed: reports, tests and other people's tools r
 
 from dataclasses import dataclass
 
+Key = tuple[str, str]  # a cause and its place
+
 
 @dataclass(frozen=True)
 class Cause:

@@ -18,6 +18,7 @@ from skin_ident.criticism.array.proposing import for_anybody, is_of_array
 from skin_ident.criticism.array.sentences import shift_of
 from skin_ident.criticism.baseline.residual import placed
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
 from skin_models.effects.anisotropy import Anisotropy
 from skin_models.effects.crosstalk import Crosstalk
@@ -56,7 +57,7 @@ def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
     return _with(here, e, _heard(here, e) if isinstance(e, Crosstalk) else _factors(a.judgement.causes[0], own))
 
 
-def unwritten(model: Model, a: ArrayCriticism | str) -> dict[tuple[str, str], str]:
+def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
     """By cause and place: why the model that `told` writes down does not have what was named there."""
     bent = [e for e in model.effects if is_of_array(e)]
     keys = [(e.cause, e.where) for e in bent]

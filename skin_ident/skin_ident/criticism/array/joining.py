@@ -9,6 +9,7 @@ from skin_ident.criticism.array.findings import entry, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import changing
 from skin_ident.criticism.telemetry.more_than_applied import KIND as MORE_THAN_APPLIED
+from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 
 SPOILT = ("dead_taxel", "data_error")
@@ -35,7 +36,7 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
     return analyse(c.extended.model, layout, sessions, indices, c.last.noise, doubted_taxels(c.named), thickness_mm)
 
 
-def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen: Container[tuple[str, str]] = ()) -> dict[str, Any]:
+def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen: Container[Key] = ()) -> dict[str, Any]:
     """findings.json with what the array says: a finding more, or bounds and reasons in place of those that know nothing of layouts.
 
     `model` is the extended one, whose effects of the array are put into words, with why of those that cannot be written down; `seen` are
@@ -63,7 +64,7 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen
     return {**findings, "findings": entries, **more}
 
 
-def _about(reason: dict[str, Any]) -> str | tuple[str, str]:
+def _about(reason: dict[str, Any]) -> str | Key:
     """What a reason speaks of: a cause, or one form of it at a place."""
     return (reason["cause"], reason["where"]) if "where" in reason else reason["cause"]
 

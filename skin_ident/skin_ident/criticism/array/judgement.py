@@ -10,6 +10,7 @@ from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.hypotheses import CHANGE, GAIN, Background, Hypothesis, backgrounds, hypotheses
 from skin_ident.criticism.array.layout import Layout
+from skin_ident.criticism.vocabulary import Key
 
 SURE = 0.95  # probability that something is wrong, from which it is said so
 REACH = 3.0  # log odds within which a rival cannot be told from the best,
@@ -33,7 +34,7 @@ class Judged:
     limited: bool = False
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Cause and place."""
         return self.hypothesis.cause, self.hypothesis.where
 
@@ -155,7 +156,7 @@ def _of_right_sign(j: Judged) -> bool:
 
 def _one_each(every: list[Judged]) -> list[Judged]:
     """The best form of every cause at every place."""
-    best: dict[tuple[str, str], Judged] = {}
+    best: dict[Key, Judged] = {}
     for j in every:
         best.setdefault(j.key, j)
     return list(best.values())

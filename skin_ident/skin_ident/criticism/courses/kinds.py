@@ -7,6 +7,7 @@ from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, S
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import place_of
+from skin_ident.criticism.vocabulary import Key
 
 CONSTANT, STEPS, BEND, WAVE = "constant", "steps", "bend", "wave"
 CAUSES = {
@@ -37,12 +38,12 @@ class Course:
         return "drift" if self.shape == WAVE else CAUSES[self.carrier, self.shape]
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Cause and place."""
         return self.cause, self.where
 
     @property
-    def keys(self) -> tuple[tuple[str, str], ...]:
+    def keys(self) -> tuple[Key, ...]:
         """Its own, and those under which the same signal goes: a force read too small is all taxels reading too much."""
         return (self.key, (self.cause, "taxel")) if self.carrier == DRIVEN else (self.key,)
 

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.vocabulary import Key
+
 
 @dataclass(frozen=True, eq=False)
 class Fault:
@@ -16,7 +18,7 @@ class Fault:
     why: str
     bad: np.ndarray
     parameters: dict[str, dict[str, Any]] = field(default_factory=dict)
-    alternatives: tuple[tuple[str, str], ...] = ()
+    alternatives: tuple[Key, ...] = ()
     cells: tuple[dict[str, Any], ...] = ()
 
     def among(self, mask: np.ndarray) -> "Fault":

@@ -17,7 +17,7 @@ from skin_ident.criticism.scan.search import Named, Search
 from skin_ident.criticism.scan.sentences import separating, why
 from skin_ident.criticism.scan.trials import Setting, without_candidate
 from skin_ident.criticism.telling.findings import NOT_MEASURED
-from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.criticism.vocabulary import BY_NAME, Key
 from skin_ident.estimators.scale import rms
 from skin_ident.spread_scan import SpreadScan
 
@@ -183,7 +183,7 @@ def _placed() -> dict[str, Any]:
 
 def together(faults: tuple[Fault, ...]) -> list[Fault]:
     """One fault per cause and place; several of a kind are told one after the other."""
-    groups: dict[tuple[str, str], list[Fault]] = {}
+    groups: dict[Key, list[Fault]] = {}
     for f in faults:
         groups.setdefault((f.cause, f.where), []).append(f)
     return [_merged(group) for group in groups.values()]

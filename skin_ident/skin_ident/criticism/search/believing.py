@@ -17,6 +17,7 @@ from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import SHIFT
 from skin_ident.criticism.search.trial import Trial, sized
+from skin_ident.criticism.vocabulary import Key
 
 SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
@@ -109,7 +110,7 @@ def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
     return bool(why) or little
 
 
-def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[tuple[str, str], NotNamed]:
+def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[Key, NotNamed]:
     """What the steps of an encoder do in place of a trial: all of it, or of those that explain as much a zero of depth that they hide."""
     models = search.present.model, trial.fit.model
     encoder = encoder_does(trial.key, gain, *models, search.train, search.encoder_step)

@@ -16,21 +16,23 @@ from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.mount_compliance import DampedMount, JointedMount, PowerMount, YieldingMount
 from skin_models.effects.rate_dependence import OneSidedDamping
 
-Key = tuple[str, str]  # cause and place
-
 CLOSES = 0.05  # of the greatest depth, within which a joint is closed
 AT_ONCE_S = 1.0  # within which a drift that begins so fast is there: what follows is hardly more than a constant
 SENSED = 0.95  # of an arm that relaxes, under the taxels: nearly all of it
 UNTOLD = 0.97  # of the squares that the load cell leaves without an effect, left with it: it does not tell
+MOST = 0.8  # of what a loop of the skin explains, what that of the load cell must: their forms are not the same
+SURE = 2.0  # standard errors
 ALONE = 0.1  # of what one kind of sensor feels of damping, the most that the other feels where it is told by the first alone
 SWALLOWED = {"skin": ("dead_zone", "skin"), "taxel": ("dead_zone", "taxel")}
 OFFSET, LATE_DEPTH = ("position_offset", "rig"), ("time_shift", "clock_depth")
 HYSTERESIS, RELAXATION, DAMPING = ("hysteresis", "skin"), ("stress_relaxation", "skin"), ("rate_dependence", "skin")
+LOOP_OF_LOAD_CELL = ("hysteresis", "load_cell")
 STIFFER, LEAKS = ("nonlinear_stiffness", "skin"), ("crosstalk", "taxel")
 
 
@@ -54,6 +56,10 @@ class Instances:
     def have(self, *forms: type[Effect]) -> bool:
         """Whether one of them is of one of these forms."""
         return any(isinstance(e, forms) for e in self.effects)
+
+    def amounts(self) -> tuple[float, float]:
+        """The stiffness that they have under the taxels, and beside them, N/m."""
+        return tuple(sum(abs(getattr(e, name, 1.0)) for e in self.effects) for name in ("k_sensed", "k_dispersed"))
 
 
 def same_by_nature(trial: Trial, trials: list[Trial], said: set[Key], sessions: list[Session]) -> tuple[Rival, ...]:
@@ -120,9 +126,19 @@ def _told_by_taxels_alone(mine: Instances) -> bool:
     """Whether what the skin does is nearly all under the taxels, and the load cell, which feels it, too, is no better simulated for it."""
     with_it = mine.trial.fit.model
     without = lacking(with_it, *mine.key)
-    sensed, dispersed = (sum(abs(getattr(e, name, 1.0)) for e in mine.effects) for name in ("k_sensed", "k_dispersed"))
+    sensed, dispersed = mine.amounts()
     after, before = (sum(np.sum(residual(model, s)[0] ** 2) for s in mine.sessions) for model in (with_it, without))
     return sensed > SENSED * (sensed + dispersed) and ("force" not in mine.sessions[0].channels or after > UNTOLD * before)
+
+
+def _told_by_the_load_cell_alone(mine: Instances) -> Iterator[Key]:
+    """A loop or an arm of the skin that has nothing under the taxels is what the load cell would do by itself, or by its creep."""
+    sensor = {HYSTERESIS: LOOP_OF_LOAD_CELL, RELAXATION: ("drift", "load_cell")}.get(mine.key)
+    if sensor is None or len(mine.sessions[0].channels) < 2 or "force" not in mine.sessions[0].channels:
+        return
+    sensed, dispersed = mine.amounts()
+    if sensed < ALONE * dispersed:
+        yield sensor
 
 
 def _late_one_way(mine: Instances) -> Iterator[Key]:
@@ -152,14 +168,30 @@ RULES: tuple[Callable[[Instances], Iterator[Key]], ...] = (
     _there_at_once,
     _mounts,
     _heard_by_neighbours,
+    _told_by_the_load_cell_alone,
     _late_one_way,
     _within_a_sample,
 )
 
 
-def all_alike(trials: list[Trial]) -> list[Trial]:
-    """Where the best trial is a dead zone, of the skin or of one taxel: the same dead zone in all taxels, if that explains as much."""
+def likelier_place(trials: list[Trial]) -> list[Trial]:
+    """The trial of the same cause at another place that goes before the best, if there is one. Where that is a dead zone, of the skin or of
+    one taxel: the same dead zone in all taxels, if that explains as much. Where it is a loop of the skin of which the taxels surely feel
+    nothing: that of the load cell, if it explains most of it. No skin has a memory that only passes by the taxels."""
     best = trials[0] if trials else None
-    if best is None or best.key[0] != "dead_zone" or best.key[1] == "taxel":
-        return []
-    return [t for t in trials if t.key == SWALLOWED["taxel"] and t.score > reach(best.score)]
+    if best and best.key[0] == "dead_zone" and best.key[1] != "taxel":
+        return [t for t in trials if t.key == SWALLOWED["taxel"] and t.score > reach(best.score)]
+    if best and best.key == HYSTERESIS and _beside_the_taxels(best):
+        return [t for t in trials if t.key == LOOP_OF_LOAD_CELL and t.score > MOST * best.score]
+    return []
+
+
+def _beside_the_taxels(trial: Trial) -> bool:
+    """Whether every instance of a skin's cause, which taxels could tell, is surely less under them than beside them."""
+    model, std = trial.fit.model, trial.fit.std
+
+    def beside(i: int, e: Effect) -> bool:
+        sensed, dispersed = (abs(getattr(e, name, 0.0)) for name in ("k_sensed", "k_dispersed"))
+        return sensed + SURE * std.get(model.listed_as(i, "k_sensed"), 0.0) < ALONE * dispersed
+
+    return bool(model.shares) and all(beside(i, e) for i, e in enumerate(model.effects) if (e.cause, e.where) == trial.key)

@@ -10,6 +10,7 @@ from skin_ident.criticism.gates.resolution import converter_step, of_the_convert
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
@@ -37,7 +38,7 @@ def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
 
 
 def encoder_does(
-    key: tuple[str, str], gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float
+    key: Key, gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float
 ) -> NotNamed | None:
     """Why a cause and place that `after` gains by over `before` are no finding, where noise of what drives the test does as much, the
     encoder could not tell, or steps leave as much open."""
@@ -47,7 +48,7 @@ def encoder_does(
     return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, encoder_step)
 
 
-def too_short(key: tuple[str, str], after: Model, encoder_step: float) -> NotNamed | None:
+def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
     """Why a cause that is a length is no finding, where the encoder does not read so finely."""
     length = unreadable(instances(after, *key), encoder_step)
     why = f"it would be {_micrometres(length)}, but the encoder reads no finer than {_micrometres(encoder_step)}"

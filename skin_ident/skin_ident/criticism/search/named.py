@@ -8,6 +8,7 @@ from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 
 
@@ -25,7 +26,7 @@ class Named:
     courses: dict[str, Said] = field(default_factory=dict)  # what belongs to one session alone, in words by session
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Cause and place."""
         return self.cause, self.where
 
@@ -55,4 +56,4 @@ class Criticism:
     rounds: tuple[tuple[Survey, str | None], ...] = ()
     train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
     held: tuple[Session, ...] = ()
-    not_named: dict[tuple[str, str], NotNamed] = field(default_factory=dict)  # by cause and place
+    not_named: dict[Key, NotNamed] = field(default_factory=dict)  # by cause and place

@@ -15,6 +15,7 @@ from skin_ident.criticism.baseline.own_shares import take_shares
 from skin_ident.criticism.baseline.residual import at_place, placed, rows
 from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.sessions.session import Session, motion_under
+from skin_ident.criticism.vocabulary import Key
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
 from skin_models.model import Model
@@ -48,7 +49,7 @@ class Direction:
         return self.effect.where
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Cause and place."""
         return self.cause, self.where
 

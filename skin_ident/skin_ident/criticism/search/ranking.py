@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from skin_ident.criticism.search.proposals import Direction
+from skin_ident.criticism.vocabulary import Key
 
 MOST_USED = 5
 LEADING = 6
@@ -37,7 +38,7 @@ class Ranked:
     best_gain: float
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Cause and place."""
         return self.cause, self.where
 
@@ -51,7 +52,7 @@ class Projected:
     """
 
     which: tuple[Direction, ...]
-    grams: dict[tuple[str, str], np.ndarray]
+    grams: dict[Key, np.ndarray]
     energies: np.ndarray  # of each direction
     product: np.ndarray
     left: np.ndarray  # share of each direction's energy that the model cannot imitate
@@ -85,13 +86,13 @@ def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.nd
     return Projected(which, grams, after, product, left, float(r @ r), int(np.count_nonzero(r)), leading, beside)
 
 
-def _leading(causes: dict[tuple[str, str], np.ndarray], gains: np.ndarray) -> np.ndarray:
+def _leading(causes: dict[Key, np.ndarray], gains: np.ndarray) -> np.ndarray:
     """The best direction of every cause at every place, of those the `LEADING` best."""
     best = np.array([index[np.argmax(gains[index])] for index in causes.values()], int)
     return best[np.argsort(-gains[best])][:LEADING]
 
 
-def _by_cause(which: tuple[Direction, ...]) -> dict[tuple[str, str], np.ndarray]:
+def _by_cause(which: tuple[Direction, ...]) -> dict[Key, np.ndarray]:
     """The indices of the directions of every cause at every place."""
     keys = [d.key for d in which]
     return {key: np.flatnonzero([k == key for k in keys]) for key in dict.fromkeys(keys)}

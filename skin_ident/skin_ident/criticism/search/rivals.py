@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 
 EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift
@@ -22,7 +23,7 @@ class Rival:
     model: Model | None = None
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Cause and place."""
         return self.cause, self.where
 
@@ -32,11 +33,11 @@ def reach(score: float) -> float:
     return score - max(CHANCE, REACH * score)
 
 
-def own_rivals(runs: list[Run], score: float, said: set[tuple[str, str]]) -> tuple[Rival, ...]:
+def own_rivals(runs: list[Run], score: float, said: set[Key]) -> tuple[Rival, ...]:
     """Courses of a session's own that explain as much as what scores `score`, and what is the same as they, by names not `said` yet; the
     best first."""
     near = sorted((r for r in runs if r.score > reach(score)), key=lambda r: -r.score)
-    short: dict[tuple[str, str], float] = {}
+    short: dict[Key, float] = {}
     for r in near:
         for key in r.course.keys:
             if key not in said:

@@ -3,25 +3,24 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
 
-from skin_ident.criticism.search.by_nature import all_alike
+from skin_ident.criticism.search.by_nature import likelier_place
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.trial import Trial
-from skin_ident.criticism.vocabulary import CAUSES
+from skin_ident.criticism.vocabulary import CAUSES, Key
 
 SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
 TIED = 4.0  # twice nats: a ratio of likelihoods of seven
 ORDER = {cause.name: i for i, cause in enumerate(CAUSES)}
 WITHIN = 0.35  # of the best score: further down, no refit makes up for it
 
-Key = tuple[str, str]
 
 
 def shortlisted(
     ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], suspected: set[Key]
 ) -> list[Trial]:
     """The most promising causes as `tried`, which leaves out what physics rules out; the best first, and of equals the commoner. One that
-    is `known` already is tried wherever it ranks, and goes before rivals it equals, all taxels alike before one of them, and one that is
+    is `known` already is tried wherever it ranks, and goes before rivals it equals, a likelier place before another, and one that is
     `suspected`, for the record itself has shown it, before all that explain little more."""
     shown = [r for r in ranked if r.key in suspected - known and r.score > 0.0]
     others = [r for r in ranked if r.score > 0.0 and r not in shown]
@@ -30,7 +29,7 @@ def shortlisted(
     trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
     trials = _commoner_first(trials)
     again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
-    first = again[:1] or all_alike(trials)
+    first = again[:1] or likelier_place(trials)
     return first + [t for t in trials if t not in first]
 
 

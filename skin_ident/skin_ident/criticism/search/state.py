@@ -22,6 +22,7 @@ from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 
@@ -49,30 +50,30 @@ class Search:
     def __post_init__(self) -> None:
         self.present: Fit  # the model so far, fitted, and the noise that was seen with it, both from the first round on
         self.baseline: Fit  # what was fitted without any cause
-        self.led: set[tuple[str, str]] = set()  # causes that only led out of a false minimum
+        self.led: set[Key] = set()  # causes that only led out of a false minimum
         self.noise: Whitener
         self.named: list[Named] = []
         self.rounds: list[tuple[Survey, str | None]] = []
         self.runs: list[Run] = []
         self.doubting = False  # whether held-out sessions alone decide, for a cause was taken for granted
         self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
-        self.put_out: set[tuple[str, str]] = set()  # causes in whose place another was put: they do not come back into its
-        self.dropped: set[tuple[str, str]] = set()  # causes without which the rest predicted as well: what they took is asked of others
-        self.suspected: set[tuple[str, str]] = set()
-        self.stage: dict[tuple[str, str], NotNamed] = {}  # courses that explain something, and are such as a good stage does
-        self.hardware: dict[tuple[str, str], NotNamed] = {}  # what would have been named, and is such as good hardware does
-        self.tared: dict[tuple[str, str], NotNamed] = {}  # zeros of sessions that were taken into the baseline
-        self.doubts: dict[tuple[str, str], NotNamed] = {}  # what training speaks for, and others leave in doubt
+        self.put_out: set[Key] = set()  # causes in whose place another was put: they do not come back into its
+        self.dropped: set[Key] = set()  # causes without which the rest predicted as well: what they took is asked of others
+        self.suspected: set[Key] = set()
+        self.stage: dict[Key, NotNamed] = {}  # courses that explain something, and are such as a good stage does
+        self.hardware: dict[Key, NotNamed] = {}  # what would have been named, and is such as good hardware does
+        self.tared: dict[Key, NotNamed] = {}  # zeros of sessions that were taken into the baseline
+        self.doubts: dict[Key, NotNamed] = {}  # what training speaks for, and others leave in doubt
         self.most = MOST_FINDINGS  # rounds
         self.zeroed = False  # whether zeros as good hardware leaves them were taken where no cause was believed
         self.refused = 0.0  # what the best cause would explain that was not believed in the last round
         self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
         self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
-        self.befores: dict[tuple[str, str], Model] = {}
+        self.befores: dict[Key, Model] = {}
         self._surveyed: tuple[Model, list[Session], Survey] | None = None
 
     @property
-    def not_named(self) -> dict[tuple[str, str], NotNamed]:
+    def not_named(self) -> dict[Key, NotNamed]:
         """What is in the record and no finding, by cause and place."""
         return self.doubts | self.stage | self.hardware | self.tared
 
@@ -159,7 +160,7 @@ class Search:
         """Whether what has been named explains so much more that what gains so may be its imperfect form."""
         return gain.squares <= SHADOW * self.fallen(gain.channel)
 
-    def steps_do(self, key: tuple[str, str], gain: Gain, after: Model) -> bool:
+    def steps_do(self, key: Key, gain: Gain, after: Model) -> bool:
         """Whether steps of encoder and converters may leave as much open as `after` gains, which is noted, for all else speaks for it."""
         why = steps_do(key[0], gain, self.present.model, after, self.train, self.encoder_step)
         self.hardware |= {key: why} if why else {}

@@ -18,6 +18,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial, sized
+from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 
 FILTERS = ("time_shift", "lag", "mount_compliance", "rate_dependence")  # of which two make of the depth what smooths its steps
@@ -68,7 +69,7 @@ def _beside(search: Search, first: Trial) -> Pair | None:
     return (first.fit, finding), second
 
 
-def beside(ahead: Search, key: tuple[str, str], after: Model) -> tuple[Model, Gain | None]:
+def beside(ahead: Search, key: Key, after: Model) -> tuple[Model, Gain | None]:
     """The model `after` refitted without one cause and place `key`, and what that gains beside the rest; None where it is not believed."""
     without = fit(lacking(after, *key), ahead.train, ahead.noise).model
     gain = ahead.gain(without, after, key[1])

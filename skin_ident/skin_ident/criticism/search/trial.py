@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.search.growing import determined, instances
 from skin_ident.criticism.search.ranking import Ranked
+from skin_ident.criticism.vocabulary import Key
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 
@@ -19,7 +20,7 @@ class Trial:
     plainer: "Trial | None" = None
 
     @property
-    def key(self) -> tuple[str, str]:
+    def key(self) -> Key:
         """Cause and place."""
         return self.ranked.cause, self.ranked.where
 

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.vocabulary import Key
+
 
 @dataclass(frozen=True)
 class Symptom:
@@ -17,7 +19,7 @@ class Symptom:
     parameters: dict[str, dict[str, Any]]
     evidence: dict[str, Any]
     bad: dict[tuple[str, str], np.ndarray] = field(default_factory=dict)
-    alternatives: tuple[tuple[str, str], ...] = ()
+    alternatives: tuple[Key, ...] = ()
     apart: str = ""
 
 

@@ -17,14 +17,14 @@ from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of
 from skin_ident.criticism.telling.leftover import Rest
-from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.criticism.vocabulary import BY_NAME, Key
 from skin_ident.separating.choose import Experiment
 from skin_models.model import Model
 from skin_models.parameter import parameters_of
 
 SCHEMA = 1
 NOT_MEASURED = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": None, "unit": "N"}
-Experiments = Mapping[tuple[str, str], tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
+Experiments = Mapping[Key, tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
 
 
 def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], train: list[Session], held: list[Session]) -> dict[str, Any]:
@@ -95,7 +95,7 @@ def _of_each_session(named: Named) -> dict[str, Any]:
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:
     """Every other name once, in the order of the search and as near as it comes: of the clocks of the catalogue that which is nearest."""
-    nearest: dict[tuple[str, str], Rival] = {}
+    nearest: dict[Key, Rival] = {}
     for a in named.alternatives:
         key = a.cause, place(a.where)
         nearest[key] = min(a, nearest.get(key, a), key=lambda rival: rival.short_by)
@@ -167,7 +167,7 @@ def _silent(taxel: str, recordings: list) -> NotNamed:
     return NotNamed(np.inf, because, f"{places}a press on {taxel}")
 
 
-def _not_findings(c: Criticism, recordings: list, named: set[tuple[str, str]]) -> dict[str, dict[str, NotNamed]]:
+def _not_findings(c: Criticism, recordings: list, named: set[Key]) -> dict[str, dict[str, NotNamed]]:
     """By cause and place: what is in the record and is no finding, since nobody declared it or good hardware does as much; nothing of what
     is `named`."""
     seen = {"quantization": _steps_seen(recordings), "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)}}
