@@ -27,6 +27,7 @@ PROMISED = 0.5  # of what the ranking promised
 EXCEEDED, FARTHER = 3.0, 2.0  # times that, and times the amount that was found then
 LITTLE = 0.05  # of an amount
 IN_TURN = 3  # times that shares are settled and the rest fitted
+INSTANCE, FORM = 10.0, 20.0  # squared whitened units that another instance, or a finer form, must explain
 WORTH = 0.02  # of what the first instance explained: less is not worth another one
 SURE = 2.0  # standard errors that a further instance must have for its size
 FINER = 0.002  # nor, which is the same name with one number more, a finer form of it
@@ -43,7 +44,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         trial, sessions = _settled(_with_instance(present, ranked, sessions, noise), sessions, noise)
         gained = present.cost - trial.cost
         first = first or gained
-        if gained < max(10.0, WORTH * first) or not (present is start or (determined(trial) and not unlike_skin(trial.model))):
+        if gained < max(INSTANCE, WORTH * first) or not (present is start or (determined(trial) and not unlike_skin(trial.model))):
             break
         present = _refined(trial, gained, sessions, noise)
         stages.append(present)
@@ -51,7 +52,7 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
         if not own:
             break
         ranked = survey(present.model, sessions, own, noise).ranked[0]
-        if ranked.best_gain < max(10.0, WORTH * first):
+        if ranked.best_gain < max(INSTANCE, WORTH * first):
             break
     return (present, *stages[: len(stages) > 1])
 
@@ -152,7 +153,7 @@ def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whiten
     *others, last = present.model.effects
     trials = [fit(replace(present.model, effects=(*others, e)), sessions, noise) for e in _finer(last)]
     best = min(trials, key=lambda trial: trial.cost, default=present)
-    return best if present.cost - best.cost > max(20.0, FINER * gained) else present
+    return best if present.cost - best.cost > max(FORM, FINER * gained) else present
 
 
 def _finer(effect: Effect) -> list[Effect]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.settling import settled
@@ -37,40 +37,49 @@ Progress = Callable[[str], None]
 
 @dataclass
 class Search:
-    """The present fit, what was named, what held-out data refused, and the surveys of all rounds."""
+    """The present fit, what was named, what held-out data refused, and the surveys of all rounds.
+
+    `which` are the directions that are ranked, `encoder_step` is the step of the depth, m; the mass may be another than was assumed or
+    declared where it is `weighable`, and somebody `declared` it.
+    """
 
     train: list[Session]
     held: list[Session]
     which: tuple[Direction, ...]
     progress: Progress
     encoder_step: float = 0.0
-    weighable: bool = False  # whether the mass may be another than was assumed or declared,
-    declared: bool = False  # and somebody declared it
+    weighable: bool = False
+    declared: bool = False
 
-    def __post_init__(self) -> None:
-        self.present: Fit  # the model so far, fitted, and the noise that was seen with it, both from the first round on
-        self.baseline: Fit  # what was fitted without any cause
-        self.led: set[Key] = set()  # causes that only led out of a false minimum
-        self.noise: Whitener
-        self.named: list[Named] = []
-        self.rounds: list[tuple[Survey, str | None]] = []
-        self.runs: list[Run] = []
-        self.doubting = False  # whether held-out sessions alone decide, for a cause was taken for granted
-        self.alone = False  # whether what is wrong in the held-out sessions alone has been looked for, and found
-        self.put_out: set[Key] = set()  # causes in whose place another was put: they do not come back into its
-        self.dropped: set[Key] = set()  # causes without which the rest predicted as well: what they took is asked of others
-        self.suspected: set[Key] = set()
-        self.stage: dict[Key, NotNamed] = {}  # courses that explain something, and are such as a good stage does
-        self.hardware: dict[Key, NotNamed] = {}  # what would have been named, and is such as good hardware does
-        self.tared: dict[Key, NotNamed] = {}  # zeros of sessions that were taken into the baseline
-        self.doubts: dict[Key, NotNamed] = {}  # what training speaks for, and others leave in doubt
-        self.most = MOST_FINDINGS  # rounds
-        self.zeroed = False  # whether zeros as good hardware leaves them were taken where no cause was believed
-        self.refused = 0.0  # what the best cause would explain that was not believed in the last round
-        self.wandering = 0.0  # the most that a course explained of training sessions which then predicted nothing
-        self.hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what the load cell feels without its weight
-        self.befores: dict[Key, Model] = {}
-        self._surveyed: tuple[Model, list[Session], Survey] | None = None
+    # What is known by now: the model so far, fitted, the noise that was seen with it, and what was fitted without any cause.
+    present: Fit = field(init=False)
+    noise: Whitener = field(init=False)
+    baseline: Fit = field(init=False)
+    named: list[Named] = field(default_factory=list)
+    befores: dict[Key, Model] = field(default_factory=dict)  # of every cause that was named, the model before its first instance
+    runs: list[Run] = field(default_factory=list)  # courses of each session's own that were taken
+    rounds: list[tuple[Survey, str | None]] = field(default_factory=list)
+    most: int = MOST_FINDINGS  # rounds
+
+    # Why something that is in the record was not named, of the last round but for the zeros.
+    doubts: dict[Key, NotNamed] = field(default_factory=dict)  # training speaks for it, and others leave it in doubt
+    stage: dict[Key, NotNamed] = field(default_factory=dict)  # courses that explain something, and are such as a good stage does
+    hardware: dict[Key, NotNamed] = field(default_factory=dict)  # it would have been named, and is such as good hardware does
+    tared: dict[Key, NotNamed] = field(default_factory=dict)  # zeros of sessions that were taken into the baseline
+
+    # What is not asked again, or otherwise from now on.
+    suspected: set[Key] = field(default_factory=set)  # causes that the record itself has shown
+    led: set[Key] = field(default_factory=set)  # that only led out of a false minimum
+    put_out: set[Key] = field(default_factory=set)  # in whose place another was put: they do not come back into its
+    dropped: set[Key] = field(default_factory=set)  # without which the rest predicted as well: what they took is asked of others
+    doubting: bool = False  # held-out sessions alone decide, for a cause was taken for granted
+    alone: bool = False  # what is wrong in the held-out sessions alone was looked for, and found
+    zeroed: bool = False  # zeros as good hardware leaves them were taken where no cause was believed
+    refused: float = 0.0  # what the best cause would explain that was not believed in the last round
+    wandering: float = 0.0  # the most that a course explained of training which then predicted nothing
+    hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what is felt of it without its weight
+
+    _surveyed: tuple[Model, list[Session], Survey] | None = None
 
     @property
     def not_named(self) -> dict[Key, NotNamed]:
