@@ -91,7 +91,19 @@ def test_another_rate_and_another_clock():
     looked = inspect(MEASURED[:1])
     twin = read_twins(looked.sessions, MEASURED[:1], [slow], 0.0)
     said = simulated(twin.surrogate, looked.carrying(twin.beyond, twin.known).sessions[0])
-    assert np.std(said[0] - TWINS[0].force) < 0.02 and "another clock" in twin.warnings[0]
+    assert np.std(said[0] - TWINS[0].force) < 0.004 and "another clock" in twin.warnings[0][0]
+
+
+@pytest.mark.parametrize("late", [0.013, -0.4])
+def test_a_twin_whose_clock_began_elsewhere_is_set_by_its_depth(late):
+    """Of a delay of 13 ms the fit would make another damping."""
+    other = replace(TWINS[0], t=T + late)
+    looked = inspect(MEASURED[:1])
+    twin = read_twins(looked.sessions, MEASURED[:1], [other], 0.0)
+    said = simulated(twin.surrogate, looked.carrying(twin.beyond, twin.known).sessions[0])
+    inside = slice(50, -50)
+    assert np.std((said[0] - TWINS[0].force)[inside]) < 1e-3 * np.std(TWINS[0].force)
+    assert f"{1e3 * late:+.3g} ms" in twin.warnings[0][-1]
 
 
 def test_a_dead_taxel_says_what_it_says_whatever_its_twin_says():

@@ -125,7 +125,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     if twins:
         twin = read_twins(looked.sessions, every, twins, mass)
         model, looked = twin.surrogate, looked.carrying(twin.beyond, twin.known)
-        every[0] = every[0].warned(*twin.warnings) if twin.warnings else every[0]
+        every = [r.warned(*warnings) for r, warnings in zip(every, twin.warnings, strict=True)]
     every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
     train, held = _split(looked.sessions, training)
     step = depth_resolution(every)

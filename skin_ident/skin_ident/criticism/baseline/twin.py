@@ -13,6 +13,8 @@ a twin whose gain is wrong shall be told so.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import Akima1DInterpolator
+from scipy.signal import correlate, correlation_lags
 
 from skin_ident.criticism.baseline.fitting import fit, noise_of
 from skin_ident.criticism.baseline.residual import simulated
@@ -25,16 +27,19 @@ from skin_models.words import counted
 
 COVERED = 0.9  # of a recording's time that its twin must cover
 SAME_MOTION = 0.95  # correlation of the two depths
+LATEST_S = 1.0  # by which a twin's clock may be off
+LEAST = 0.25  # of a sampling period, from which that is said
+ROUNDS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """The surrogate of all twins; by session what its twin says beyond that, (C, N) N, and where it says something, (C, n); warnings."""
+    """The surrogate of all twins; by session what its twin says beyond that, (C, N) N, and where it says something, (C, n), and its warnings."""
 
     surrogate: Model
     beyond: list[np.ndarray]
     known: list[np.ndarray]
-    warnings: list[str]
+    warnings: list[list[str]]
 
 
 def read_twins(sessions: list[Session], recordings: list, twins: list, mass: float) -> Twins:
@@ -45,7 +50,7 @@ def read_twins(sessions: list[Session], recordings: list, twins: list, mass: flo
     pairs = list(zip(recordings, _matched(recordings, twins), strict=True))
     said = [_said(s, r, twin) for s, (r, twin) in zip(sessions, pairs, strict=True)]
     surrogate = _surrogate([s for s, _ in said], mass, [twin.name for _, twin in pairs])
-    return Twins(surrogate, [_beyond(surrogate, s) for s, _ in said], [s.weight for s, _ in said], [w for _, more in said for w in more])
+    return Twins(surrogate, [_beyond(surrogate, s) for s, _ in said], [s.weight for s, _ in said], [more for _, more in said])
 
 
 def _matched(recordings: list, twins: list) -> list:
@@ -66,8 +71,12 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
     if same(recording, twin):
         raise DiagnosisError(f"the twin {twin.name} holds the very samples of {recording.name}: give what a simulation said of that motion")
     t, warnings = _clock(recording, twin)
+    late = _late(recording, twin, t)
+    if abs(late) > LEAST * recording.dt:
+        warnings.append(f"{twin.name}: its depth comes {1e3 * late:+.3g} ms beside that of {recording.name}: its clock is set by that")
+    t = t - late
     _same_motion(recording, twin, t)
-    raw = np.array([np.interp(session.motion.t, t, twin.channels[c]) for c in session.channels])
+    raw = np.array([_at(session.motion.t, t, twin.channels[c]) for c in session.channels])
     known = (session.t >= t[0]) & (session.t <= t[-1])
     weight = np.tile(known.astype(float), (len(raw), 1))
     return replace(session, raw=raw, bridged=raw, measured=session.band.thin(raw), weight=weight, stuck={}), warnings
@@ -82,6 +91,35 @@ def _clock(recording, twin) -> tuple[np.ndarray, list[str]]:
     if twin.t[-1] - twin.t[0] < COVERED * length:
         raise DiagnosisError(f"the twin {twin.name} lasts {np.ptp(twin.t):.3g} s, the recording {recording.name} {length:.3g} s")
     return twin.t - twin.t[0] + recording.t[0], [f"{twin.name}: has another clock than {recording.name}; they are taken to begin together"]
+
+
+def _late(recording, twin, t: np.ndarray) -> float:
+    """By how many seconds the twin's depth comes later than the recording's, where both tell: no two programs begin within a sample.
+
+    First the lag at which they correlate most, in whole samples; from there x(t) = x_twin(t + d) by Gauss and Newton.
+    """
+    if recording.depth is None or twin.depth is None or np.ptp(recording.depth) == 0.0 or np.ptp(twin.depth) == 0.0:
+        return 0.0
+    x, dt = recording.depth - recording.depth.mean(), recording.dt
+    alike = correlate(np.interp(recording.t, t, twin.depth - twin.depth.mean()), x)
+    lags = correlation_lags(x.size, x.size)
+    near = np.abs(lags) * dt <= LATEST_S
+    late, edge = dt * float(lags[near][np.argmax(alike[near])]), int(np.ceil(LATEST_S / dt))
+    inside = slice(edge, -edge) if x.size > 4 * edge else slice(None)
+    for _ in range(ROUNDS):
+        theirs = _at(recording.t + late, t, twin.depth)
+        off, speed = (recording.depth - theirs)[inside], np.gradient(theirs, dt)[inside]
+        step = float(off @ speed) / max(float(speed @ speed), 1e-300)
+        late += step
+        if abs(step) < 1e-3 * dt:
+            break
+    return late
+
+
+def _at(times: np.ndarray, t: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """What was sampled at `t` at other times, held beyond its ends: by Akima's piecewise cubics (J. ACM 17 (1970) 589-602), for a twin
+    that is sampled coarsely is no chain of straight lines."""
+    return Akima1DInterpolator(t, y)(np.clip(times, t[0], t[-1]))
 
 
 def _same_motion(recording, twin, t: np.ndarray) -> None:
