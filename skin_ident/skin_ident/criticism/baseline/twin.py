@@ -34,7 +34,7 @@ ROUNDS = 8
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """The surrogate of all twins; by session what its twin says beyond that, (C, N) N, and where it says something, (C, n), and its warnings."""
+    """The surrogate of all twins; by session what its twin says beyond that, (C, N) N, and where it says something, (C, n); its warnings."""
 
     surrogate: Model
     beyond: list[np.ndarray]
@@ -73,7 +73,8 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
     t, warnings = _clock(recording, twin)
     late = _late(recording, twin, t)
     if abs(late) > LEAST * recording.dt:
-        warnings.append(f"{twin.name}: its depth comes {1e3 * late:+.3g} ms beside that of {recording.name}: its clock is set by that")
+        what = "force" if recording.depth is None else "depth"
+        warnings.append(f"{twin.name}: its {what} comes {1e3 * late:+.3g} ms beside that of {recording.name}: its clock is set by that")
     t = t - late
     _same_motion(recording, twin, t)
     raw = np.array([_at(session.motion.t, t, twin.channels[c]) for c in session.channels])
@@ -93,22 +94,31 @@ def _clock(recording, twin) -> tuple[np.ndarray, list[str]]:
     return twin.t - twin.t[0] + recording.t[0], [f"{twin.name}: has another clock than {recording.name}; they are taken to begin together"]
 
 
+def _driven(recording, twin) -> tuple[str, np.ndarray, np.ndarray] | None:
+    """What drives the test, as both tell it: the depth, or the force where the recording has none. None where not both tell of it."""
+    what = "force" if recording.depth is None else "depth"
+    ours, theirs = getattr(recording, what), getattr(twin, what)
+    return None if ours is None or theirs is None or np.ptp(ours) == 0.0 or np.ptp(theirs) == 0.0 else (what, ours, theirs)
+
+
 def _late(recording, twin, t: np.ndarray) -> float:
-    """By how many seconds the twin's depth comes later than the recording's, where both tell: no two programs begin within a sample.
+    """By how many seconds what drives the test comes later in the twin, where both tell: no two programs begin within a sample.
 
     First the lag at which they correlate most, in whole samples; from there x(t) = x_twin(t + d) by Gauss and Newton.
     """
-    if recording.depth is None or twin.depth is None or np.ptp(recording.depth) == 0.0 or np.ptp(twin.depth) == 0.0:
+    driven = _driven(recording, twin)
+    if driven is None:
         return 0.0
-    x, dt = recording.depth - recording.depth.mean(), recording.dt
-    alike = correlate(np.interp(recording.t, t, twin.depth - twin.depth.mean()), x)
+    _, ours, theirs = driven
+    x, dt = ours - ours.mean(), recording.dt
+    alike = correlate(np.interp(recording.t, t, theirs - theirs.mean()), x)
     lags = correlation_lags(x.size, x.size)
     near = np.abs(lags) * dt <= LATEST_S
     late, edge = dt * float(lags[near][np.argmax(alike[near])]), int(np.ceil(LATEST_S / dt))
     inside = slice(edge, -edge) if x.size > 4 * edge else slice(None)
     for _ in range(ROUNDS):
-        theirs = _at(recording.t + late, t, twin.depth)
-        off, speed = (recording.depth - theirs)[inside], np.gradient(theirs, dt)[inside]
+        moved = _at(recording.t + late, t, theirs)
+        off, speed = (ours - moved)[inside], np.gradient(moved, dt)[inside]
         step = float(off @ speed) / max(float(speed @ speed), 1e-300)
         late += step
         if abs(step) < 1e-3 * dt:
@@ -124,14 +134,13 @@ def _at(times: np.ndarray, t: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 def _same_motion(recording, twin, t: np.ndarray) -> None:
     """Raise `DiagnosisError` where both tell what was done, and it was not the same."""
-    for ours, theirs, what in ((recording.depth, twin.depth, "depth"), (recording.force, twin.force, "force")):
-        driven = what == "depth" or recording.depth is None
-        if driven and ours is not None and theirs is not None and np.ptp(ours) > 0.0 and np.ptp(theirs) > 0.0:
-            r = float(np.corrcoef(ours, np.interp(recording.t, t, theirs))[0, 1])
-            if r < SAME_MOTION:
-                raise DiagnosisError(
-                    f"the twin {twin.name} is not of the same motion as {recording.name}: their {what}s correlate by {r:.2f}"
-                )
+    driven = _driven(recording, twin)
+    if driven is None:
+        return
+    what, ours, theirs = driven
+    r = float(np.corrcoef(ours, np.interp(recording.t, t, theirs))[0, 1])
+    if r < SAME_MOTION:
+        raise DiagnosisError(f"the twin {twin.name} is not of the same motion as {recording.name}: their {what}s correlate by {r:.2f}")
 
 
 def _surrogate(sessions: list[Session], mass: float, names: list[str]) -> Model:
