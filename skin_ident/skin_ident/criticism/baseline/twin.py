@@ -34,7 +34,7 @@ ROUNDS = 8
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """The surrogate of all twins; by session what its twin says beyond that, (C, N) N, and where it says something, (C, n); its warnings."""
+    """The surrogate of all twins; by session what its twin says beyond that, (C, N) N, and where it says something, (C, n); warnings."""
 
     surrogate: Model
     beyond: list[np.ndarray]
