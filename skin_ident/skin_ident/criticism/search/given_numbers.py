@@ -1,22 +1,56 @@
-"""Whether the numbers of a given model are wrong."""
+"""Whether the numbers of a given model are wrong: those of its skin, or of the effects that it has."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
-from skin_ident.criticism.baseline.fitting import fit_effects
+from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit, fit_effects
+from skin_ident.criticism.baseline.unknowns import effect_unknowns
+from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.sessions.session import Session
+from skin_models.effect import Effect
 from skin_models.model import Model
 
 WRONG = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 
 
 def check_numbers(search: Search, given: Model) -> None:
-    """Name `parameters` where the numbers of the given model are wrong once every named cause is in it; where they are not, they stay."""
-    present = search.present.model
-    as_given = replace(present, dispersion=given.dispersion, shares=given.shares, name=given.name, source=given.source)
-    frozen = fit_effects(as_given, search.train, search.noise)
-    gain = search.gain(frozen.model, present, "skin", fit_effects)
-    if gain.passed and gain.before - gain.after > WRONG * gain.before:
-        search.named.insert(0, Named("parameters", "skin", gain, frozen.cost - search.present.cost, ()))
-    else:
-        search.present = frozen
+    """Name `parameters` where the numbers of the given model are wrong once every named cause is in it; where they are not, they stay.
+    Those of its effects alone are changed where that is enough: a simulation may have what the record has not."""
+    every = search.present
+    as_given = replace(given, effects=(*given.effects, *_added(given, every.model)))
+
+    def fit_added(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
+        free = tuple(u for u in effect_unknowns(model) if u.part >= len(given.effects))
+        return fit(model, sessions, noise, iterations, free)
+
+    kept = fit_added(as_given, search.train, search.noise)
+    if not _wrong(_gain(search, kept, every, fit_added)):
+        search.present = kept
+        return
+    effects = fit_effects(as_given, search.train, search.noise)
+    search.present = every if not given.effects or _wrong(_gain(search, effects, every, fit_effects)) else effects
+    gain = _gain(search, kept, search.present, fit_added)
+    finding = Named("parameters", "skin", gain, kept.cost - search.present.cost, (), given, search.present.model)
+    search.named.insert(0, finding)
+
+
+def _gain(search: Search, before: Fit, after: Fit, refit_before: Callable) -> Gain:
+    return search.gain(before.model, after.model, "skin", refit_before)
+
+
+def _wrong(gain: Gain) -> bool:
+    return gain.passed and gain.before - gain.after > WRONG * gain.before
+
+
+def _added(given: Model, extended: Model) -> tuple[Effect, ...]:
+    """The effects of an extended model that are not those of the given one, whatever their numbers have become."""
+    had, added = [(type(e), e.where) for e in given.effects], []
+    for e in extended.effects:
+        if (type(e), e.where) in had:
+            had.remove((type(e), e.where))
+        else:
+            added.append(e)
+    return tuple(added)

@@ -16,6 +16,7 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of
+from skin_ident.criticism.telling.given_model import not_there, refitted
 from skin_ident.criticism.telling.leftover import Rest
 from skin_ident.criticism.vocabulary import BY_NAME, Key
 from skin_ident.separating.choose import Experiment
@@ -48,7 +49,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for."""
     effects = instances(model, *named.key)
-    parameters: dict[str, Any] = _refitted(model, std) if named.cause == "parameters" else {}
+    parameters: dict[str, Any] = refitted(named, model, std) if named.cause == "parameters" else {}
     for i, e in enumerate(model.effects):
         for p in parameters_of(e) if e in effects else ():
             label = model.listed_as(i, p.name)
@@ -65,6 +66,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
             "held_out": gain.held_out,
             "forms": [type(e).__name__ for e in effects],
             **_of_each_session(named),
+            **not_there(named, model, std),
         },
         "gain": gain.entry,
         "alternatives": _alternatives(named),
@@ -101,11 +103,6 @@ def _alternatives(named: Named) -> list[dict[str, Any]]:
         nearest[key] = min(a, nearest.get(key, a), key=lambda rival: rival.short_by)
     nearest.pop((named.cause, place(named.where)), None)
     return [{"cause": a.cause, **placed(a.where), "explains_less_by": float(a.short_by)} for a in nearest.values()]
-
-
-def _refitted(model: Model, std: dict[str, float]) -> dict[str, Any]:
-    """The numbers of the dispersion model that were fitted: what is held is as it was given."""
-    return {p.name: {"value": p.value, "unit": p.unit, "std": std[p.name]} for p in parameters_of(model.dispersion) if p.name in std}
 
 
 def seen(symptom: Symptom) -> dict[str, Any]:

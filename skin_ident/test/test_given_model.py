@@ -1,0 +1,75 @@
+"""A model that is given is criticised as it stands: its skin's numbers, and those of the effects that it has."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from making import SILICONE, response
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.recordings.recording import Recording
+from skin_models.dispersion import Dispersion
+from skin_models.effects.lag import Lag
+from skin_models.effects.nonlinear_stiffness import PolynomialStiffness
+from skin_models.model import Model
+
+DT, SHARES = 0.01, (1.0, 0.4)
+SKIN = Dispersion(**dict(zip(("m", "b1", "k1", "b2", "k2"), SILICONE[4], strict=True)))
+PLAIN = Model(SKIN, SHARES, name="somebody's simulation")
+SQUARE = 3e6  # N/m^2 under the taxels
+BENT = PLAIN.extended(PolynomialStiffness("skin", square_sensed=SQUARE))
+
+
+def session(seed: int, square: float) -> Recording:
+    """Three sines at once, out of the air and back; a skin that stiffens by `square`, N/m^2, under the taxels."""
+    rng, t = np.random.default_rng(seed), np.arange(4000) * DT
+    w, phase = 2.0 * np.pi * np.array([0.11, 0.43, 1.3]), rng.uniform(0.0, 2.0 * np.pi, (3, 1))
+    size = np.array([[0.35e-3], [0.2e-3], [0.05e-3]])
+    angle = np.outer(w, t) + phase
+    x, v, a = (
+        0.45e-3 + np.sum(size * np.sin(angle), axis=0),
+        np.sum(size * w[:, None] * np.cos(angle), axis=0),
+        -np.sum(size * w[:, None] ** 2 * np.sin(angle), axis=0),
+    )
+    force, taxels = response((x, v, a), shares=SHARES, dt=DT)
+    more = square * np.maximum(x, 0.0) ** 2 * (taxels[0] > 0.0)
+    force, taxels = force + more, taxels + np.outer(SHARES, more)
+    noise = 0.01 * rng.standard_normal((3, t.size))
+    return Recording(f"session_{seed}", t, x, force + noise[0], taxels + noise[1:])
+
+
+def found(model: Model, square: float) -> dict:
+    sessions = [session(seed, square) for seed in range(3)]
+    return diagnose(sessions[:2], sessions[2:], model).findings
+
+
+@pytest.mark.parametrize(("model", "square"), [(PLAIN, 0.0), (BENT, SQUARE)], ids=["a plain one", "one with an effect"])
+def test_a_model_that_is_right_is_left_as_it_is(model, square):
+    findings = found(model, square)
+    assert findings["verdict"] == "nothing_wrong"
+    kept = findings["extended"]["parameters"]
+    assert kept["k1"]["value"] == SKIN.k1 and (square == 0.0 or kept["nonlinear_stiffness.skin.square_sensed"]["value"] == SQUARE)
+
+
+@pytest.mark.parametrize("square", [0.0, 0.5 * SQUARE], ids=["of which the record has nothing", "of half the size"])
+def test_an_effect_that_only_the_model_has_is_a_wrong_number(square):
+    """Its fit to nothing was silent once, and the verdict that nothing was wrong."""
+    findings = found(BENT, square)
+    (one,) = findings["findings"]
+    size = one["parameters"]["nonlinear_stiffness.skin.square_sensed"]
+    assert one["cause"] == "parameters" and "k1" not in one["parameters"]
+    assert size["value"] == pytest.approx(square, abs=4.0 * size["std"])
+    assert ("shows nothing" in one["evidence"].get("why", "")) == (square == 0.0)
+    assert one["gain"]["held_out_rmse_after"] < 0.5 * one["gain"]["held_out_rmse_before"]
+
+
+def test_numbers_of_the_skin_are_told_beside_an_effect_that_is_right():
+    soft = replace(BENT, dispersion=replace(SKIN, k1=0.8 * SKIN.k1))
+    (one,) = found(soft, SQUARE)["findings"]
+    assert one["cause"] == "parameters" and one["parameters"]["k1"]["value"] == pytest.approx(SKIN.k1, rel=0.02)
+
+
+def test_what_a_model_with_an_effect_lacks_is_named_and_the_effect_stays():
+    findings = found(PLAIN.extended(Lag("load_cell", tau=1e-6)), SQUARE)
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("nonlinear_stiffness", "skin")]
+    assert findings["extended"]["parameters"]["lag.load_cell.tau"]["value"] == 1e-6
