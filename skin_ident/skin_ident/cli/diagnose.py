@@ -13,6 +13,7 @@ from skin_ident.cli import common
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.diagnose import are_scans, diagnose
 from skin_ident.criticism.telling.outcome import Outcome
+from skin_ident.estimators.figures import plus_minus
 from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.errors import RecordingError
@@ -168,10 +169,16 @@ def _doubts(findings: dict[str, Any]) -> list[dict[str, Any]]:
 
 def _sizes(f: dict[str, Any]) -> list[str]:
     """Parameters, one a line; what each session has of its own; and what telemetry saw."""
-    sizes = [f"    {name} = {p['value']:.4g} {'' if p['unit'] == '1' else p['unit']}".rstrip() for name, p in f["parameters"].items()]
+    sizes = [f"    {name} = {_size(p)}" for name, p in f["parameters"].items()]
     own = f["evidence"].get("of_each_session") or {}
     sizes += [f"    {session}: {course}" for session, course in own.items()]
     return sizes + ([f"    {f['evidence']['why']}"] if f["evidence"].get("why") and not own else [])
+
+
+def _size(p: dict[str, Any]) -> str:
+    """A number with its standard error, where it has one, and its unit."""
+    value = plus_minus(p["value"], p["std"]) if p.get("std") else f"{p['value']:.4g}"
+    return f"{value} {'' if p['unit'] == '1' else p['unit']}".rstrip()
 
 
 def _worth(gain: dict[str, Any]) -> list[str]:

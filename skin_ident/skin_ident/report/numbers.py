@@ -102,7 +102,7 @@ def _with_spread(value: float, std: float) -> str:
         power = 10.0 ** _exponent(value, digits)
         return f"({plain(value / power, digits)}{_SPACE}±{_SPACE}{plain(std / power, 1)}){text[text.index('×') - 1 :]}"
     decimals = len(text.partition(".")[2])
-    spread = f"{std:.{decimals}f}" if round(std, decimals) and std < 1e4 else plain(std, 1)
+    spread = f"{round(std, -counts):.{decimals}f}" if round(std, decimals) and std < 1e4 else plain(std, 1)
     return f"{text}{_SPACE}±{_SPACE}{spread}"
 
 

@@ -35,7 +35,7 @@ def put_right(v: View) -> list[str]:
 
 
 def _instead(given: Amount, found: Amount) -> str:
-    name = found.name.rpartition(".")[2]
+    name = found.words if "." in found.name else found.name
     share = step(given, found)
     off = "" if share is None else f" ({'+' if share > 0 else ''}{percent(share)})"
     was = amount(given.value, given.unit, like=[found.value], digits=GIVEN)

@@ -34,5 +34,5 @@ def not_there(named: Named, model: Model, std: dict[str, float]) -> dict[str, st
 
 def _of_given(named: Named, model: Model) -> Iterator[tuple[int, Effect, Effect]]:
     """The effects of the given model by their place in the list, as given and as fitted."""
-    both = zip(named.before.effects, model.effects, strict=False)
+    both = zip(named.before.effects if named.before else (), model.effects, strict=False)
     yield from ((i, given, e) for i, (given, e) in enumerate(both) if type(given) is type(e) and given.where == e.where)
