@@ -5,14 +5,16 @@ from dataclasses import replace
 
 from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit, fit_effects
 from skin_ident.criticism.baseline.unknowns import effect_unknowns
-from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
 from skin_models.model import Model
 
+PARAMETERS, DAMPING = ("parameters", "skin"), ("rate_dependence", "skin")
+AS_STIFF = 0.02
 WRONG = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 
 
@@ -27,22 +29,31 @@ def check_numbers(search: Search, given: Model) -> None:
         return fit(model, sessions, noise, iterations, free)
 
     kept = fit_added(as_given, search.train, search.noise)
-    if not _wrong(_gain(search, kept, every, fit_added)):
+    if not _wrong(search, kept, every, fit_added):
         search.present = kept
         return
     effects = fit_effects(as_given, search.train, search.noise)
-    search.present = every if not given.effects or _wrong(_gain(search, effects, every, fit_effects)) else effects
-    gain = _gain(search, kept, search.present, fit_added)
-    finding = Named("parameters", "skin", gain, kept.cost - search.present.cost, (), given, search.present.model)
+    search.present = every if not given.effects or _wrong(search, effects, every, fit_effects) else effects
+    gain = search.gain(kept.model, search.present.model, "skin", fit_added)
+    finding = Named(*PARAMETERS, gain, kept.cost - search.present.cost, (), given, search.present.model)
     search.named.insert(0, finding)
 
 
-def _gain(search: Search, before: Fit, after: Fit, refit_before: Callable) -> Gain:
-    return search.gain(before.model, after.model, "skin", refit_before)
+def _wrong(search: Search, before: Fit, after: Fit, refit_before: Callable) -> bool:
+    """Whether numbers that `before` holds are wrong, as `after` has changed them, and it is no hardware that bends them."""
+    gain = search.gain(before.model, after.model, "skin", refit_before)
+    if not (gain.passed and gain.before - gain.after > WRONG * gain.before):
+        return False
+    as_if = DAMPING if _damping_alone(before.model, after.model) else PARAMETERS
+    why = encoder_does(as_if, gain, before.model, after.model, search.train, search.encoder_step)
+    search.hardware |= {PARAMETERS: why} if why else {}
+    return why is None
 
 
-def _wrong(gain: Gain) -> bool:
-    return gain.passed and gain.before - gain.after > WRONG * gain.before
+def _damping_alone(before: Model, after: Model) -> bool:
+    """Whether two skins are as stiff: what noise of the depth, or of a force that drives the test, does to one is done to damping."""
+    pairs = ((before.dispersion.k1, after.dispersion.k1), (before.dispersion.k2, after.dispersion.k2))
+    return before.effects == after.effects and all(abs(b - a) <= AS_STIFF * abs(b) for b, a in pairs)
 
 
 def _added(given: Model, extended: Model) -> tuple[Effect, ...]:

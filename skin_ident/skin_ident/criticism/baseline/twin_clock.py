@@ -1,0 +1,98 @@
+"""When a twin says what it says, on the clock of its recording.
+
+No two programs begin within a sample of each other, and of a delay of some milliseconds a fit makes another damping. What drives the test
+is the same in both: where both tell it, the twin's clock is set by that. A twin that does not tell it is set by what it answers; damping
+that is wrong hides in that, which is said.
+"""
+
+import numpy as np
+from scipy.interpolate import Akima1DInterpolator
+from scipy.signal import correlate, correlation_lags
+
+from skin_ident.criticism.errors import DiagnosisError
+
+COVERED = 0.9  # of a recording's time that its twin must cover
+SAME_MOTION = 0.95  # correlation of what drives both
+LATEST_S = 1.0  # by which a twin's clock may be off, beside clocks that begin together
+LEAST = 0.25  # of a sampling period, from which that is said
+ROUNDS = 8
+
+
+def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
+    """The twin's instants, s, on the recording's clock, and warnings. Raises `DiagnosisError` where the twin is shorter, or what drove
+    both was not the same."""
+    t, warnings = _begun(recording, twin)
+    by, drive = _told_by_both(recording, twin), _drive(recording)
+    late = _late(recording, t, *_both(recording, twin, by)) if by else 0.0
+    hides = ""
+    if by == drive:
+        _same_motion(recording, twin, t - late, by)
+    elif abs(late) < max(recording.dt, twin.dt):
+        return t, warnings  # what the twin gets wrong moves its answer by as much
+    else:
+        hides = f", for it tells no {drive}: damping that is wrong may hide in that"
+    if abs(late) > LEAST * recording.dt:
+        said = f"{twin.name}: its {by} comes {1e3 * late:+.3g} ms beside that of {recording.name}"
+        warnings.append(f"{said}: its clock is set by that{hides}")
+    return t - late, warnings
+
+
+def at(times: np.ndarray, t: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """What was sampled at `t` at other times, held beyond its ends: by Akima's piecewise cubics (J. ACM 17 (1970) 589-602), for a twin
+    that is sampled coarsely is no chain of straight lines."""
+    return Akima1DInterpolator(t, y)(np.clip(times, t[0], t[-1]))
+
+
+def _begun(recording, twin) -> tuple[np.ndarray, list[str]]:
+    """The twin's instants; clocks that have nothing to do with each other are taken to begin together."""
+    shared = min(recording.t[-1], twin.t[-1]) - max(recording.t[0], twin.t[0])
+    length = recording.t[-1] - recording.t[0]
+    if shared >= COVERED * length:
+        return twin.t, []
+    if twin.t[-1] - twin.t[0] < COVERED * length:
+        raise DiagnosisError(f"the twin {twin.name} lasts {np.ptp(twin.t):.3g} s, the recording {recording.name} {length:.3g} s")
+    return twin.t - twin.t[0] + recording.t[0], [f"{twin.name}: has another clock than {recording.name}; they are taken to begin together"]
+
+
+def _drive(recording) -> str:
+    """What drives a test: the depth, or the force where nobody recorded one."""
+    return "force" if recording.depth is None else "depth"
+
+
+def _told_by_both(recording, twin) -> str:
+    """What sets the clock, of what both tell: what drives the test, the force, or a taxel."""
+    names = dict.fromkeys([_drive(recording), "force", *(f"taxel_{i}" for i in range(len(recording.taxels)))])
+    moving = (name for name in names if all(y is not None and np.ptp(y) > 0.0 for y in _both(recording, twin, name)))
+    return next(moving, "")
+
+
+def _both(recording, twin, name: str) -> list[np.ndarray | None]:
+    return [r.depth if name == "depth" else r.channels.get(name) for r in (recording, twin)]
+
+
+def _late(recording, t: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> float:
+    """By how many seconds something comes later in the twin, whose instants are `t`.
+
+    First the lag at which they correlate most, in whole samples; from there y(t) = y_twin(t + d) by Gauss and Newton.
+    """
+    y, dt = ours - ours.mean(), recording.dt
+    alike = correlate(np.interp(recording.t, t, theirs - theirs.mean()), y)
+    lags = correlation_lags(y.size, y.size)
+    near = np.abs(lags) * dt <= LATEST_S
+    late, edge = dt * float(lags[near][np.argmax(alike[near])]), int(np.ceil(LATEST_S / dt))
+    inside = slice(edge, -edge) if y.size > 4 * edge else slice(None)
+    for _ in range(ROUNDS):
+        moved = at(recording.t + late, t, theirs)
+        off, slope = (ours - moved)[inside], np.gradient(moved, dt)[inside]
+        step = float(off @ slope) / max(float(slope @ slope), 1e-300)
+        late += step
+        if abs(step) < 1e-3 * dt:
+            break
+    return late
+
+
+def _same_motion(recording, twin, t: np.ndarray, by: str) -> None:
+    ours, theirs = _both(recording, twin, by)
+    r = float(np.corrcoef(ours, np.interp(recording.t, t, theirs))[0, 1])
+    if r < SAME_MOTION:
+        raise DiagnosisError(f"the twin {twin.name} is not of the same motion as {recording.name}: their {by}s correlate by {r:.2f}")
