@@ -80,6 +80,13 @@ def test_twins_that_do_not_belong():
         diagnose(MEASURED[:1], twins=[replace(TWINS[0], force=None)])
     with pytest.raises(DiagnosisError, match="not of the same motion"):
         diagnose(MEASURED[:1], twins=TWINS[1:2])
+    with pytest.raises(DiagnosisError, match=r"taxel_1 is missing"):
+        diagnose(MEASURED[:1], twins=[TWINS[0].with_taxels([0])])
+    with pytest.raises(DiagnosisError, match=r"0\.001 times that of session_0"):
+        diagnose(MEASURED[:1], twins=[replace(TWINS[0], depth=1e-3 * TWINS[0].depth)])
+    with pytest.raises(DiagnosisError, match="32 are needed"):
+        seldom = {name: getattr(TWINS[0], name)[..., ::20] for name in ("t", "depth", "force", "taxels")}
+        diagnose(MEASURED[:1], twins=[replace(TWINS[0], **seldom)])
     with pytest.raises(DiagnosisError, match="lasts"):
         diagnose(MEASURED[:1], twins=[TWINS[0].part(0, 2000)])
     with pytest.raises(DiagnosisError, match="not both"):
@@ -134,3 +141,11 @@ def test_the_command(tmp_path, capsys):
     assert main(call) == 0 and "stress_relaxation in the skin" in capsys.readouterr().out
     assert main([*call[:3], "--out", str(tmp_path / "no"), "--model", str(tmp_path / "out/model.yaml")]) == 2
     assert "not both" in capsys.readouterr().err and not (tmp_path / "no" / "findings.json").exists()
+
+
+def test_a_twin_of_nearly_the_same_motion_is_warned_about():
+    """A depth that is 2 % larger, as of another gear, is the answer to another motion; reading noise is not."""
+    rng, looked = np.random.default_rng(0), inspect(MEASURED[:1])
+    for other, said in ((1.02 * TWINS[0].depth, True), (TWINS[0].depth + 1e-6 * rng.standard_normal(T.size), False)):
+        warnings = read_twins(looked.sessions, MEASURED[:1], [replace(TWINS[0], depth=other)], 0.0).warnings[0]
+        assert any("another motion" in w for w in warnings) is said

@@ -39,7 +39,7 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         said = " and ".join(f"{t:g}" for t in thick)
         raise DiagnosisError(f"the recordings are of skins that are {said} mm thick, and a model is of one skin: diagnose them apart")
     if model is not None and len(model.shares) != len(recordings[0].taxels):
-        raise DiagnosisError(f"the model has {len(model.shares)} taxels, the recordings have {len(recordings[0].taxels)}")
+        raise DiagnosisError(f"the model has {counted(len(model.shares), 'taxel')}, the recordings have {len(recordings[0].taxels)}")
     lasts = recordings[0].t[-1] - recordings[0].t[0] + 1.5 * recordings[0].dt  # N samples are N periods, and stamps jitter
     if len(recordings) == 1 and lasts < LONE_S:
         raise DiagnosisError(f"{recordings[0].name} is alone and lasts {lasts:.3g} s: give {LONE_S:g} s or more, or a second session")

@@ -59,14 +59,17 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
     """The session with the twin's channels in place of the measured ones, also of those that are stuck, weight 0 where the twin says
     nothing; and warnings."""
     missing = [c for c in session.channels if c not in twin.channels]
-    if missing or len(twin.taxels) != session.n_taxels:
-        raise DiagnosisError(f"the twin {twin.name} must carry the channels of {recording.name}: {', '.join(session.channels)}")
+    beyond = [c for c in twin.channels if c.startswith("taxel") and c not in recording.channels]
+    if missing or beyond:
+        what = " and ".join([*(f"{c} is missing" for c in missing), *(f"{c} is too many" for c in beyond)])
+        raise DiagnosisError(f"the twin {twin.name} must carry the channels of {recording.name} ({', '.join(session.channels)}): {what}")
     if same(recording, twin):
         raise DiagnosisError(f"the twin {twin.name} holds the very samples of {recording.name}: give what a simulation said of that motion")
     t, warnings = on_the_clock_of(recording, twin)
     raw = np.array([at(session.motion.t, t, twin.channels[c]) for c in session.channels])
     known = (session.t >= t[0]) & (session.t <= t[-1])
     weight = np.tile(known.astype(float), (len(raw), 1))
+    warnings += [f"{twin.name} (the twin): {w}" for w in twin.warnings]
     return replace(session, raw=raw, bridged=raw, measured=session.band.thin(raw), weight=weight, stuck={}), warnings
 
 

@@ -10,9 +10,13 @@ from scipy.interpolate import Akima1DInterpolator
 from scipy.signal import correlate, correlation_lags
 
 from skin_ident.criticism.errors import DiagnosisError
+from skin_ident.criticism.sessions.band import CUTOFF_HZ
 
 COVERED = 0.9  # of a recording's time that its twin must cover
 SAME_MOTION = 0.95  # correlation of what drives both
+COARSEST_S = 1.0 / (4.0 * CUTOFF_HZ)  # from one sample of a twin to the next: cubics bridge a quarter of a period
+FARTHER = 1.25  # times as far, which no simulated motion goes
+SAME, NOISE = 0.002, 3.0  # of the motion (rms), and times the noise of reading it, by which the two may differ
 LATEST_S = 1.0  # by which a twin's clock may be off, beside clocks that begin together
 LEAST = 0.25  # of a sampling period, from which that is said
 ROUNDS = 8
@@ -21,12 +25,18 @@ ROUNDS = 8
 def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
     """The twin's instants, s, on the recording's clock, and warnings. Raises `DiagnosisError` where the twin is shorter, or what drove
     both was not the same."""
+    if twin.dt > max(recording.dt, COARSEST_S) * 1.001:
+        least = 1.0 / COARSEST_S
+        raise DiagnosisError(
+            f"the twin {twin.name} says something {1.0 / twin.dt:.3g} times a second: {least:.3g} are needed for what is compared, up to "
+            f"{CUTOFF_HZ:.3g} Hz"
+        )
     t, warnings = _begun(recording, twin)
     by, drive = _told_by_both(recording, twin), _drive(recording)
     late = _late(recording, t, *_both(recording, twin, by)) if by else 0.0
     hides = ""
     if by == drive:
-        _same_motion(recording, twin, t - late, by)
+        warnings += _same_motion(recording, twin, t - late, by)
     elif abs(late) < max(recording.dt, twin.dt):
         return t, warnings  # what the twin gets wrong moves its answer by as much
     else:
@@ -73,17 +83,18 @@ def _both(recording, twin, name: str) -> list[np.ndarray | None]:
 def _late(recording, t: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> float:
     """By how many seconds something comes later in the twin, whose instants are `t`.
 
-    First the lag at which they correlate most, in whole samples; from there y(t) = y_twin(t + d) by Gauss and Newton.
+    First the lag at which they correlate most, in whole samples; from there y(t) = y_twin(t + d) by Gauss and Newton, both of them of no
+    mean and of one size.
     """
-    y, dt = ours - ours.mean(), recording.dt
-    alike = correlate(np.interp(recording.t, t, theirs - theirs.mean()), y)
+    y, theirs, dt = *((x - np.mean(x)) / np.std(x) for x in (ours, theirs)), recording.dt
+    alike = correlate(np.interp(recording.t, t, theirs), y)
     lags = correlation_lags(y.size, y.size)
     near = np.abs(lags) * dt <= LATEST_S
     late, edge = dt * float(lags[near][np.argmax(alike[near])]), int(np.ceil(LATEST_S / dt))
     inside = slice(edge, -edge) if y.size > 4 * edge else slice(None)
     for _ in range(ROUNDS):
         moved = at(recording.t + late, t, theirs)
-        off, slope = (ours - moved)[inside], np.gradient(moved, dt)[inside]
+        off, slope = (y - moved)[inside], np.gradient(moved, dt)[inside]
         step = float(off @ slope) / max(float(slope @ slope), 1e-300)
         late += step
         if abs(step) < 1e-3 * dt:
@@ -91,8 +102,19 @@ def _late(recording, t: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> flo
     return late
 
 
-def _same_motion(recording, twin, t: np.ndarray, by: str) -> None:
+def _same_motion(recording, twin, t: np.ndarray, by: str) -> list[str]:
+    """A warning where what drove both differs by a little; raises `DiagnosisError` where it is another, or in another unit."""
     ours, theirs = _both(recording, twin, by)
-    r = float(np.corrcoef(ours, np.interp(recording.t, t, theirs))[0, 1])
+    theirs = at(recording.t, t, theirs)
+    r, size = float(np.corrcoef(ours, theirs)[0, 1]), float(np.std(theirs) / np.std(ours))
     if r < SAME_MOTION:
         raise DiagnosisError(f"the twin {twin.name} is not of the same motion as {recording.name}: their {by}s correlate by {r:.2f}")
+    if not 1.0 / FARTHER < size < FARTHER:
+        raise DiagnosisError(f"the {by} of the twin {twin.name} is {size:.3g} times that of {recording.name}: is its unit right?")
+    off, noise = float(np.std(ours - theirs)), float(np.std(np.diff(ours - theirs))) / np.sqrt(2.0)
+    if by == "force" or off <= max(SAME * float(np.std(ours)), NOISE * noise, recording.step(by) or 0.0):
+        return []
+    return [
+        f"{twin.name}: its depth differs from that of {recording.name} by {1e6 * off:.3g} µm rms: what it answers is the answer to another "
+        "motion, and the difference is told as its error; simulate the motion that was recorded"
+    ]
