@@ -12,6 +12,7 @@ from skin_ident.criticism.baseline.residual import residual, simulated
 from skin_ident.criticism.baseline.unknowns import unknowns, values, with_values
 from skin_ident.criticism.gates.gate import by_block
 from skin_ident.criticism.noise.whitening import fit_whitener, white
+from skin_ident.criticism.search.growing import sound_damping
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import signed_pursuit
@@ -210,3 +211,17 @@ def test_a_jump_where_skin_is_met_again_is_left_out_with_its_last_sample():
     jumps = impacts(session.motion, SILICONE.dispersion, JOLTED)
     rises = np.diff(response.force) > 0.3 * response.force.max()
     assert rises.sum() > 20 and jumps[1:][rises].mean() > 0.9
+
+
+@pytest.mark.parametrize(
+    ("late", "of_b1", "of_b2"),
+    [(0.12, 9619.0, -9619.0), (0.05, 0.0, 9619.0 + 2766.0)],
+    ids=["the taxels are late", "the load cell is late"],
+)
+def test_damping_that_a_delay_has_eaten_is_found_again(late, of_b1, of_b2):
+    """A reading that is late by d, s, has k d less damping: of the taxels under them, of the load cell in all."""
+    alike = 0.1  # s, damping over stiffness of both springs
+    sound = replace(SILICONE.dispersion, b1=alike * 9619.0, b2=alike * 2766.0)
+    eaten = replace(sound, b1=sound.b1 - late * of_b1, b2=sound.b2 - late * of_b2)
+    found, delay = sound_damping(eaten)
+    assert (found.b1, found.b2, delay) == pytest.approx((sound.b1, sound.b2, late))

@@ -48,7 +48,7 @@ def names(outcome):
 def test_the_twin_itself_is_the_baseline():
     looked = inspect(MEASURED[:1])
     twin = read_twins(looked.sessions, MEASURED[:1], TWINS[:1], 0.0)
-    said = simulated(twin.surrogate, looked.carrying(twin.beyond, twin.known).sessions[0])
+    said = simulated(twin.surrogate, looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions[0])
     assert np.allclose(said[0], TWINS[0].force, atol=1e-9) and np.allclose(said[1:], TWINS[0].taxels, atol=1e-9)
 
 
@@ -97,7 +97,7 @@ def test_another_rate_and_another_clock():
     slow = replace(TWINS[0], t=1000.0 + T[::2], depth=None, force=TWINS[0].force[::2], taxels=TWINS[0].taxels[:, ::2])
     looked = inspect(MEASURED[:1])
     twin = read_twins(looked.sessions, MEASURED[:1], [slow], 0.0)
-    said = simulated(twin.surrogate, looked.carrying(twin.beyond, twin.known).sessions[0])
+    said = simulated(twin.surrogate, looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions[0])
     assert np.std(said[0] - TWINS[0].force) < 0.004 and "another clock" in twin.warnings[0][0]
 
 
@@ -107,7 +107,7 @@ def test_a_twin_whose_clock_began_elsewhere_is_set_by_its_depth(late):
     other = replace(TWINS[0], t=T + late)
     looked = inspect(MEASURED[:1])
     twin = read_twins(looked.sessions, MEASURED[:1], [other], 0.0)
-    said = simulated(twin.surrogate, looked.carrying(twin.beyond, twin.known).sessions[0])
+    said = simulated(twin.surrogate, looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions[0])
     inside = slice(50, -50)
     assert np.std((said[0] - TWINS[0].force)[inside]) < 1e-3 * np.std(TWINS[0].force)
     assert f"{1e3 * late:+.3g} ms" in twin.warnings[0][-1]
@@ -119,7 +119,7 @@ def test_a_dead_taxel_says_what_it_says_whatever_its_twin_says():
     dead = [replace(r, taxels=np.vstack([r.taxels[:1], np.full((1, len(r)), level)])) for r in MEASURED]
     looked = inspect(dead)
     twin = read_twins(looked.sessions, dead, TWINS, 0.0)
-    for s in looked.carrying(twin.beyond, twin.known).sessions:
+    for s in looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions:
         assert np.abs(residual(twin.surrogate, s)[-1]).max() < 1e-9
     assert ("dead_taxel", "taxel_1") in names(diagnose(dead[:2], dead[2:], twins=TWINS))
 
@@ -129,7 +129,7 @@ def test_clipped_samples_stay_for_the_judgement_of_what_they_are_worth():
     clipped = [replace(r, taxels=np.minimum(r.taxels, level)) for r in MEASURED]
     looked = inspect(clipped)
     twin = read_twins(looked.sessions, clipped, TWINS, 0.0)
-    carried = looked.carrying(twin.beyond, twin.known)
+    carried = looked.carrying(twin.beyond(twin.surrogate), twin.known)
     for left, before, searched in zip(carried.whole, looked.whole, looked.sessions, strict=True):
         assert np.array_equal(left.weight, before.weight) and searched.weight.mean() < left.weight.mean()
 

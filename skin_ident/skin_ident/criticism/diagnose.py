@@ -33,6 +33,7 @@ from skin_ident.criticism.record import Inspected, bad_samples, inspect
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.search.criticise import criticise
 from skin_ident.criticism.search.named import Criticism
+from skin_ident.criticism.search.twin_effects import with_effects_of
 from skin_ident.criticism.search.weighing import said_of
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, motion_under, with_reference
@@ -124,7 +125,8 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     mass = known.kg
     if twins:
         twin = read_twins(looked.sessions, every, twins, mass)
-        model, looked = twin.surrogate, looked.carrying(twin.beyond, twin.known)
+        model = with_effects_of(twin.surrogate, twin.said, every, lambda sessions: _split(sessions, training), mass, progress)
+        looked = looked.carrying(twin.beyond(model), twin.known)
         every = [r.warned(*warnings) for r, warnings in zip(every, twin.warnings, strict=True)]
     every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
     train, held = _split(looked.sessions, training)

@@ -27,12 +27,20 @@ from skin_models.words import counted
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """The surrogate of all twins; by session what its twin says beyond that, (C, N) N, and where it says something, (C, n); warnings."""
+    """The surrogate of all twins; every session as its twin has `said` it, of weight 0 where it says nothing; warnings by session."""
 
     surrogate: Model
-    beyond: list[np.ndarray]
-    known: list[np.ndarray]
+    said: list[Session]
     warnings: list[list[str]]
+
+    def beyond(self, surrogate: Model) -> list[np.ndarray]:
+        """What each twin says beyond this surrogate, (C, N) N."""
+        return [s.raw - simulated(surrogate, s) for s in self.said]
+
+    @property
+    def known(self) -> list[np.ndarray]:
+        """Where each twin says something, (C, n)."""
+        return [s.weight for s in self.said]
 
 
 def read_twins(sessions: list[Session], recordings: list, twins: list, mass: float) -> Twins:
@@ -43,7 +51,7 @@ def read_twins(sessions: list[Session], recordings: list, twins: list, mass: flo
     pairs = list(zip(recordings, _matched(recordings, twins), strict=True))
     said = [_said(s, r, twin) for s, (r, twin) in zip(sessions, pairs, strict=True)]
     surrogate = _surrogate([s for s, _ in said], mass, [twin.name for _, twin in pairs])
-    return Twins(surrogate, [_beyond(surrogate, s) for s, _ in said], [s.weight for s, _ in said], [more for _, more in said])
+    return Twins(surrogate, [s for s, _ in said], [more for _, more in said])
 
 
 def _matched(recordings: list, twins: list) -> list:
@@ -78,8 +86,3 @@ def _surrogate(sessions: list[Session], mass: float, names: list[str]) -> Model:
     noise = noise_of(start, sessions)
     found = fit(start, sessions, noise).model
     return replace(found, name="twin", source=f"dispersion model fitted to the simulated twin {', '.join(names)}")
-
-
-def _beyond(surrogate: Model, said: Session) -> np.ndarray:
-    """What the twin says beyond its surrogate, (C, N)."""
-    return said.raw - simulated(surrogate, said)

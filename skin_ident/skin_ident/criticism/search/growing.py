@@ -14,6 +14,7 @@ from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import Session
 from skin_models.catalogue import effects
+from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
 from skin_models.effects.eyring_relaxation import EyringRelaxation
 from skin_models.effects.stress_relaxation import StressRelaxation
@@ -96,16 +97,32 @@ def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: White
 
 
 def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Iterator[Fit]:
-    """Where damping gives back what it took, which a delay looks like: the cause begun at the delay that is as much, without damping. Step
-    by step a fit does not come there, for on all the way the one takes the place of the other."""
+    """Where damping gives back what it took, which a delay looks like: the cause begun at the delay that is as much, beside damping as it
+    may be. Step by step a fit does not come there, for on all the way the one takes the place of the other."""
     skin, delays = present.model.dispersion, next(p for p in parameters_of(ranked.best.effect) if p.name == ranked.best.parameter)
-    damping = skin.b1 + skin.b2
-    if delays.unit != "s" or damping >= 0.0 or sessions[0].drive is not None:
+    if delays.unit != "s" or sessions[0].drive is not None:
         return
-    sound = replace(present.model, dispersion=replace(skin, b1=max(skin.b1, 0.0), b2=max(skin.b2, 0.0)))
-    amount = ranked.best_amount - damping / (skin.k1 + skin.k2) / ranked.best.size
-    begun = fit_effects(sound.extended(_ready(ranked.best, amount)), sessions, noise, AT_SHAPE)
-    yield fit(begun.model, sessions, noise)
+    sound, late = sound_damping(skin)
+    if late <= 0.0:
+        return
+    amount = ranked.best_amount + late / ranked.best.size
+    begun = replace(present.model, dispersion=sound).extended(_ready(ranked.best, amount))
+    yield fit(fit_effects(begun, sessions, noise, AT_SHAPE).model, sessions, noise)
+
+
+def sound_damping(skin: Dispersion) -> tuple[Dispersion, float]:
+    """The skin with damping that takes all round, and the delay, s, that looks like what it had: of everything, where it had none in all;
+    of the taxels alone, which are late where b1 < 0, or of the load cell, where b2 < 0: then both springs are damped alike."""
+    whole, damping = skin.k1 + skin.k2, skin.b1 + skin.b2
+    if damping < 0.0:
+        return replace(skin, b1=max(skin.b1, 0.0), b2=max(skin.b2, 0.0)), -damping / whole
+    if skin.b1 < 0.0 < skin.k1:
+        b1 = damping * skin.k1 / whole
+        return replace(skin, b1=b1, b2=damping - b1), (b1 - skin.b1) / skin.k1
+    if skin.b2 < 0.0 < skin.k1:
+        b2 = skin.b1 * skin.k2 / skin.k1
+        return replace(skin, b2=b2), (b2 - skin.b2) / whole
+    return skin, 0.0
 
 
 def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session], noise: Whitener) -> Fit:

@@ -1,4 +1,4 @@
-"""What a finding says of a given model: its numbers, put right, and which of its effects the record has not."""
+"""What a finding says of a given model: its numbers, put right, and which of its effects the record hardly has."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -9,7 +9,8 @@ from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
-SURE = 3.0  # standard errors, within which a size is nothing
+SURE = 3.0  # standard errors, within which a size is nothing,
+HARDLY = 0.1  # or this share of what it was given as
 
 
 def refitted(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
@@ -20,16 +21,17 @@ def refitted(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any
 
 
 def not_there(named: Named, model: Model, std: dict[str, float]) -> dict[str, str]:
-    """Which effects of a given model the record has not: all their sizes are nothing, within what is known of them."""
+    """Which effects of a given model the record hardly has: all their sizes are next to nothing."""
     if named.cause != "parameters":
         return {}
 
-    def is_nothing(i: int, e: Effect) -> bool:
+    def hardly(i: int, given: Effect, e: Effect) -> bool:
         sizes = [p for p in parameters_of(e) if p.role == AMPLITUDE]
-        return all(abs(p.value) <= SURE * std.get(model.listed_as(i, p.name), 0.0) for p in sizes)
+        most = (max(SURE * std.get(model.listed_as(i, p.name), 0.0), HARDLY * abs(getattr(given, p.name))) for p in sizes)
+        return all(abs(p.value) <= size for p, size in zip(sizes, most, strict=True))
 
-    without = [cause_at(e.cause, e.where) for i, given, e in _of_given(named, model) if given != e and is_nothing(i, e)]
-    return {"why": f"the given model has {' and '.join(without)}, of which the record shows nothing"} if without else {}
+    without = [cause_at(e.cause, e.where) for i, given, e in _of_given(named, model) if given != e and hardly(i, given, e)]
+    return {"why": f"the given simulation has {' and '.join(dict.fromkeys(without))}, which the record hardly shows"} if without else {}
 
 
 def _of_given(named: Named, model: Model) -> Iterator[tuple[int, Effect, Effect]]:
