@@ -18,6 +18,8 @@ from skin_models.effect import Memoryless, Place
 from skin_models.operators.elapsed import Elapsed
 from skin_models.parameter import SHAPE, quantity
 
+OFFSETS = (15e-6, -60e-6, -0.2e-3, -0.6e-3, 0.2e-3)  # m: of a surface that is met much later no small offset shows the way
+
 
 @dataclass(frozen=True)
 class PositionOffset(Memoryless):
@@ -28,7 +30,9 @@ class PositionOffset(Memoryless):
     source: ClassVar[str] = "geometry"
     linear: ClassVar[bool] = True
 
-    offset: float = quantity("m", 0.0, lower=-0.02, upper=0.02, typical=0.15e-3, negligible=2.5e-6, doc="tip depth minus encoder depth")
+    offset: float = quantity(
+        "m", 0.0, lower=-0.02, upper=0.02, typical=0.15e-3, negligible=2.5e-6, scan=OFFSETS, doc="tip depth minus encoder depth"
+    )
 
     def apply(self, y, s):
         """x + offset."""

@@ -12,8 +12,9 @@ from skin_ident.criticism.search.search import eliminate, run
 from skin_ident.criticism.search.state import Progress, Search
 from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.search.weighing import unweigh, weighed
-from skin_ident.criticism.sessions.parting import without_parting
+from skin_ident.criticism.sessions.parting import moved, without_meeting_at, without_parting
 from skin_ident.criticism.sessions.session import Session, longest
+from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
 from skin_models.model import Model
@@ -34,7 +35,11 @@ def criticise(
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
+    surface = surface_of(train)
+    there = dispersion_start([moved(s, surface) for s in train], mass).dispersion if surface else None
     train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
+    if there:
+        train, held = ([without_meeting_at(s, surface, there) for s in sessions] for sessions in (train, held))
     enough_is_compared(train, held)
     search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None, mass_declared)
     noise = noise_beside(start, train, search.which)

@@ -26,7 +26,21 @@ UNSEEN = 0.045  # of the magnitude of the common band's kernel, which may fall o
 
 def without_parting(session: Session, skin: Dispersion) -> Session:
     """The session less those moments, for skin about like `skin`."""
-    left_out = _left_behind(session, skin) if session.drive is None else _unpressed(session, skin)
+    return _blind(session, _left_behind(session, skin) if session.drive is None else _unpressed(session, skin))
+
+
+def without_meeting_at(session: Session, surface: float, skin: Dispersion) -> Session:
+    """The session less the moments at which skin about like `skin` would be met or left if its surface lay at this depth, m."""
+    return _blind(session, _left_behind(moved(session, surface), skin))
+
+
+def moved(session: Session, surface: float) -> Session:
+    """The session with its depth counted from this surface, m."""
+    return replace(session, motion=replace(session.motion, x=session.motion.x - surface))
+
+
+def _blind(session: Session, left_out: np.ndarray) -> Session:
+    """The session less the samples `left_out` (N,), and those with which the common low-pass would mix them."""
     band = session.band.blind(left_out)
     kept = band.misses < UNSEEN
     return replace(session, band=band, measured=band.thin(session.bridged), weight=session.weight * kept)
