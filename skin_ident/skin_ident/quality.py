@@ -1,7 +1,7 @@
 """Telemetry before any model: what the channels of a session look like, and which of their samples cannot be believed.
 
-Spikes (up to three samples that jump away and back) are bridged. A channel that holds one value while the others say it should move is
-frozen or saturated, and those samples are ruled out. Sizes that only a wrong unit gives, and a plunger that hardly moves, are said.
+Spikes (`skin_ident.spikes`) are bridged. A channel that holds one value while the others say it should
+move is frozen or saturated, and those samples are ruled out. Sizes that only a wrong unit gives, and a plunger that hardly moves, are said.
 """
 
 from collections.abc import Sequence
@@ -9,17 +9,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skin_ident.estimators.scale import normal_scale
 from skin_ident.recordings.recording import Recording
+from skin_ident.spikes import bridged, spikes_of, step_between
+from skin_ident.stretches import runs
 from skin_models.words import counted
 
-SPIKE = 12.0  # times the usual second difference (robust) and
-SPIKE_RANGE = 0.03  # of the channel's range
-WIDEST = 4  # samples of one spike: three, and one more where it was resampled
 FROZEN = 8  # samples at one value before it is asked whether the channel should have moved
 MOVED = 0.05  # of a channel's range: what it should have moved by
 WITNESSES = 4  # taxels that are asked whether another channel should have moved
-WAY = 4  # samples to either side that must keep to the line from which a spike stands off
+NAMED = 3  # spikes of a channel of which a sentence says when they are
+COARSE = 0.01  # s between samples, down to which hundredths tell them apart
 JUMP = 2.0  # times the largest usual step: how a frozen encoder catches up
 SOFT, HARD = 30.0, 1e6  # N/m, stiffness of a skin under a plunger: outside, a unit is suspected
 FAR_TOO_MUCH = 30.0  # times the applied force: no taxel feels that
@@ -30,7 +29,8 @@ SHALLOW = 20e-6  # m: depth that varies by less says little
 
 @dataclass(frozen=True)
 class Quality:
-    """rate (Hz), depth range (m), speed (m/s rms), time in contact (share), spikes and frozen samples by channel, apparent delays (s).
+    """rate (Hz), depth range (m), speed (m/s rms), time in contact (share), by channel when its spikes begin (s, as recorded) and how many
+    samples are frozen, apparent delays (s).
 
     `delays` are those of each taxel behind the load cell: a skin's own relaxation is part of them.
     """
@@ -39,7 +39,7 @@ class Quality:
     depth_range: float
     speed: float
     contact: float
-    spikes: dict[str, int]
+    spikes: dict[str, tuple[float, ...]]
     frozen: dict[str, int]
     delays: dict[str, float]
     warnings: tuple[str, ...]
@@ -52,7 +52,8 @@ class Quality:
             "depth_range_mm": 1e3 * self.depth_range,
             "speed_rms_mm_per_s": 1e3 * self.speed,
             "in_contact": self.contact,
-            "spikes": {name: n for name, n in self.spikes.items() if n},
+            "spikes": {name: len(at) for name, at in self.spikes.items() if at},
+            "spikes_at_s": {name: list(at) for name, at in self.spikes.items() if at},
             "frozen": {name: n for name, n in self.frozen.items() if n},
             "apparent_delay_ms": {name: 1e3 * delay for name, delay in self.delays.items()},
         }
@@ -71,7 +72,7 @@ def inspected(r: Recording) -> tuple[Recording, np.ndarray, Quality]:
         spikes=spikes,
         frozen=frozen,
         delays={f"taxel_{i}": apparent_delay(mended.force, y, r.dt) for i, y in enumerate(mended.taxels)} if r.force is not None else {},
-        warnings=(*_counts(spikes, frozen), *_sizes(mended)),
+        warnings=(*_counts(spikes, frozen, r.dt), *_sizes(mended)),
         impossible=impossible(mended) or far_too_little(mended),
     )
     return mended, good, q
@@ -81,62 +82,30 @@ def _rows(r: Recording) -> dict[str, np.ndarray]:
     return ({} if r.depth is None else {"depth": r.depth}) | r.channels
 
 
-def _counts(spikes: dict[str, int], frozen: dict[str, int]) -> list[str]:
-    return [f"{name}: {counted(n, 'spike')} bridged" for name, n in spikes.items() if n] + [
+def _counts(spikes: dict[str, tuple[float, ...]], frozen: dict[str, int], dt: float) -> list[str]:
+    return [f"{name}: {counted(len(at), 'spike')} bridged (at {_when(at, dt)} s)" for name, at in spikes.items() if at] + [
         f"{name}: {counted(n, 'sample')} frozen or saturated, left out" for name, n in frozen.items() if n
     ]
 
 
-def _without_spikes(r: Recording) -> tuple[Recording, dict[str, int]]:
-    found = {name: spikes(y) for name, y in _rows(r).items()}
-    hit = {name: flags for name, flags in found.items() if flags.any()}
+def _when(at: Sequence[float], dt: float) -> str:
+    """The first of these times, as finely as samples of every `dt` s are told apart: `1.15, 4.20 and 7.31`, or `1.15, 4.20, 7.31, …`."""
+    said = [f"{seconds:.{2 if dt >= COARSE else 3}f}" for seconds in at[:NAMED]]
+    if len(at) > NAMED:
+        return ", ".join([*said, "…"])
+    return " and ".join([", ".join(said[:-1]), said[-1]]) if len(said) > 1 else said[0]
+
+
+def _without_spikes(r: Recording) -> tuple[Recording, dict[str, tuple[float, ...]]]:
+    """The recording with its spikes bridged, and when (s) they begin in every channel."""
+    rows = _rows(r)
+    found = spikes_of(r)
+    hit = {name: bridged(r.t, rows[name], spike) for name, spike in found.items() if spike.any()}
+    at = {name: tuple(float(s) for s in r.t[runs(found[name])[0]]) if name in hit else () for name in rows}
     if not hit:
-        return r, dict.fromkeys(found, 0)
-
-    def mended(name: str, y: np.ndarray | None) -> np.ndarray | None:
-        return y if name not in hit else np.interp(r.t, r.t[~hit[name]], y[~hit[name]])
-
-    taxels = np.array([mended(f"taxel_{i}", y) for i, y in enumerate(r.taxels)])
-    clean = replace(r, depth=mended("depth", r.depth), force=mended("force", r.force), taxels=taxels)
-    return clean, {name: int(flags.sum()) for name, flags in found.items()}
-
-
-def spikes(y: np.ndarray) -> np.ndarray:
-    """Which samples (N,) belong to a spike: they jump from the straight line between the good samples around them."""
-    bend = np.abs(np.diff(y, 2))
-    usual = normal_scale(bend)
-    step = _step(y)
-    limit = max(SPIKE * max(usual, step), SPIKE_RANGE * float(np.subtract(*np.percentile(y, [99.5, 0.5]))))
-    out = np.zeros(y.size, bool)
-    suspects = np.flatnonzero(bend > limit) + 1
-    for i in suspects if suspects.size <= 0.05 * y.size else ():  # a channel that jumps all the time has no spikes
-        _mark(y, int(i), limit / 2, out)
-    return out
-
-
-def _mark(y: np.ndarray, i: int, limit: float, out: np.ndarray) -> None:
-    """Mark the shortest run that contains i and stands off the line through its neighbours, which themselves keep to it.
-
-    The second half tells a spike from a corner, such as the loss of contact makes.
-    """
-    for width in range(1, WIDEST + 1):
-        for start in range(i - width + 1, i + 1):
-            before, after = start - 1, start + width
-            if before < 1 or after > y.size - 2:
-                continue
-            near = np.arange(max(0, before - WAY), min(y.size, after + WAY + 1))
-            off = np.abs(y[near] - y[before] - (y[after] - y[before]) * (near - before) / (after - before))
-            inside = (near >= start) & (near < after)
-            if off[inside].min() > max(limit, 2.0 * off[~inside].max()):
-                out[start:after] = True
-                return
-
-
-def _step(y: np.ndarray) -> float:
-    """The smallest step between neighbours: that of the converter, where there is one."""
-    steps = np.abs(np.diff(y))
-    steps = steps[steps > 0.0]
-    return float(np.percentile(steps, 5)) if steps.size else 0.0
+        return r, at
+    taxels = np.array([hit.get(f"taxel_{i}", y) for i, y in enumerate(r.taxels)])
+    return replace(r, depth=hit.get("depth", r.depth), force=hit.get("force", r.force), taxels=taxels), at
 
 
 def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
@@ -172,7 +141,7 @@ def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:
     related = [(o, s) for o in others if (s := _slope(y, o)) is not None]
     if not long.any() or spread == 0.0 or not related:
         return out
-    least = MOVED * spread + 2.0 * _step(y)
+    least = MOVED * spread + 2.0 * step_between(y)
     jump = JUMP * float(np.percentile(steps[edges], 95))
     for start, stop in zip(starts[long], stops[long], strict=True):
         leaps = stop < y.size and steps[stop - 1] > jump
