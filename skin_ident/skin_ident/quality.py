@@ -1,6 +1,6 @@
 """Telemetry before any model: what the channels of a session look like, and which of their samples cannot be believed.
 
-Spikes (`skin_ident.spikes`) are bridged. A channel that holds one value while the others say it should
+Spikes (`skin_ident.spikes`) are bridged, but in recordings that keep them. A channel that holds one value while the others say it should
 move is frozen or saturated, and those samples are ruled out. Sizes that only a wrong unit gives, and a plunger that hardly moves, are said.
 """
 
@@ -97,9 +97,9 @@ def _when(at: Sequence[float], dt: float) -> str:
 
 
 def _without_spikes(r: Recording) -> tuple[Recording, dict[str, tuple[float, ...]]]:
-    """The recording with its spikes bridged, and when (s) they begin in every channel."""
+    """The recording with its spikes bridged, and when (s) they begin in every channel; itself where it keeps them."""
     rows = _rows(r)
-    found = spikes_of(r)
+    found = {} if r.keeps_spikes else spikes_of(r)
     hit = {name: bridged(r.t, rows[name], spike) for name, spike in found.items() if spike.any()}
     at = {name: tuple(float(s) for s in r.t[runs(found[name])[0]]) if name in hit else () for name in rows}
     if not hit:

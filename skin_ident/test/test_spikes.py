@@ -8,7 +8,7 @@ import pytest
 from making import SILICONE, response, write_table
 
 from skin_ident.cli.fit import main
-from skin_ident.estimators.fit import fit_recordings
+from skin_ident.estimators.fit import Options, fit_recordings
 from skin_ident.quality import inspected
 from skin_ident.recordings.recording import Recording
 from skin_ident.spikes import jumps, spikes_of
@@ -168,7 +168,7 @@ def test_a_lone_channel_has_nothing_to_be_held_against():
     assert all(spikes_of(r)["force"][i : i + 3].any() for i in at)
 
 
-def test_the_terminal_says_when(tmp_path, capsys):
+def test_the_terminal_says_when_and_keeps_them_where_it_is_asked(tmp_path, capsys):
     r = battery(0)
     force = r.force.copy()
     for at in (1000, 2000, 3000):
@@ -178,6 +178,9 @@ def test_the_terminal_says_when(tmp_path, capsys):
     assert "force: 3 spikes bridged (at 10.00, 20.00 and 30.00 s)" in " ".join(capsys.readouterr().out.split())
     (told,) = json.loads((out / "fit.json").read_text())["notes"]["telemetry"].values()
     assert told["spikes"] == {"force": 3} and told["spikes_at_s"]["force"] == pytest.approx([10.0, 20.0, 30.0])
+    assert main([str(path), "--keep-spikes"]) == 0 and "bridged" not in capsys.readouterr().out
+    kept = fit_recordings([replace(r, force=force)], Options(keep_spikes=True))
+    assert kept.residuals["force"].rmse > 1.5 * fit_recordings([replace(r, force=force)]).residuals["force"].rmse
 
 
 def test_of_many_spikes_the_first_are_named():

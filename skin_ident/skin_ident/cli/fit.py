@@ -57,7 +57,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     chosen = _parser().parse_args(arguments)
     topics = common.topics_of(chosen.topics)
     topics = with_volts(topics) if chosen.what == CALIBRATION else topics
-    options = Options(chosen.mass, chosen.thickness_mm, chosen.motion, chosen.offsets, chosen.order, chosen.loss)
+    options = Options(chosen.mass, chosen.thickness_mm, chosen.motion, chosen.offsets, chosen.order, chosen.loss, chosen.keep_spikes)
     if chosen.loss != LINEAR and (chosen.profile or chosen.bootstrap):
         raise FitError(f"--profile and --bootstrap are for least squares: leave them or --loss {chosen.loss} out")
     _check_what(chosen)
@@ -73,7 +73,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if all(isinstance(r, SpreadScan) for r in loaded):
         return fit_scans(loaded, chosen.out)
     recordings, scans = sessions_of(loaded)
-    recordings = without_repeats(recordings)
+    recordings = options.of(without_repeats(recordings))
     for name in scans:
         common.say(f"{name} is a static spread scan: left out of the fit; fit scans by themselves")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
@@ -197,6 +197,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--offsets", action="store_true", help="fit a zero of every channel in every session, too")
     parser.add_argument("--order", type=int, default=1, choices=(1, 2), help="from force to force: 1 without mass, 2 as thesis eq 32")
     parser.add_argument("--loss", default=LINEAR, choices=LOSSES, help="how residuals count: all but linear hold spikes back")
+    parser.add_argument("--keep-spikes", action="store_true", help="bridge no samples that jump away and back in one channel alone")
     parser.add_argument("--bootstrap", type=int, default=0, metavar="RUNS", help="also draw intervals from stretches of the residual")
     parser.add_argument("--profile", action="store_true", help="also intervals by profile likelihood")
     parser.add_argument("--each", action="store_true", help="fit every session by itself, in parallel, into one table; resumable")

@@ -22,7 +22,7 @@ MEASURED, SINUSOID = "measured", "sinusoid"
 class Options:
     """`mass`: free, fixed (see `known_mass`), or kg; `thickness_mm` for the fixed mass; `motion` as measured or the sinusoid
     fitted to it; `offsets`: a zero of every channel in every session; `order` of the transfer function from force to force; `loss`: one of
-    `robust.LOSSES`.
+    `robust.LOSSES`; `keep_spikes`: none is bridged.
     """
 
     mass: str = FIXED
@@ -31,6 +31,11 @@ class Options:
     offsets: bool = False
     order: int = 1
     loss: str = LINEAR
+    keep_spikes: bool = False
+
+    def of(self, recordings: Sequence[Recording]) -> list[Recording]:
+        """The recordings as they are to be fitted: with their spikes, where these are to be kept."""
+        return [replace(r, keeps_spikes=True) for r in recordings] if self.keep_spikes else list(recordings)
 
 
 def fit_recordings(recordings: Sequence[Recording], options: Options = Options()) -> Estimate:
@@ -38,7 +43,7 @@ def fit_recordings(recordings: Sequence[Recording], options: Options = Options()
 
     A session that is given twice counts once.
     """
-    recordings = without_repeats(recordings)
+    recordings = options.of(without_repeats(recordings))
     if all(r.depth is None for r in recordings):
         return fit_force_to_force(recordings, options.order, loss=options.loss)
     known = held_mass(options, recordings)

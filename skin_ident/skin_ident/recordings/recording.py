@@ -34,6 +34,7 @@ class Recording:
     digits           of the same, (N,) each: of the reading nearest to every sample (`skin_ident.recordings.digits`)
     readings         of channels whose topic came at instants of its own, by name (`skin_ident.recordings.readings`)
     mended           what was put right in stamps: of every topic by itself, and of all together
+    keeps_spikes     whether a fit is to take its spikes as they are, instead of bridging them
     some             whether there are more taxels, that were left out: then those that are neighbours in number may lie far apart
 
     `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
@@ -56,6 +57,7 @@ class Recording:
     readings: Mapping[str, Readings] = field(default_factory=dict)
     mended: tuple[Mended, ...] = ()
     some: bool = False
+    keeps_spikes: bool = False
 
     def __post_init__(self) -> None:
         n = np.size(self.t)
