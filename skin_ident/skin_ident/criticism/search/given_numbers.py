@@ -14,7 +14,7 @@ from skin_models.effect import Effect
 from skin_models.model import Model
 
 PARAMETERS, DAMPING = ("parameters", "skin"), ("rate_dependence", "skin")
-AS_STIFF = 0.02
+AS_STIFF, AS_DAMPED = 0.02, 0.1  # share by which stiffness, or damping, is the same: an imperfect effect bends it by as much
 WRONG = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 
 
@@ -29,31 +29,40 @@ def check_numbers(search: Search, given: Model) -> None:
         return fit(model, sessions, noise, iterations, free)
 
     kept = fit_added(as_given, search.train, search.noise)
-    if not _wrong(search, kept, every, fit_added):
+    if not _wrong(search, given, kept, every, fit_added):
         search.present = kept
         return
     effects = fit_effects(as_given, search.train, search.noise)
-    search.present = every if not given.effects or _wrong(search, effects, every, fit_effects) else effects
+    search.present = every if not given.effects or _wrong(search, given, effects, every, fit_effects) else effects
     gain = search.gain(kept.model, search.present.model, "skin", fit_added)
     finding = Named(*PARAMETERS, gain, kept.cost - search.present.cost, (), given, search.present.model)
     search.named.insert(0, finding)
 
 
-def _wrong(search: Search, before: Fit, after: Fit, refit_before: Callable) -> bool:
+def _wrong(search: Search, given: Model, before: Fit, after: Fit, refit_before: Callable) -> bool:
     """Whether numbers that `before` holds are wrong, as `after` has changed them, and it is no hardware that bends them."""
     gain = search.gain(before.model, after.model, "skin", refit_before)
-    if not (gain.passed and gain.before - gain.after > WRONG * gain.before):
+    if not (gain.passed and gain.before - gain.after > WRONG * gain.before and _others(given, after.model)):
         return False
-    as_if = DAMPING if _damping_alone(before.model, after.model) else PARAMETERS
+    as_if = DAMPING if _as_stiff(before.model, after.model) else PARAMETERS
     why = encoder_does(as_if, gain, before.model, after.model, search.train, search.encoder_step)
     search.hardware |= {PARAMETERS: why} if why else {}
     return why is None
 
 
-def _damping_alone(before: Model, after: Model) -> bool:
-    """Whether two skins are as stiff: what noise of the depth, or of a force that drives the test, does to one is done to damping."""
+def _others(given: Model, after: Model) -> bool:
+    """Whether numbers of the skin, or of the effects that were given, are others by what anybody would care for."""
+    damping = given.dispersion.b1 + given.dispersion.b2
+    pairs = [(getattr(given.dispersion, name), getattr(after.dispersion, name)) for name in ("b1", "b2")]
+    damped = any(abs(a - b) > AS_DAMPED * abs(damping) for b, a in pairs)
+    shared = any(abs(a - b) > AS_STIFF for b, a in zip(given.shares, after.shares, strict=True))
+    return damped or shared or not _as_stiff(given, after) or given.effects != after.effects[: len(given.effects)]
+
+
+def _as_stiff(before: Model, after: Model) -> bool:
+    """Whether two skins differ by damping alone: noise of the depth, or of a force that drives the test, does as much to that."""
     pairs = ((before.dispersion.k1, after.dispersion.k1), (before.dispersion.k2, after.dispersion.k2))
-    return before.effects == after.effects and all(abs(b - a) <= AS_STIFF * abs(b) for b, a in pairs)
+    return all(abs(b - a) <= AS_STIFF * abs(b) for b, a in pairs)
 
 
 def _added(given: Model, extended: Model) -> tuple[Effect, ...]:
