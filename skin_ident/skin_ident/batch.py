@@ -8,28 +8,24 @@ skips what is there. What no fault of the session stopped, a process that died, 
 import csv
 import hashlib
 import json
-import os
-import signal
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import asdict
 from importlib import import_module
-from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any
 
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.fit import Options, fit_recordings, sessions_of
+from skin_ident.processes import no_interrupts, workers
 from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.load import load_one
 from skin_models.errors import SkinError
 from skin_models.whole_file import whole_file
 
 JOURNAL = "fits.jsonl"
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def fit_session(path: str, options: Options, how: Mapping[str, Any]) -> dict[str, Any]:
@@ -114,7 +110,7 @@ def _rows(todo: list[str], how: tuple[Options, dict[str, Any]], jobs: int | None
     """Rows as they are finished. A worker that dies takes down its pool: what was lost is tried once more, one by one."""
     lost: list[str] = []
     with _workers(jobs, scheduler) as executor:
-        with _no_interrupts():  # submitting starts workers, and Ctrl-C is none of their business
+        with no_interrupts():  # submitting starts workers, and Ctrl-C is none of their business
             running = {executor.submit(fit_session, path, *how): path for path in todo}
         for future in as_completed(running):
             try:
@@ -136,35 +132,10 @@ def _lost(path: str, why: str) -> dict[str, Any]:
 
 
 @contextmanager
-def _no_interrupts() -> Iterator[None]:
-    """Hold Ctrl-C back meanwhile, and for ever from the processes that are started meanwhile."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _end_with_parent() -> None:
-    """Let this process end when the one that started it is killed: it would wait for work for ever."""
-
-    def wait() -> None:
-        parent_process().join()
-        os._exit(1)
-
-    threading.Thread(target=wait, daemon=True).start()
-
-
-@contextmanager
 def _workers(jobs: int | None, scheduler: str | None) -> Iterator[Executor]:
     if scheduler is None:
-        for name in THREADS:  # one thread each: the sessions are the parallelism
-            os.environ.setdefault(name, "1")
-        pool = ProcessPoolExecutor(jobs or os.cpu_count(), mp_context=get_context("spawn"), initializer=_end_with_parent)
-        try:
+        with workers(jobs, finish=True) as pool:
             yield pool
-        finally:  # interrupted: what has not begun is dropped
-            pool.shutdown(cancel_futures=True)
         return
     with dask_client(scheduler) as client:
         yield client.get_executor()

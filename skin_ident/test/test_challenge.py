@@ -2,6 +2,11 @@
 
 import csv
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
@@ -111,3 +116,19 @@ def test_a_campaign_in_which_nothing_could_be_hidden_says_why(tmp_path, capsys):
 def test_causes_may_have_commas_between(tmp_path, capsys):
     assert main(["--causes", "lag,backlash", "witchcraft", "--out", str(tmp_path / "out")]) == 2
     assert "'witchcraft' is no cause" in capsys.readouterr().err
+
+
+def test_an_interruption_before_the_first_result_is_one_line_and_leaves_nothing(tmp_path):
+    # tests that run in the background have Ctrl-C switched off, and so have their children
+    listening = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    program = f"{listening}; from skin_ident.cli.challenge import main\nif __name__ == '__main__':\n    exit(main())\n"
+    (tmp_path / "challenge.py").write_text(program)
+    command = [sys.executable, tmp_path / "challenge.py", "--causes", "lag", "--sizes", "1", "--seeds", "3", "--out", tmp_path / "out"]
+    campaign = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    until = time.monotonic() + 60.0
+    while not (tmp_path / "out").exists() and time.monotonic() < until:
+        time.sleep(0.05)
+    time.sleep(1.0)  # the workers are importing
+    os.killpg(campaign.pid, signal.SIGINT)  # as a terminal does: to all of them
+    said = campaign.communicate(timeout=60)[1]
+    assert (campaign.returncode, said) == (130, "interrupted; nothing was written\n") and not (tmp_path / "out").exists()

@@ -20,6 +20,15 @@ def test_a_bad_call(tmp_path, monkeypatch, capsys, arguments, word):
     assert word in said and said.count("\n") == 1 and not list(tmp_path.iterdir())
 
 
+def test_a_folder_that_holds_something_is_refused_at_once_and_left_as_it_is(tmp_path, capsys):
+    secret = tmp_path / "secret_specimen.yaml"
+    secret.write_text("of an earlier demo")
+    assert main(["--effect", "lag", "--out", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert "already holds secret_specimen.yaml" in said and said.count("\n") == 1
+    assert secret.read_text() == "of an earlier demo" and list(tmp_path.iterdir()) == [secret]
+
+
 @pytest.mark.parametrize(("cause", "word"), [(None, "hides something"), ("none", "hides nothing, as"), ("lag", "hides lag, as")])
 def test_what_was_asked_for_is_no_secret(cause, word):
     assert word in _announced(cause)

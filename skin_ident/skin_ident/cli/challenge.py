@@ -2,12 +2,10 @@
 
 import argparse
 import math
-import multiprocessing
-import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from skin_ident.criticism.vocabulary import CAUSES
 from skin_ident.hiding.campaign import NULL, SHARES, Case, cases, keep, kept, key, recordings, result
 from skin_ident.hiding.drawing import hideable
 from skin_ident.hiding.errors import HidingError
+from skin_ident.processes import no_interrupts, workers
 
 RESULTS = "results.jsonl"
 
@@ -41,6 +40,8 @@ def _main(arguments: Sequence[str] | None) -> int:
             done[key(entry)] = entry
             keep(entry, file)
     except KeyboardInterrupt:
+        if not file.exists():
+            raise
         common.say(f"\ninterrupted; the cases so far are kept in {file}, and the same command goes on")
         return common.INTERRUPTED
     _report([done[case] for case in wanted], folder)
@@ -63,15 +64,13 @@ def _report(results: list[dict[str, Any]], folder: Path) -> None:
 
 def _played(left: list[Case], jobs: int) -> Iterator[dict[str, Any]]:
     """Results as they come, with a line of progress."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # the processes are the parallelism
     started = time.monotonic()
-    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
-    try:
-        for n, future in enumerate(as_completed([pool.submit(result, case) for case in left]), 1):
+    with workers(jobs, finish=False) as pool:
+        with no_interrupts():  # submitting starts workers
+            running = [pool.submit(result, case) for case in left]
+        for n, future in enumerate(as_completed(running), 1):
             yield future.result()
             _progress(n, len(left), time.monotonic() - started)
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _progress(n: int, of: int, seconds: float) -> None:

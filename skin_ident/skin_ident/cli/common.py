@@ -98,6 +98,15 @@ def check_output(path: str) -> None:
         raise RecordingError(f"cannot write into {path}: nothing can be made in {near} ({error.strerror})") from error
 
 
+def check_empty(path: str) -> None:
+    """As `check_output`, and refuse a folder that holds anything: what is written there would lie among it, or in its place. Raises
+    `RecordingError`."""
+    check_output(path)
+    first = min(Path(path).glob("*"), default=None)
+    if first is not None:
+        raise RecordingError(f"--out {path} already holds {first.name}, and nothing is overwritten: name a folder that is new or empty")
+
+
 def output_folder(path: str) -> Path:
     """The folder to write into, made if it is missing. Raises `RecordingError` where that is not possible."""
     check_output(path)

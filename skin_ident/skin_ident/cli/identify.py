@@ -42,7 +42,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if chosen.cause != NOTHING:
         check_cause(chosen.cause)
     common.check_seed(chosen.seed)
-    common.check_output(chosen.out)
+    (common.check_empty if chosen.live else common.check_output)(chosen.out)  # a bag takes no place that is taken
     check_free(Path(chosen.out) / "recordings")
     specimen = load_model(chosen.specimen) if chosen.specimen else _specimen(chosen.cause, chosen.seed, chosen.first)
     entry_from_words(chosen.first), entry_from_words(chosen.fixed)  # raises before anything is written

@@ -58,7 +58,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     seed = random.SystemRandom().randrange(10_000) if chosen.seed is None else chosen.seed
     common.check_seed(seed, MOST - LATER)
     out = f"skin_demo_{datetime.now():%Y-%m-%d_%H-%M-%S}" if chosen.out is None else chosen.out
-    common.check_output(out)
+    common.check_empty(out)
     specimen, hidden = specimen_with_secret(seed, chosen.effect)
     folder, tell = common.output_folder(out), Teller()
     save_model(specimen, folder / "secret_specimen.yaml")
@@ -169,7 +169,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = common.Parser(prog="demo", description="The main job end to end on a simulated rig that hides an effect.")
     parser.add_argument("--seed", type=int, help="what is hidden, and all noise; left out: drawn")
     parser.add_argument("--effect", help=f"hide this one: {', '.join(HIDEABLE)}, {NOTHING}")
-    parser.add_argument("--out", metavar="DIR", help="where everything goes; left out: skin_demo_<date>_<time>")
+    parser.add_argument("--out", metavar="DIR", help="where everything goes, new or empty; left out: skin_demo_<date>_<time>")
     return parser
 
 

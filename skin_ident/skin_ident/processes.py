@@ -1,0 +1,49 @@
+"""Worker processes that Ctrl-C does not reach, and that outlive nobody: what a terminal sends to all of a group is for the first alone."""
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import active_children, get_context, parent_process
+
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@contextmanager
+def workers(jobs: int | None = None, *, finish: bool) -> Iterator[ProcessPoolExecutor]:
+    """A pool to submit to within `no_interrupts`. Left by an exception, what has begun is finished, or ends at once."""
+    for name in THREADS:  # one thread each: the processes are the parallelism
+        os.environ.setdefault(name, "1")
+    before = active_children()
+    pool = ProcessPoolExecutor(jobs or os.cpu_count(), mp_context=get_context("spawn"), initializer=_end_with_parent)
+    try:
+        yield pool
+    except BaseException:
+        for process in [] if finish else active_children():
+            if process not in before:
+                process.terminate()
+        raise
+    finally:  # interrupted: what has not begun is dropped
+        pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def no_interrupts() -> Iterator[None]:
+    """Hold Ctrl-C back meanwhile, and for ever from the processes that are started meanwhile."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_with_parent() -> None:
+    """Let this process end when the one that started it is killed: it would wait for work for ever."""
+
+    def wait() -> None:
+        parent_process().join()
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
