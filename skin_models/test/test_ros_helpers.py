@@ -118,6 +118,17 @@ def test_a_start_with_values_that_cannot_be_used_is_one_line_and_status_2(start,
     assert words in process.output() and len(process.output().splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [(["--params-file", "no_such.yaml"], "'--params-file no_such.yaml'. Error: Error opening YAML file"), (["-p", "rate"], "'-p rate'")],
+)
+def test_what_ros_cannot_parse_is_one_line_and_status_2(start, arguments, words):
+    process = start("--ros-args", *arguments)
+    assert process.wait(60.0) == 2
+    assert words in process.output() and process.output().startswith("small.py: ROS arguments cannot be used: ")
+    assert len(process.output().splitlines()) == 1
+
+
 def test_a_slip_in_a_name_is_warned_of(start):
     process = start("done", "--ros-args", "-p", "rtae:=5.0", "-p", "rate:=20.0", "-p", "use_sim_time:=false")
     assert process.wait(60.0) == 0

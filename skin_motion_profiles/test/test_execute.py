@@ -53,6 +53,11 @@ def test_a_failed_goal_is_1_with_its_reason(bench):
     assert status == 1 and re.search(r"execute: OVER_FORCE: the force reached \d+\.\d\d N, more than the allowed 5 N", output)
 
 
+def test_arguments_that_ros_cannot_parse_are_2(bench):
+    status, output = outcome(bench, "{type: step}", "--ros-args", "--params-file", "no_such.yaml")
+    assert status == 2 and output.startswith("execute: ROS arguments cannot be used: ") and len(output.splitlines()) == 1
+
+
 def test_a_motion_beyond_the_limits_is_2(bench):
     status, output = outcome(bench, "{type: step}", "depth_mm=5")
     assert status == 2 and "INVALID_PROFILE: step goes down to 5.000 mm, but the limit of depth is 3.000 mm" in output

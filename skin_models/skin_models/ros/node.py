@@ -69,11 +69,24 @@ def run(
     called while the ROS context is still alive, so that it can publish a last word.
     """
     args = sys.argv if args is None else args
-    if {"-h", "--help"} & set(remove_ros_args(args)[1:]):
+    name = Path(args[0]).name if args else "node"
+    try:
+        own = own_arguments(args)
+    except SkinError as error:
+        sys.exit(_complain(name, str(error)))
+    if {"-h", "--help"} & set(own):
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `--help | head` is no accident
-        print(usage(Path(args[0]).name, sys.modules[make_node.__module__].__doc__, settings))
+        print(usage(name, sys.modules[make_node.__module__].__doc__, settings))
         sys.exit(0)
-    sys.exit(_status(make_node, args, make_executor or quickest_executor))
+    sys.exit(_status(name, make_node, args, make_executor or quickest_executor))
+
+
+def own_arguments(args: list[str]) -> list[str]:
+    """Those that are not for ROS, without the program's name. Raises `SkinError` for what ROS cannot parse, or a file that it cannot read."""
+    try:
+        return remove_ros_args(args)[1:]
+    except Exception as error:  # rcl's own classes
+        raise SkinError(_unusable(error)) from error
 
 
 def quickest_executor() -> Executor:
@@ -81,12 +94,11 @@ def quickest_executor() -> Executor:
     return EventsExecutor() if EventsExecutor is not None else SingleThreadedExecutor()
 
 
-def _status(make_node: Callable[[], Node], args: list[str], make_executor: Callable[[], Executor]) -> int:
-    name = Path(args[0]).name if args else "node"
+def _status(name: str, make_node: Callable[[], Node], args: list[str], make_executor: Callable[[], Executor]) -> int:
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    except Exception as error:  # rcl's own classes for arguments it cannot parse
-        return _complain(name, f"ROS arguments cannot be used: {_first_sentence(error)}")
+    except Exception as error:  # rcl's own classes for what it finds only now
+        return _complain(name, _unusable(error))
     try:
         _spin(make_node, make_executor)
     except SkinError as error:
@@ -141,5 +153,5 @@ def _complain(name: str, sentence: str) -> int:
     return 2
 
 
-def _first_sentence(error: Exception) -> str:
-    return str(error).split(", at ")[0]
+def _unusable(error: Exception) -> str:
+    return f"ROS arguments cannot be used: {str(error).split(', at ')[0]}"

@@ -22,10 +22,10 @@ from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import remove_ros_args
 from skin_testbed_msgs.action import ExecuteProfile
 
 from skin_models.errors import SkinError
+from skin_models.ros.node import own_arguments
 from skin_motion_profiles.describe import description, overview
 from skin_motion_profiles.profile_file import entry_from_words, entry_to_text
 from skin_motion_profiles.ros.progress import ProgressLine
@@ -110,8 +110,8 @@ def main() -> None:
 
 
 def _status(argv: list[str]) -> int:
-    options = _options(remove_ros_args(argv)[1:])
     try:
+        options = _options(own_arguments(argv))
         goal = ExecuteProfile.Goal(
             profile=entry_to_text(entry_from_words(options.profile, options.settings)),
             max_force=options.max_force,
