@@ -49,5 +49,16 @@ def test_only_an_earlier_gallery_is_overwritten(name, kept, tmp_path, capsys):
 
 
 def test_a_gallery_is_drawn_again_over_an_earlier_one(tmp_path, monkeypatch, shown):
-    monkeypatch.setattr("skin_models.gallery.scene.pictures", lambda: iter(shown[:2]))
+    monkeypatch.setattr("skin_models.gallery.scene.pictures", lambda say: iter(shown[:2]))
     assert [main([str(tmp_path / "a.html")]) for _ in range(2)] == [0, 0]
+
+
+def test_the_wait_is_told_of_on_stderr(tmp_path, monkeypatch, shown, capsys):
+    monkeypatch.setattr("skin_models.gallery.scene._channel", lambda model, e, s: shown[0].without)
+    monkeypatch.setattr("skin_models.gallery.page.png", lambda p: b"")
+    monkeypatch.setattr("skin_models.gallery.page.overview", lambda shown: b"")
+    assert main([str(tmp_path / "a.html")]) == 0
+    said = capsys.readouterr()
+    count = len(effects())
+    assert f"simulating 1 of {count} effects: " in said.err and f"simulating {count} of {count}" in said.err and "drawing 2 of" in said.err
+    assert said.out == f"wrote {tmp_path / 'a.html'}\n"

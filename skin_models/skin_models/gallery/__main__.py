@@ -2,6 +2,9 @@
 
 import argparse
 import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from skin_models.errors import SkinError
@@ -35,8 +38,23 @@ def _write(out: Path) -> None:
     from skin_models.gallery.page import page  # matplotlib: not before the arguments are known to be right
     from skin_models.gallery.scene import pictures
 
-    with whole_file(out) as partial:
-        partial.write_text(page(list(pictures())), encoding="utf-8")
+    with _progress() as say, whole_file(out) as partial:
+        partial.write_text(page(list(pictures(say)), say), encoding="utf-8")
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """Says each stage on stderr: in place on a terminal, which is then left clear, a line each in a log."""
+    started, live = time.monotonic(), sys.stderr.isatty()
+
+    def say(stage: str) -> None:
+        text = f"[{time.monotonic() - started:5.1f} s] {stage}"
+        print(f"\r\033[K{text}" if live else text, end="" if live else "\n", file=sys.stderr, flush=True)
+
+    try:
+        yield say
+    finally:
+        print("\r\033[K" * live, end="", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import base64
 import html
 import inspect
+from collections.abc import Callable
 from itertools import groupby
 
 from skin_models.gallery import TITLE
@@ -28,19 +29,23 @@ th { color: var(--soft) } nav { columns: 4 9rem; font-size: .88rem } nav a { dis
 """
 
 
-def page(shown: list[Picture]) -> str:
-    """The whole page."""
+def page(shown: list[Picture], say: Callable[[str], None] = lambda stage: None) -> str:
+    """The whole page; `say` hears of each picture."""
     shown = sorted(shown, key=lambda p: p.effect.cause)
     causes = [(cause, list(group)) for cause, group in groupby(shown, lambda p: p.effect.cause)]
     links = "".join(f'<a href="#{cause}">{cause}</a>' for cause, _ in causes)
-    sections = "".join(_section(cause, group) for cause, group in causes)
+    sections = []
+    for n, (cause, group) in enumerate(causes, 1):
+        say(f"drawing {n} of {len(causes)} causes: {cause}")
+        sections.append(_section(cause, group))
+    say("drawing all at a glance")
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
         f"{TITLE}<style>{STYLE}</style><h1>What every effect does</h1>"
         f'<p class="lead">One press of a 4 mm silicone skin, simulated with an effect of ordinary size (red) and without it (grey). '
         f"{len(shown)} effects of {len(causes)} causes; the noise is that of a fair sensor, and the same in both. "
         f"Blue is the difference between the two, shown alone where they look alike.</p>"
-        f"<nav>{links}</nav><h2>All at a glance</h2>{_wide(overview(shown), 'every effect')}{sections}</html>"
+        f"<nav>{links}</nav><h2>All at a glance</h2>{_wide(overview(shown), 'every effect')}{''.join(sections)}</html>"
     )
 
 

@@ -1,6 +1,6 @@
 """The press that every picture shows, and what the sensors say of it with and without an effect."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -75,11 +75,13 @@ def press() -> Motion:
     return motion(t, gaussian_filter1d(1e-3 * np.interp(t, *corners.T), 0.03 * RATE))
 
 
-def pictures() -> Iterator[Picture]:
-    """One picture per effect and form, in the order of the catalogue; an effect of several places is shown at the first."""
+def pictures(say: Callable[[str], None] = lambda stage: None) -> Iterator[Picture]:
+    """One picture per effect and form, in the order of the catalogue; an effect of several places is shown at the first. `say` hears of
+    each."""
     s, specimen = press(), replace(material("silicone_4mm").model, shares=SHARES, positions=POSITIONS)
-    for cls in effects():
+    for n, cls in enumerate(effects(), 1):
         e = _example(cls)
+        say(f"simulating {n} of {len(effects())} effects: {e.cause}")
         without, with_it = (_channel(replace(specimen, effects=(one, *NOISE)), e, s) for one in (e.absent(), e))
         profile = _profile(e, specimen) if e.place is Place.SPREAD else None
         yield Picture(e, _name(e), s.t, s.x, without, with_it, CLOSE_UPS.get(e.cause, (s.t[0], s.t[-1])), profile)

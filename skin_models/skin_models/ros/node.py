@@ -82,7 +82,7 @@ def run(
 
 
 def own_arguments(args: list[str]) -> list[str]:
-    """Those that are not for ROS, without the program's name. Raises `SkinError` for what ROS cannot parse, or a file that it cannot read."""
+    """Those that are not for ROS, without the program's name. Raises `SkinError` for what ROS cannot parse or read."""
     try:
         return remove_ros_args(args)[1:]
     except Exception as error:  # rcl's own classes
