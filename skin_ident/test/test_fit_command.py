@@ -46,6 +46,14 @@ def test_prints_a_table_and_writes_two_files(fit, tmp_path):
     assert load_model(tmp_path / "out" / "model.yaml").dispersion.k1 == pytest.approx(k1["value"])
 
 
+def test_the_answer_of_a_diagnosis_is_not_written_over(fit, tmp_path):
+    (tmp_path / "findings.json").write_text("{}")
+    (tmp_path / "model.yaml").write_text("extended")
+    done = fit(write_table(tmp_path / "a.csv", R), "--out", tmp_path)
+    assert done.returncode == 2 and "name another folder" in done.stderr and done.stderr.count("\n") == 1
+    assert (tmp_path / "model.yaml").read_text() == "extended" and not (tmp_path / "fit.json").exists()
+
+
 @pytest.mark.parametrize(
     "more",
     [["--mass", "free"], ["--mass", "0.001"], ["--motion", "sinusoid"], ["--bootstrap", "50"], ["--profile"], ["--offsets", "--profile"]],

@@ -132,8 +132,14 @@ def test_what_an_experiment_decides_is_said_in_words_and_its_numbers_are_for_pro
     assert found.numbers == {"expected": 4.09e3, "recorded": 0.15}
     unsure = replace(found, together=(("lag", "time shift"),), unasked=()).sentence("a.yaml")
     assert "does most to tell lag from time shift, though it may leave lag with time shift" in unsure
-    several = replace(found, rivals=("a", "b", "c"), together=(("a", "b"), ("b", "c")), unasked=()).sentence("a.yaml")
-    assert several.endswith("it does most to tell a, b and c apart, though perhaps not a from b, nor b from c")
+    several = replace(found, rivals=("a", "b", "c"), together=(("a", "b"), ("a", "c")), unasked=())
+    assert several.sentence("a.yaml").endswith("it would clearly tell b from c; it may not tell a from b or c")
+    none = replace(several, hopeless=True).sentence("a.yaml")
+    assert none.endswith("it would clearly tell b from c; no motion that was tried in simulation tells a from b or c")
+    nearer = replace(several, known=(("b", "c"),)).sentence("a.yaml")  # no merit of the experiment
+    assert nearer.endswith("it does most to tell a, b and c apart, though it may leave a with b and a with c")
+    four = replace(several, rivals=tuple("abcd"), together=(("a", "b"), ("c", "d"))).sentence("a.yaml")
+    assert four.endswith("tell a from c, and a from d, and b from c, and b from d; it may not tell a from b, or c from d")
     assert renamed(found.sentence("a.yaml"), [4, 7]).endswith("drift in taxel 7")
 
 

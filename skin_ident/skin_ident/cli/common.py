@@ -16,6 +16,7 @@ from skin_ident.recordings.errors import RecordingError
 from skin_models.errors import SkinError
 from skin_models.whole_file import whole_file
 
+FINDINGS = "findings.json"
 UNUSABLE = 2
 INTERRUPTED = 130
 
@@ -105,6 +106,13 @@ def check_empty(path: str) -> None:
     first = min(Path(path).glob("*"), default=None)
     if first is not None:
         raise RecordingError(f"--out {path} already holds {first.name}, and nothing is overwritten: name a folder that is new or empty")
+
+
+def check_no_answer(path: str) -> None:
+    """Refuse a folder with the findings of a diagnosis: a model written there would pass for the one they are about. Raises
+    `RecordingError`."""
+    if (Path(path) / FINDINGS).exists():
+        raise RecordingError(f"{path} holds the answer of a diagnosis ({FINDINGS}), and its model.yaml stays: name another folder")
 
 
 def output_folder(path: str) -> Path:

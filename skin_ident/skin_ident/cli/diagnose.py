@@ -20,7 +20,7 @@ from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load
 from skin_models.model_file import load_model, save_model
 
-FINDINGS, BASELINE, MODEL = "findings.json", "baseline.yaml", "model.yaml"
+BASELINE, MODEL = "baseline.yaml", "model.yaml"
 BATTERY = re.compile(r"separating(_[1-9]\d*)?\.yaml")  # as separating_experiments names them
 
 VERDICTS = {
@@ -118,7 +118,7 @@ def write(outcome: Outcome, folder: Path) -> None:
     _remove_earlier(outcome, folder)
     for file, battery in outcome.batteries.items():
         (folder / file).write_text(battery, encoding="utf-8")
-    common.write_json(folder / FINDINGS, outcome.findings)
+    common.write_json(folder / common.FINDINGS, outcome.findings)
 
 
 def _remove_earlier(outcome: Outcome, folder: Path) -> None:
@@ -127,7 +127,7 @@ def _remove_earlier(outcome: Outcome, folder: Path) -> None:
     A folder without findings holds no answer, and whatever is in it is somebody's own, as are all names that are not given here.
     """
     again = {*outcome.batteries, *((BASELINE, MODEL) if outcome.model is not None else ())}
-    earlier = folder.glob("*.yaml") if (folder / FINDINGS).exists() else ()
+    earlier = folder.glob("*.yaml") if (folder / common.FINDINGS).exists() else ()
     for file in earlier:
         if file.name not in again and (file.name in (BASELINE, MODEL) or BATTERY.fullmatch(file.name)):
             file.unlink()

@@ -66,6 +66,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         check_runs(chosen.bootstrap)
     if chosen.out is not None:
         common.check_output(chosen.out)
+        common.check_no_answer(chosen.out)
     if chosen.each:
         return _batch(chosen, options, topics)
     common.say(f"reading {counted(len(chosen.recordings), 'path')} …")

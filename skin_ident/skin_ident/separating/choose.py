@@ -1,7 +1,7 @@
 """The motion that decides between rivals in the least time, with its numbers."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, count
 
@@ -33,7 +33,8 @@ class Experiment:
     """A battery to record, and why: the expected log likelihood ratio it adds, beside that of what was recorded.
 
     Both are of the pair, among those expected to be told apart, for which it adds least. `together` are pairs of rivals that are expected
-    to stay together even so; `rivals` are the names it was chosen for, the named cause first, and `unasked` the others. Where even the
+    to stay together even so, `hopeless` whether every other motion that was tried leaves them so, too, and `known` those pairs that what
+    was recorded tells apart; `rivals` are the names it was chosen for, the named cause first, and `unasked` the others. Where even the
     best motion is of no help there is no `name` and no `text`. `apart` says whether the rivals are in skin and rig.
     """
 
@@ -46,6 +47,8 @@ class Experiment:
     together: tuple[tuple[str, str], ...]
     unasked: tuple[str, ...] = ()
     apart: bool = False
+    hopeless: bool = False
+    known: tuple[tuple[str, str], ...] = ()
 
     @property
     def helps(self) -> bool:
@@ -63,16 +66,22 @@ class Experiment:
             other = "; press another skin with the same rig and sensors: what is in these stays, and what is in the skin goes with it"
             none = "no motion that was tried in simulation tells them apart clearly better than what was recorded"
             return none + (other if self.apart else "")
-        left = " and ".join(" with ".join(pair) for pair in self.together)
-        hope = f"though it may leave {left}" if left else "which what was recorded cannot"
-        tell = " from ".join(self.rivals)
-        if len(self.rivals) > 2:
-            tell = f"{', '.join(self.rivals[:-1])} and {self.rivals[-1]} apart"
-            pairs = ", nor ".join(" from ".join(pair) for pair in self.together)
-            hope = f"though perhaps not {pairs}" if pairs else hope
         rest = f"; it says nothing of {' or '.join(self.unasked)}" if self.unasked else ""
-        does = "would clearly tell" if self.decides else "does most to tell"
-        return f"record {file} ({self.name}; {self.seconds:.0f} s): it {does} {tell}, {hope}{rest}"
+        return f"record {file} ({self.name}; {self.seconds:.0f} s): it {self._does}{rest}"
+
+    @property
+    def _does(self) -> str:
+        every = " from ".join(self.rivals)
+        if len(self.rivals) > 2:
+            every = f"{', '.join(self.rivals[:-1])} and {self.rivals[-1]} apart"
+        if self.decides:
+            return f"would clearly tell {every}, which what was recorded cannot"
+        told = [pair for pair in combinations(self.rivals, 2) if pair not in (*self.together, *self.known)]
+        if told:
+            most = "no motion that was tried in simulation tells" if self.hopeless else "it may not tell"
+            return f"would clearly tell {_from(told, 'and')}; {most} {_from(self.together, 'or')}"
+        left = " and ".join(" with ".join(pair) for pair in self.together)
+        return f"does most to tell {every}, though it may leave {left}"
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -125,8 +134,9 @@ def separating_experiment(
     deepest = max(float(s.motion.x.max()) for s in train)
     tried = unrecorded(deepest, max(PERIOD, train[0].band.dt), train)
     singles = [_Option((k,), judged([rehearsed(k.motion, train[0], rivals[0].model)])) for k in tried]
-    best = min(filter(_usable, _options(singles)), key=lambda o: _cost(known, o), default=None)
-    return best and replace(_experiment(rivals, known, best), unasked=unasked)
+    options = list(filter(_usable, _options(singles)))
+    best = min(options, key=lambda o: _cost(known, o), default=None)
+    return best and replace(_experiment(rivals, known, best), unasked=unasked, hopeless=_hopeless(known, best, options))
 
 
 def separating_experiments(
@@ -187,25 +197,32 @@ def _together(known: Contest, o: _Option) -> np.ndarray:
     return (known + o.new).margin(FLOOR, REACH)[_pairs(known)] < MARGIN
 
 
+def _hopeless(known: Contest, best: _Option, options: list[_Option]) -> bool:
+    """Whether no option tells any pair apart that the best leaves together."""
+    left = _together(known, best)
+    return all(bool(np.all(_together(known, o)[left])) for o in options)
+
+
 def _pairs(of: Contest) -> tuple[np.ndarray, np.ndarray]:
     return np.triu_indices(of.explained.size, 1)
 
 
 def _experiment(rivals: tuple[Contender, ...], known: Contest, best: _Option) -> Experiment:
     together, pairs = _together(known, best), _pairs(known)
+    before = known.margin(FLOOR, REACH)[pairs] >= MARGIN
     added, recorded = best.new.evidence[pairs], known.evidence[pairs]
     worst = int(np.argmin(np.where(together & ~together.all(), np.inf, added)))
     words, places = _words(rivals), {r.where for r in rivals}
-    left = tuple((words[i], words[j]) for i, j, t in zip(*pairs, together, strict=True) if t)
+    left, told = (tuple((words[i], words[j]) for i, j, t in zip(*pairs, which, strict=True) if t) for which in (together, before))
     said = (best.name, _text(best), best.seconds) if _helps(known, best) else ("", "", 0.0)
     apart = "skin" in places and len(places) > 1
-    return Experiment(*said, float(added[worst]), float(recorded[worst]), words, left, apart=apart)
+    return Experiment(*said, float(added[worst]), float(recorded[worst]), words, left, apart=apart, known=told)
 
 
 def _helps(known: Contest, o: _Option) -> bool:
-    """Whether it tells a pair apart, or brings one clearly nearer to that."""
+    """Whether it tells a pair apart that what was recorded does not, or brings one clearly nearer to that."""
     before, after = (c.margin(FLOOR, REACH)[_pairs(known)] for c in (known, known + o.new))
-    return bool(np.any((after >= MARGIN) | (after - before > HELPS * (MARGIN - before))))
+    return bool(np.any((before < MARGIN) & (after - before > HELPS * (MARGIN - before))))
 
 
 def _text(o: _Option) -> str:
@@ -218,3 +235,13 @@ def _words(rivals: tuple[Contender, ...]) -> tuple[str, ...]:
     """What to call the rivals: by place too where one cause is its own rival."""
     twice = len({r.cause for r in rivals}) < len(rivals)
     return tuple(cause_at(r.cause, r.where) if twice else spoken(r.cause) for r in rivals)
+
+
+def _from(pairs: Sequence[tuple[str, str]], word: str) -> str:
+    """Pairs as they are told apart: by the name that all of them share, where there is one."""
+    shared = set.intersection(*map(set, pairs))
+    if len(pairs) == 1 or not shared:
+        return f", {word} ".join(" from ".join(pair) for pair in pairs)
+    (one,) = shared
+    others = [a if b == one else b for a, b in pairs]
+    return f"{one} from {', '.join(others[:-1])} {word} {others[-1]}"
