@@ -13,6 +13,7 @@ from skin_ident.cli import common
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.diagnose import are_scans, diagnose
 from skin_ident.criticism.telling.outcome import Outcome
+from skin_ident.criticism.vocabulary import place_of
 from skin_ident.estimators.figures import plus_minus
 from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.chosen import only_taxels
@@ -151,6 +152,9 @@ def summary(findings: dict[str, Any]) -> str:
 
 def _placed(entry: dict[str, Any], taxels: int) -> str:
     """A cause and its place, as they are called; of several taxels `taxel` is all of them."""
+    if entry["where"] == "clock":
+        whose = entry.get("channel_clock", "")
+        return f"{entry['cause']} in {place_of(entry['cause'], f'clock_{whose}'.rstrip('_'))}"
     return f"{entry['cause']} in {'all taxels' if taxels > 1 and entry['where'] == 'taxel' else 'the ' + entry['where']}"
 
 

@@ -204,12 +204,17 @@ def place(where: str) -> str:
     return PLACES.get(where, spoken(where))
 
 
+def place_of(cause: str, where: str) -> str:
+    """Where a cause sits: the clock of a time shift that is no other channel's is that of the load cell."""
+    return "the clock of the load cell" if (cause, where) == ("time_shift", "clock") else place(where)
+
+
 def cause_at(cause: str, where: str) -> str:
-    """`stress relaxation in the skin`, `time shift of the clock`, `dead taxel 3`."""
+    """`stress relaxation in the skin`, `time shift of the clock of the load cell`, `dead taxel 3`."""
     if cause == "dead_taxel" and where == "taxel_alone":
         return "dead taxel"
     if cause == "dead_taxel" and where.startswith("taxel_"):
         return f"dead {spoken(where)}"
     if cause == "parameters":
         return "wrong parameters of the model"
-    return f"{spoken(cause)} {'of' if where.startswith('clock') else 'in'} {place(where)}" if where else spoken(cause)
+    return f"{spoken(cause)} {'of' if where.startswith('clock') else 'in'} {place_of(cause, where)}" if where else spoken(cause)

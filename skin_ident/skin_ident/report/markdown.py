@@ -41,7 +41,7 @@ def markdown(all_: Told, pictures: tuple[str, ...] = ()) -> str:
 
 def _wrong(w: Wrong) -> str:
     said = f"**{w.name}**: {w.means}" if w.name and w.means else w.means or f"**{w.name}**"
-    return f"- {said}" + (f" Size: {w.size}." if w.size else "")
+    return f"{'  ' * w.of_last}- {said}" + (f" Size: {w.size}." if w.size else "")
 
 
 def _rows(title: str, head: list[str], rows: list[list[str]]) -> list[str]:

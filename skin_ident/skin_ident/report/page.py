@@ -69,7 +69,7 @@ def _first_screen(told: Story, picture: Safe | None) -> list[Safe]:
         _tile("rebuild", "Rebuild a sensor?", told.rebuild, "", (sentence(f"because {told.rebuild_because}"),)),
     ]
     answers = [
-        el("div", el("h2", "What is wrong"), el("ul", [el("li", _wrong(w)) for w in told.wrong]), class_="wrong"),
+        el("div", el("h2", "What is wrong"), _list(told.wrong), class_="wrong"),
         el("div", el("h2", "Why we think so"), el("ul", [el("li", s) for s in told.why]), class_="why") if told.why else None,
         el("div", el("h2", "What to do next"), el("ol", [el("li", s) for s in told.next]), class_="next") if told.next else None,
     ]
@@ -81,6 +81,14 @@ def _tile(kind: str, title: str, answer: str, caption: str, said: tuple[str, ...
     return el(
         "div", el("h2", title), el("p", el("b", answer), " ", caption, class_="big"), [el("p", s) for s in said], class_=f"tile {kind}"
     )
+
+
+def _list(wrong: tuple[Wrong, ...]) -> Safe:
+    """What is wrong, with what belongs to one of it below that."""
+    groups: list[tuple[Wrong, list[Wrong]]] = []
+    for w in wrong:
+        groups[-1][1].append(w) if w.of_last else groups.append((w, []))
+    return el("ul", [el("li", _wrong(w), el("ul", [el("li", _wrong(o)) for o in own]) if own else None) for w, own in groups])
 
 
 def _wrong(w: Wrong) -> list:

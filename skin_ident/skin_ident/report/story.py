@@ -1,7 +1,7 @@
 """The first screen in plain words: what is wrong, why we think so, how much better the model is, how sure we are, what to do next."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import DIRECT, Finding, View, unit_of
-from skin_ident.report.words import capital, either, meaning, sentence, signal
+from skin_ident.report.words import capital, either, listed, meaning, sentence, signal
 
 CLEARLY = 0.9  # of what the simulation strays by without what is named, which must be more than with it to speak for it
 MOST_NAMES = 3  # of one finding, in the headline
@@ -35,11 +35,13 @@ class Headline:
 
 @dataclass(frozen=True)
 class Wrong:
-    """One thing that is wrong: its name, what that means, and its size; or a sentence alone."""
+    """One thing that is wrong: its name, what that means, and its size; or a sentence alone. `of_last` belongs to the last that does not:
+    another name for it, or how well those fit."""
 
     name: str
     means: str
     size: str = ""
+    of_last: bool = False
 
 
 @dataclass(frozen=True)
@@ -145,8 +147,8 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         size = "; ".join(sizes(f, v, brief=len(v.findings) > MOST_SIZES))
         yield Wrong(capital(cause_at(f.cause, f.where)), sentence(meaning(f.cause)), size)
         shown = f.alternatives[:MOST_NAMES]
-        yield from (Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause))) for cause, where, _ in shown)
-        yield from (Wrong("", said) for said in _as_well(f))
+        yield from (Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)), of_last=True) for cause, where, _ in shown)
+        yield from (Wrong("", said, of_last=True) for said in _as_well(f))
     if v.judged and seen is not None and seen.changes:
         yield Wrong("", _in_newtons(seen, v))
     elif v.verdict == UNEXPLAINED and seen is not None:
@@ -160,17 +162,24 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
 
 def _as_well(f: Finding) -> Iterator[str]:
     """How well the rivals fit, those that explain less together, and how many are left to the card."""
-    less = sorted(b for b in f.behind if b is not None)
-    equal, alone = len(f.behind) - len(less), len(f.behind) == 1
+    behind = {cause_at(cause, where): b for (cause, where, _), b in zip(f.alternatives, f.behind, strict=True)}
+    equal = [name for name, b in behind.items() if b is None]
+    less = sorted((b, name) for name, b in behind.items() if b is not None)
     if equal:
-        one = "The other name fits" if alone else "One of them fits" if equal == 1 else f"{equal if less else 'All'} of them fit"
-        yield f"{one} these data almost as well."
+        yield f"{_which(equal, behind)} fit{'s' * (len(equal) == 1)} these data almost as well."
     if less:
-        one = ("One explains", "The rest explain") if equal else ("The other name explains", "The other names explain")
-        by = " to ".join(dict.fromkeys(percent(b) for b in (less[0], less[-1])))
-        yield f"{one[len(less) > 1]} {by} less of the mismatch: more than chance, yet too little to rule out, since no model is exact."
+        by = " to ".join(dict.fromkeys(percent(b) for b, _ in (less[0], less[-1])))
+        one = f"{_which([name for _, name in less], behind)} explain{'s' * (len(less) == 1)}"
+        yield f"{one} {by} less of the mismatch: more than chance, yet too little to rule out, since no model is exact."
     if len(f.alternatives) > MOST_NAMES:
         yield f"{len(f.alternatives) - MOST_NAMES} more names are on its card below."
+
+
+def _which(names: list[str], of: Collection[str]) -> str:
+    """Some of the other names, at the beginning of a sentence: which they are, unless it is all of them."""
+    if len(names) == len(of):
+        return "The other name" if len(of) == 1 else "The other names"
+    return capital(listed(names)) if len(names) <= MOST_NAMES else f"{len(names)} of the other names"
 
 
 def _unsettled(v: View) -> Iterator[str]:
@@ -198,7 +207,8 @@ def _in_newtons(seen: Focus, v: View) -> str:
 def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str]:
     yield from (s for s in (_against_rivals(f, rounds) for f in v.findings[:2]) if s)
     if len(v.findings) > 2:
-        yield f"The other {len(v.findings) - 2} were accepted in the same way, one after the other."
+        more = len(v.findings) - 2
+        yield "The other was accepted in the same way." if more == 1 else f"The other {more} were accepted in the same way, one by one."
     if v.findings and ((v.judged and (seen is None or seen.changes)) or (seen is not None and seen.beside)):
         yield from _in_the_picture(seen, v) if seen is not None else ("The picture shows what the model misses without it, and with it.",)
     if v.findings:

@@ -122,7 +122,7 @@ def test_every_parameter_of_every_effect_has_words():
 
 def test_places_are_words():
     assert cause_at("gain_error", "taxel_3") == "gain error in taxel 3"
-    assert cause_at("time_shift", "clock") == "time shift of the clock"
+    assert cause_at("time_shift", "clock") == "time shift of the clock of the load cell"
     assert cause_at("dead_taxel", "taxel_2") == "dead taxel 2"
     assert [rebuild(*f).answer for f in (("dead_taxel", "taxel_0"), ("lag", "taxel"), ("drift", "taxel_1"), ("friction", "rig"))] == [
         "yes", "perhaps", "no", "no",

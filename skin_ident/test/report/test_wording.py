@@ -175,7 +175,7 @@ def test_an_experiment_speaks_for_itself_and_words_without_one_are_said_for_whom
     words = rivals(*names, separating_experiment="record quick motion")
     first, second = (tell(examples.Outcome(findings("explained", entries=[e]))).story for e in (battery, words))
     assert first.next[0] == "Record separating.yaml (x; 20 s): it would tell."
-    assert second.next[0] == "To tell lag in taxel 1 from time shift of the clock: record quick motion."
+    assert second.next[0] == "To tell lag in taxel 1 from time shift of the clock of the load cell: record quick motion."
     assert any(w.means == "The other name fits these data almost as well." for w in first.wrong)
     elsewhere = tell(examples.Outcome(findings("explained", entries=[battery])), "/there").story.next
     assert "Record /there/separating.yaml (x" in elsewhere[0] and any("model.yaml, in /there," in s for s in elsewhere)
@@ -216,7 +216,7 @@ def test_it_is_said_which_clock_could_not_be_tested():
     clocks = [{"cause": "time_shift", "where": "clock", "below": 1e-3, "unit": "s", "parameter": "delay"}]
     clocks += [clocks[0] | {"channel_clock": name} for name in ("taxels", "depth")]
     text = markdown(tell(examples.Outcome(findings() | {"excluded": clocks})))
-    assert all(f"| time shift of the clock{of} | 1.00\u00a0ms" in text for of in ("", " of the taxels", " of the encoder"))
+    assert all(f"| time shift of the clock{of} | 1.00\u00a0ms" in text for of in (" of the load cell", " of the taxels", " of the encoder"))
     one = view(findings() | {"excluded": clocks[:1], "untestable": [clocks[1] | {"because": "it was slow"}]})
     assert why_untestable(one.untestable[0], one) == "It was slow." and "only this" not in size_ruled_out(one.excluded[0], one)
 
@@ -226,6 +226,27 @@ def test_a_rival_that_explains_clearly_less_is_not_said_to_fit_as_well():
     entry["alternatives"][0]["explains_less_by"] = 1168.0
     said = " ".join(w.means for w in tell(examples.Outcome(findings("explained", entries=[entry]))).story.wrong)
     assert "explains 2.3\u00a0% less of the mismatch" in said and "almost as well" not in said
+
+
+def test_what_is_said_of_other_names_says_of_which_and_stands_below_the_finding():
+    entry = rivals(("lag", "taxel"), ("time_shift", "clock"), ("time_shift", "clock"), evidence={"likelihood_gain": 1000.0})
+    entry["alternatives"][1] |= {"channel_clock": "depth", "explains_less_by": 92.0}
+    told = tell(examples.Outcome(findings("explained", entries=[entry])))
+    named = [w.name or w.means.partition(" these data")[0].partition(" less")[0] for w in told.story.wrong]
+    assert named[1:] == [
+        "Or time shift of the clock of the load cell", "Or time shift of the clock of the encoder",
+        "Time shift of the clock of the load cell fits", "Time shift of the clock of the encoder explains 9.2\u00a0%",
+    ]  # fmt: skip
+    assert [w.of_last for w in told.story.wrong] == [False, *[True] * 4] and "\n  - **Or time shift" in markdown(told)
+    more = {"means": "late", "separating_experiment": "", "gain": {"held_out_rmse_before": None}}
+    said = summary({"baseline": {}, "verdict": "explained", "findings": [entry | more]})
+    assert "told from: time_shift in the clock of the load cell\n" in said and "told from: time_shift in the clock of the encoder" in said
+
+
+@pytest.mark.parametrize(("count", "said"), [(3, "The other was accepted in"), (4, "The other 2 were accepted in the same way")])
+def test_how_many_others_were_accepted(count, said):
+    entries = [rivals((cause, "skin")) for cause in ("hysteresis", "stress_relaxation", "rate_dependence", "drift")[:count]]
+    assert any(s.startswith(said) for s in tell(examples.Outcome(findings("explained", entries=entries))).story.why)
 
 
 def test_what_may_be_nothing_is_no_size():
@@ -242,7 +263,7 @@ def test_where_no_motion_helps_it_is_said_what_a_person_can_do():
     story = tell(examples.Outcome(findings("explained", entries=[entry]))).story
     assert story.rebuild == "Not before a check by hand"
     assert story.next[1] == "If it is lag in taxel 1: remove the filter." and story.next[2].startswith(
-        "If it is time shift of the clock: sync"
+        "If it is time shift of the clock of the load cell: sync"
     )
 
 
