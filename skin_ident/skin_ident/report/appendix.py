@@ -9,7 +9,7 @@ from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.tolerant import mapping, named_at, place_in, sequence, text
 from skin_ident.report.view import View
-from skin_ident.report.words import capital, effect_words, meaning, sentence
+from skin_ident.report.words import capital, effect_words, label, meaning, sentence
 
 SPREAD = "Standard errors are of noise alone: what the form of a model gets wrong, as of a real skin it always does, is not in them."
 MOST_ROWS = 15  # of a table, before it is folded
@@ -87,8 +87,8 @@ def bound(e: dict) -> str:
     cause, where, name = text(e.get("cause")), place_in(e), text(e.get("parameter"))
     at = {k: mapping(q) for k, q in mapping(e.get("at")).items()}
     labels = effect_words(cause, where, (name, *at))
-    words = labels.get(name) or spoken(name)
-    shape = ", ".join(f"{labels.get(k) or spoken(k)} {amount(q.get('value'), text(q.get('unit')))}" for k, q in at.items())
+    words = labels.get(name) or label(name)
+    shape = ", ".join(f"{labels.get(k) or label(k)} {amount(q.get('value'), text(q.get('unit')))}" for k, q in at.items())
     form = f" ({spoken(text(e.get('form')))})" if e.get("form") else ""
     size = amount(e.get("below"), text(e.get("unit"))) + form
     return size + (f" – {words}{', at ' + shape if shape else ''}" if words else "")

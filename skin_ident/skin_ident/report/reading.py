@@ -9,7 +9,7 @@ from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, percent
 from skin_ident.report.tolerant import mapping, place_in, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
-from skin_ident.report.words import advice, declared, effect_words, parameter_words, sentence
+from skin_ident.report.words import advice, declared, effect_words, label, sentence
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")
@@ -84,13 +84,6 @@ def warning_sentences(v: View) -> list[str]:
     return [sentence(w, begins_with_name=w.startswith(names)) for w in v.warnings]
 
 
-def parameter_label(name: str) -> str:
-    """Words for `k1` or `share_2`."""
-    if name.startswith("share_"):
-        return f"share of the sensed force that reaches taxel {name[6:]}"
-    return parameter_words(name) or spoken(name)
-
-
 def _model_amounts(entries: Any) -> tuple[Amount, ...]:
     """Parameters of a model: its own (`k1`), and those of its effects (`stress_relaxation.skin.tau`)."""
     entries = {str(name): entry for name, entry in mapping(entries).items()}
@@ -104,7 +97,7 @@ def _model_amounts(entries: Any) -> tuple[Amount, ...]:
         for (cause, where), names in parts.items()
         for short in names
     }
-    return tuple(_amount(name, entry, words.get(name) or parameter_label(name)) for name, entry in entries.items())
+    return tuple(_amount(name, entry, words.get(name) or label(name)) for name, entry in entries.items())
 
 
 def _amount(name: str, entry: Any, words: str, none: float = 0.0) -> Amount:
@@ -113,7 +106,7 @@ def _amount(name: str, entry: Any, words: str, none: float = 0.0) -> Amount:
 
 
 def _held(name: str, entry: dict[str, Any]) -> tuple[Amount, str]:
-    return _amount(name, entry, parameter_label(name)), text(entry.get("because"))
+    return _amount(name, entry, label(name)), text(entry.get("because"))
 
 
 def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
@@ -127,7 +120,7 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         cause,
         where,
         channels,
-        tuple(_amount(name, entry, words.get(name) or spoken(name), none.get(name, 0.0)) for name, entry in sizes.items()),
+        tuple(_amount(name, entry, words.get(name) or label(name), none.get(name, 0.0)) for name, entry in sizes.items()),
         tuple(mapping(f.get("evidence")).items()),
         _gain(mapping(f.get("gain")), channels, baseline, mapping(f.get("evidence")).get("held_out")),
         tuple(_alternative(a, mapping(f.get("evidence"))) for a in sequence(f.get("alternatives"))),
@@ -142,7 +135,7 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
 
 def _bent(name: str, entry: dict[str, Any]) -> tuple[Amount, Amount]:
     values = (finite(entry.get(k)) for k in ("before", "after"))
-    before, after = (Amount(name, parameter_label(name), value, text(entry.get("unit"))) for value in values)
+    before, after = (Amount(name, label(name), value, text(entry.get("unit"))) for value in values)
     return before, after
 
 

@@ -20,6 +20,7 @@ from skin_ident.report.view import DIRECT, Finding, View, unit_of
 from skin_ident.report.words import capital, either, listed, meaning, sentence, signal
 
 CLEARLY = 0.9  # of what the simulation strays by without what is named, which must be more than with it to speak for it
+ROUNDING = 1e-9  # of what the best cause explains, to which another explains nothing
 MOST_NAMES = 3  # of one finding, in the headline
 MOST_SIZES = 3  # findings whose sizes fit on the first screen in full
 
@@ -256,7 +257,8 @@ def named_cause(named: str) -> str:
 
 def explaining(round_: Round, most: int) -> list[tuple[str, str, float]]:
     """Cause, place and gain of what explains anything in a round, the best first."""
-    return sorted((r for r in round_.ranked if r[2] > 0.0), key=lambda r: -r[2])[:most]
+    least = ROUNDING * max((gain for _, _, gain in round_.ranked), default=0.0)
+    return sorted((r for r in round_.ranked if r[2] > max(least, 0.0)), key=lambda r: -r[2])[:most]
 
 
 def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:

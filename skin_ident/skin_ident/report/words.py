@@ -67,6 +67,37 @@ def parameter_words(name: str) -> str:
     return {p.name: p.doc for p in parameters_of(Dispersion)}.get(name, "")
 
 
+# What the critic of static scans fits, as findings.json names it.
+_OF_SCANS = {
+    "width": "width of the spread",
+    "width_at_surface": "width of the spread at the surface",
+    "width_ratio": "ratio of the widths of the two directions",
+    "growth": "growth of the width with depth",
+    "depth_power": "power of the depth that the width follows (0: none)",
+    "shape_power": "power of the distance that the spread falls with (2: a Gaussian)",
+    "power": "power of the distance that the spread falls with, less the 2 of a Gaussian",
+    "tail_weight": "weight of the spread's tail (0: a Gaussian)",
+    "disc_radius": "radius of the disc that presses",
+    "centre": "centre of the spread",
+    "exponent": "power of the depth that the force follows (1: linear)",
+    "square": "force that grows with depth squared, over the linear one, at the deepest",
+    "cube": "force that grows with depth cubed, over the linear one, at the deepest",
+    "shift": "shift of the zero of depth",
+    "drift": "drift over the scan",
+    "drift_over_the_scan": "drift over the scan",
+    "level_factor": "factor on the forces of the given model",
+}
+
+
+def label(name: str) -> str:
+    """Words for a parameter of the model: `k1`, `share_2`, or `k1_2`, which is that of the second of several scans."""
+    if name.startswith("share_"):
+        return f"share of the sensed force that reaches taxel {name[6:]}"
+    own = parameter_words(name) or _OF_SCANS.get(name, "")
+    of_one = "" if own else label(_stem(name)) if _stem(name) in ("k1", "level_factor") else ""
+    return own or (f"{of_one}, scan {name.rpartition('_')[2]}" if of_one else spoken(name))
+
+
 # A symbol of the effect's equation right after the word it stands for: "bias F", "time t0, counted from …".
 _SYMBOL = re.compile(r"(?<!of)(?<!is)(?<!per)(?<!\d) (?:[A-Za-z]|tau|v_s|x0|x1|t0)(?=$|[ ,:;])")
 
@@ -112,6 +143,7 @@ def _of(p: Parameter, name: str) -> str:
 EVIDENCE = {
     "likelihood_gain": "Explains, in units of the noise",
     "held_out_fall_of_mean_square": "Fall of the squared error on unused data",
+    "held_out_fall_over_distances": "The same at unused distances",
     "held_out": "Tested on",
     "forms": "Form",
     "explained_share": "Share of the mismatch explained",
@@ -119,7 +151,7 @@ EVIDENCE = {
     "simulated": "In the simulation",
     "kind": "Kind",
 }
-SHARES = {"held_out_fall_of_mean_square", "explained_share"}
+SHARES = {"held_out_fall_of_mean_square", "held_out_fall_over_distances", "explained_share"}
 
 
 @dataclass(frozen=True)

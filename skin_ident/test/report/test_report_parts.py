@@ -10,17 +10,18 @@ from hypothesis import strategies as st
 
 from skin_ident.criticism.gates.gate import EACH_IN_TURN
 from skin_ident.criticism.scan.diagnose import diagnose_scans
-from skin_ident.criticism.telling.outcome import Outcome, Trace
-from skin_ident.criticism.vocabulary import cause_at
+from skin_ident.criticism.scan.family import QUANTITIES
+from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
+from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.charts import goes_beyond, held
 from skin_ident.report.focus import focus
 from skin_ident.report.numbers import amount, percent, plain, span
 from skin_ident.report.page import page
 from skin_ident.report.reading import view
 from skin_ident.report.shapes import binned, smooth, spectrum, thinned
-from skin_ident.report.story import tell
+from skin_ident.report.story import explaining, tell
 from skin_ident.report.view import HELD_OUT, STRETCHES
-from skin_ident.report.words import effect_words, rebuild
+from skin_ident.report.words import effect_words, label, rebuild
 from skin_ident.spread_scan import SpreadScan
 from skin_ident.thesis_spread import thesis_scan
 from skin_models.catalogue import effects
@@ -29,6 +30,25 @@ from skin_models.parameter import parameters_of
 
 def page_of(outcome: Outcome) -> str:
     return page(tell(outcome))
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("k1", "stiffness between plunger and taxel"), ("k1_2", "stiffness between plunger and taxel, scan 2"), ("share_1", "taxel 1"),
+     ("width", "width of the spread"), ("shape_power", "2: a Gaussian"), ("level_factor_1", "given model, scan 1"), ("odd_1", "odd 1")],
+)  # fmt: skip
+def test_every_parameter_has_words(name, words):
+    assert words in label(name)
+
+
+def test_every_parameter_of_the_family_of_scans_has_words():
+    told_by_effects = {"bend2", "bend3", "bend4", "offset", "threshold", "ceiling", "tail", "disc", "ratio"}  # or never told by that name
+    assert all(label(name) != spoken(name) for name in set(QUANTITIES) - told_by_effects)
+
+
+def test_what_explains_nothing_but_rounding_is_not_ranked():
+    ranked = (("lag", "taxel", 4.0), ("drift", "taxel", 0.1), ("saturation", "taxel", 4e-11), ("dead_zone", "taxel", 0.0))
+    assert explaining(Round(ranked, None), 8) == list(ranked[:2])
 
 
 NB, THIN = "\u00a0", "\u202f"
