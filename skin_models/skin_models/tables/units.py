@@ -8,6 +8,7 @@ from skin_models.errors import TableError
 TIME = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0}
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
 FORCE = {"n": 1.0, "mn": 1e-3, "kn": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 4.4482216152605}
+WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf", "lbs": "lbf"}  # units of mass, and of what it weighs
 VOLTAGE = {"v": 1.0, "mv": 1e-3}
 UNITS = {"time": TIME, "depth": LENGTH, "force": {**FORCE, **VOLTAGE}, "taxel": {**FORCE, **VOLTAGE}}
 
@@ -34,13 +35,23 @@ def column(header: str) -> Column:
     kind = _kind(name)
     if unit in VOLTAGE and kind in ("force", "taxel"):
         return Column(kind, name, "V", VOLTAGE[unit])
+    _refuse_mass(header, name, unit)
     if kind == "taxel" and not name.startswith("taxel") and unit not in FORCE:
         known = "t_s, x_mm, force_n, taxel_0_n, taxel_1_n; columns in volts (ai0_V) are taken as uncalibrated taxels"
         raise TableError(f"column {header.strip()!r} is not known; a header reads {known}")
     if unit not in UNITS[kind]:
-        what = f"has no unit: write it into the header, as in {name}_{_example(kind)}" if not unit else f"is in {unit!r}"
+        what = f"has no unit: write it into the header, as in {_numbered(name)}_{_example(kind)}" if not unit else f"is in {unit!r}"
         raise TableError(f"column {header.strip()!r} {what}; known for {kind} are {', '.join(UNITS[kind])}")
     return Column(kind, name, {"time": "s", "depth": "m"}.get(kind, "N"), UNITS[kind][unit])
+
+
+def _refuse_mass(header: str, name: str, unit: str) -> None:
+    """Raise `TableError` for a force in grams: what those weigh has units of its own."""
+    name, mass = (name, unit) if unit else name.rpartition("_")[::2]
+    if mass in WEIGHTS and (_kind(name) == "force" or name.startswith("taxel")):
+        weight = WEIGHTS[mass]
+        newtons = f"{name}_n (in N; 1 {weight} = {1e3 * FORCE[weight]:.6g} mN)"
+        raise TableError(f"column {header.strip()!r} is in {mass}, a mass: write {name}_{weight} for what it weighs, or {newtons}")
 
 
 def kind_of(header: str) -> str:
@@ -68,6 +79,12 @@ def _clean(name: str) -> str:
 
 def _kind(name: str) -> str:
     return next((kind for kind, words in _WORDS.items() if name in words), "taxel")
+
+
+def _numbered(name: str) -> str:
+    """`taxel_1` of `taxel_1_psi`, whose end is no unit."""
+    numbered = re.match(r"taxel_\d+(?=_)", name)
+    return numbered[0] if numbered else name
 
 
 def _example(kind: str) -> str:
