@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from skin_ident.criticism.telling.outcome import ScanTrace, Trace
 from skin_ident.report.shapes import residuals, smooth
@@ -10,6 +11,7 @@ from skin_ident.report.view import DIRECT, View
 
 WINDOW_S = 10.0
 BESIDE = 0.1  # of the squared change, that may fall among the samples compared
+SPIKES, AROUND = "outliers", 21  # samples
 LEAST_FALL = 0.02  # of the error, below which the extension is taken to change nothing
 
 
@@ -52,7 +54,8 @@ class Focus:
 def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
     """The held-out session that gained most (any session where none was held out); None without traces.
 
-    Where something is wrong and nothing was named: the session and channel whose error stands furthest above the noise.
+    Where something is wrong and nothing was named: the session and channel whose error stands furthest above the noise. Where spikes are
+    named, and nothing that a simulation gains by: the session and channel with the largest.
     """
     usable = [t for t in traces if t.t.size > 1 and t.channels]
     if not usable:
@@ -61,6 +64,11 @@ def focus(traces: tuple[Trace, ...], view: View) -> Focus | None:
     if view.verdict == "unexplained" and not view.findings:
         trace, row = max(((t, row) for t in usable for row in range(len(t.channels))), key=lambda q: _astray(*q, view))
         return Focus(trace, row, *window(trace, row, view.band_hz))
+    spiky = [c for f in view.findings if f.cause == SPIKES for c in f.shown_in] if all(f.direct for f in view.findings) else []
+    with_spikes = [(t, t.channels.index(c)) for t in usable for c in spiky if c in t.channels]
+    if with_spikes:
+        trace, row = max(with_spikes, key=lambda q: float(_spikes(*q).max()))
+        return Focus(trace, row, *_most(trace, _spikes(trace, row)))
     trace = max(tested, key=_removed)
     row = _row(trace, view)
     everywhere = any(f.direct and f.cause not in DIRECT for f in view.findings)  # it acts in moments that are not compared
@@ -89,13 +97,18 @@ def window(trace: Trace, row: int, band_hz: float | None = None, seconds: float 
 
     Where it removes none, the worst ones; `everywhere` looks at moments that were not compared, too.
     """
+    before, after = (smooth(trace.t, r, band_hz) ** 2 for r in residuals(trace, row))
+    beside = changes_beside(trace, row)
+    worth = (before - after if beside or _fall(trace, row) > LEAST_FALL else after) * (trace.compared | beside | everywhere)
+    return _most(trace, worth, seconds)
+
+
+def _most(trace: Trace, worth: np.ndarray, seconds: float = WINDOW_S) -> tuple[int, int]:
+    """Samples [start, stop) of the `seconds` in which most of `worth` (n,) lies."""
     n = trace.t.size
     width = round(seconds / max((trace.t[-1] - trace.t[0]) / (n - 1), 1e-12)) + 1
     if width >= 0.9 * n:
         return 0, n
-    before, after = (smooth(trace.t, r, band_hz) ** 2 for r in residuals(trace, row))
-    beside = changes_beside(trace, row)
-    worth = (before - after if beside or _fall(trace, row) > LEAST_FALL else after) * (trace.compared | beside | everywhere)
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(worth))])
     held = total[width:] - total[:-width]
     best = np.flatnonzero(held >= held.max() - 5e-3 * abs(held.max()))  # about as good: the middle one shows what comes before and after
@@ -107,6 +120,12 @@ def changes_beside(trace: Trace, row: int) -> bool:
     """Whether the extension changes a channel almost only where nothing was compared."""
     change = np.nan_to_num(trace.extended[row] - trace.baseline[row]) ** 2
     return bool(np.sum(change) > 0.0 and np.sum(change[trace.compared]) < BESIDE * np.sum(change))
+
+
+def _spikes(trace: Trace, row: int) -> np.ndarray:
+    """How far each sample (n,) jumps away from those around it, beside what is simulated; squared."""
+    off = np.nan_to_num(trace.measured[row] - trace.baseline[row])
+    return (off - median_filter(off, AROUND, mode="nearest")) ** 2
 
 
 def _fall(trace: Trace, row: int) -> float:

@@ -132,6 +132,18 @@ def test_the_telling_window_lies_where_the_error_was_removed():
     assert t[seen.start] <= 31.0 and t[seen.stop - 1] >= 38.9 and seen.words == "the most telling 10 s"
 
 
+def test_where_spikes_are_the_finding_the_largest_are_shown():
+    t = np.arange(6000) / 100.0
+    measured = np.where((t > 20.0) & (t < 30.0), 5.0, 0.0)  # where the plunger left the skin: not compared either, and no spike
+    measured[[500, 4100, 4200]] = 3.0, 9.0, 8.0
+    zero, gentle = np.zeros((1, t.size)), np.full((1, t.size), 0.1)
+    spiky = Trace("one", False, t, t, t, ("force",), measured[None], zero, zero, left_out=(t < 50.0).astype(float))
+    found = {"cause": "outliers", "where": "load_cell", "channels": ["force"], "gain": {}}
+    v = view({"findings": [found], "verdict": "explained", "noise_floor": {"force": {"band_hz": 8.0}}})
+    seen = focus((spiky, Trace("held", True, t, t, t, ("force",), gentle, zero, zero)), v)
+    assert seen.trace.session == "one" and seen.start <= 4100 and seen.stop > 4200
+
+
 def test_every_parameter_of_every_effect_has_words():
     for cls in effects():
         names = tuple(p.name for p in parameters_of(cls))
