@@ -3,6 +3,7 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from making import recording, write_bag, write_table
 
@@ -133,3 +134,15 @@ def test_what_is_held_out_of_the_fitted_is_said_before_the_work(capsys, tmp_path
     with pytest.raises(ZeroDivisionError):
         diagnose.main([*files, "--hold-out", files[1], "--out", str(tmp_path / "out")])
     assert f"{files[1]}: it was given to fit, too: it is held out, and not fitted" in capsys.readouterr().err
+
+
+def test_on_a_terminal_no_progress_stays_in_front_of_what_is_said(tmp_path, monkeypatch, capsys):
+    places = range(0, 14, 2)  # mm
+    rows = [[z, *(9.0 * z * np.exp(-((r / 5.2) ** 2)) for r in places)] for z in (0.2, 0.5, 1.0)]
+    head = ",".join(["depth_mm", *(f"f_{r}mm_n" for r in places)])
+    (tmp_path / "scan.csv").write_text("\n".join([head, *(",".join(f"{x:.2f}" for x in row) for row in rows)]) + "\n")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    for name, status in (("scan.csv", 0), ("nowhere.csv", 2)):
+        assert diagnose.main([str(tmp_path / name), "--out", str(tmp_path / "out")]) == status
+        _, clear, after = capsys.readouterr().err.rpartition("\r\033[K")
+        assert clear and after.startswith("error: " if status else "") and "[" not in after

@@ -32,16 +32,19 @@ def run(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | 
         return status
     except SkinError as error:
         _without_empty_folders()
+        clear_line()
         print(f"error: {error}", file=sys.stderr)
         return UNUSABLE
     except KeyboardInterrupt:
         left = _without_empty_folders()
+        clear_line()
         print(f"interrupted; {f'what was written until then is in {left[-1]}' if left else 'nothing was written'}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output went away, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
+        clear_line()
         print(f"error: {refusal(error)}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return UNUSABLE
@@ -171,6 +174,12 @@ def _plain(thing: Any) -> Any:
     if isinstance(thing, float) and not abs(thing) < float("inf"):
         return None
     return thing
+
+
+def clear_line() -> None:
+    """Leave no progress on the line that a terminal shows next."""
+    if sys.stderr.isatty():
+        print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
 def say(text: str) -> None:

@@ -64,6 +64,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     say("writing the report")
     with common.whole_folder(chosen.out) as folder:
         write(outcome, folder)
+    common.clear_line()
     print(summary(outcome.findings))
     print(f"\nreport: {folder / 'report.html'}")
     return 0

@@ -56,6 +56,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     common.write_json(folder / "experiments.json", {"course": _told(course), "fixed": _told(fixed)})
     if not chosen.live:
         write_recordings(list(course.recordings), folder / "recordings")
+    common.clear_line()
     print(f"{summary(course.outcome.findings)}\n\n{_account(course, fixed, chosen.fixed)}\nreport: {folder / 'report.html'}")
     return 0
 
