@@ -69,7 +69,7 @@ def test_a_skin_that_weighs_less_than_the_one_of_the_thesis_is_not_bent(seed):
     outcome = diagnose([first, second], [third])
     assert outcome.findings["findings"] == [] and outcome.findings["verdict"] == "nothing_wrong"
     assert outcome.baseline.dispersion.m < 1e-4
-    assert any("no mass was declared" in w and "no fault" in w for w in outcome.findings["warnings"])
+    assert not any("mass" in w for w in outcome.findings["warnings"])
 
 
 def test_a_declared_mass_stays_as_it_is_and_a_light_skin_is_not_weighed():
@@ -78,7 +78,7 @@ def test_a_declared_mass_stays_as_it_is_and_a_light_skin_is_not_weighed():
     for recordings, mass in ((sessions, 0.243), ([heavy(i, 0.000432, Declared()) for i in (1, 2, 3)], 0.000432)):
         outcome = diagnose(recordings[:2], recordings[2:])
         assert outcome.findings["findings"] == [] and outcome.baseline.dispersion.m == pytest.approx(mass)
-        assert not any("mass was fitted" in w or "no mass was declared" in w for w in outcome.findings["warnings"])
+        assert not any("mass was fitted" in w for w in outcome.findings["warnings"])
 
 
 def tared(seed: int, mass: float) -> Recording:

@@ -135,7 +135,7 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
     if c.train[0].free_mass:
         looked = looked.weighed(c.train[0].heaviest)
-        every[0] = every[0].warned(said_of(c.extended.model.dispersion.m, mass, declared))
+        every[0] = every[0].warned(*said_of(c.extended.model.dispersion.m, mass, declared))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))

@@ -9,6 +9,7 @@ baseline; of a mass that hangs its inertia does. What was assumed, for nobody de
 enough, whatever else is wrong, the mass is fitted between nothing and that, and held again at the end if it need not have been.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -142,28 +143,25 @@ def lighter(before: Model, after: Model) -> bool:
     return after.dispersion.m < LIGHTER * before.dispersion.m
 
 
-def said_of(mass: float, before: float, declared: bool) -> str:
-    """The warning that the mass was fitted, where it had been set to that of the skin, or as `declared`."""
+def said_of(mass: float, before: float, declared: bool) -> Iterator[str]:
+    """A warning that the mass was fitted, where it had been set to that of the skin, or as `declared`; none where skin is lighter than
+    was assumed of it: that the load cell reads no weight of millinewtons in contact is common, after a tare for one, and no fault."""
     force = abs(mass - before) * GRAVITY
     if declared and mass < before and before >= HANGS:
-        return (
+        yield (
             f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({before:.3g} kg) leaning on the skin the record cannot be "
             f"explained, since its weight would take {force:.3g} N from the load cell while the plunger touches. It is taken to hang on a "
             "load cell that was tared with it, and to be felt by its inertia alone"
         )
-    if mass < before and declared:
-        return (
+    elif declared and mass < before:
+        yield (
             f"the model's mass was fitted, {mass:.3g} kg: with the declared one ({1e3 * before:.3g} g) the record cannot be explained, "
             f"since its weight would take {force:.3g} N from the load cell while the plunger touches"
         )
-    if mass < before:
-        return (
-            f"no mass was declared: {1e3 * before:.3g} g had been assumed of the skin, and {1e3 * mass:.3g} g fits better: the load "
-            f"cell reads no weight of {force:.3g} N in contact. That is common, after a tare for one, and no fault"
+    elif mass >= before:
+        of = "the declared one" if declared else "that of the skin"
+        yield (
+            f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.3g} g) the record cannot be explained. It "
+            f"stands for a force of {force:.3g} N that is missing while the plunger touches; weigh what moves with the skin "
+            "(moving_mass_kg in rig.yaml), or look for what else takes that force"
         )
-    of = "the declared one" if declared else "that of the skin"
-    return (
-        f"the model's mass was fitted, {mass:.3g} kg: with {of} ({1e3 * before:.3g} g) the record cannot be explained. It "
-        f"stands for a force of {force:.3g} N that is missing while the plunger touches; weigh what moves with the skin "
-        "(moving_mass_kg in rig.yaml), or look for what else takes that force"
-    )
