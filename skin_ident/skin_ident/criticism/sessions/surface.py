@@ -13,7 +13,7 @@ from skin_models.signals import Motion
 FAR = 0.03  # of the greatest depth, from which a surface is another one
 BETTER = 0.5  # of the squares that the encoder's zero leaves, the most that it may leave
 STEPS, FINER = 60, 20
-MOST = 4000  # samples of a session that are looked at
+MOST = 1500  # samples of a session that are looked at
 
 
 def surface_of(sessions: list[Session]) -> float:
