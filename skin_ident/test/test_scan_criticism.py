@@ -107,6 +107,14 @@ def test_held_out_scans_are_the_gate_when_there_are_some():
     assert "spread_shape" in names(findings) and "held out" in findings["findings"][0]["evidence"]["held_out"]
 
 
+@pytest.mark.parametrize(("widths", "said"), [((4e-3, 6.5e-3), True), ((5e-3, 5e-3), False)], ids=["two skins", "one skin"])
+def test_scans_that_contradict_each_other_are_not_called_noise(widths, said):
+    """What one width of both leaves repeats at all depths, as if the plunger had stood beside every distance."""
+    findings = diagnose_scans([scan_of(width, 9e3, i, f"{i}.csv") for i, width in enumerate(widths)]).findings
+    assert any("no spread in common" in w for w in findings["warnings"]) is said
+    assert (findings["verdict"] in ("partly_explained", "unexplained")) is said
+
+
 def test_every_held_out_scan_has_a_size_of_its_own():
     train, held = [scan_of(5e-3, 9e3, 1, "a.csv")], [scan_of(5e-3, 20e3, 2, "b.csv"), scan_of(5e-3, 24e3, 3, "c.csv")]
     findings = diagnose_scans(train, held).findings

@@ -10,6 +10,7 @@ from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.scan.between import between_scans
 from skin_ident.criticism.scan.candidates import able, excited_beside, rich
 from skin_ident.criticism.scan.cells import Cells, as_tables, cells_of
+from skin_ident.criticism.scan.contradicting import contradiction
 from skin_ident.criticism.scan.declared_noise import declared_noise
 from skin_ident.criticism.scan.extended import baseline_of, model_of
 from skin_ident.criticism.scan.faults import Looked, look
@@ -58,7 +59,9 @@ def diagnose_scans(
     progress("asking what is left")
     rest = systematic_rest(found, setting)
     looked = between_scans(declared_noise(looked, found, declared), found, scans, held, apart)
-    verdict = verdict_of(bool(found.named or looked.faults), rest.is_systematic)
+    contradicting = contradiction(found, setting, scans)
+    looked = replace(looked, warnings=(contradicting, *looked.warnings)) if contradicting else looked
+    verdict = verdict_of(bool(found.named or looked.faults), rest.is_systematic or bool(contradicting))
     names = {s.name for s in held}
     content = as_findings(found, looked, setting, rest, [*scans, *held], names, verdict, model.name if model else "")
     return _outcome(content, found, [*scans, *held], model)

@@ -1,0 +1,45 @@
+"""Whether scans that are fitted together contradict each other: scans of two skins have no spread in common.
+
+What one model of all leaves is then taken for errors of placing, and looks like noise. But each scan by itself, beside the same directions,
+leaves far less; plungers that were placed badly, or readings that are noisy, leave as much of one scan as of all.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from skin_ident.criticism.scan.fitting import Member
+from skin_ident.criticism.scan.noise import estimate
+from skin_ident.criticism.scan.search import Search
+from skin_ident.criticism.scan.trials import Setting
+from skin_ident.criticism.scan.whitening import Noise
+from skin_ident.spread_scan import SpreadScan
+
+ALONE = 0.4  # of what all leave together, the most that every scan leaves by itself
+FEWEST = 2.0  # times as many cells as directions, for a scan to say what is noise in it
+
+
+def contradiction(found: Search, s: Setting, scans: list[SpreadScan]) -> str:
+    """The warning that scans have no spread in common; empty where they have, or cannot tell by themselves."""
+    numbers = s.cells.scans
+    if numbers.size < 2 or any(np.count_nonzero(s.cells.scan == i) < FEWEST * (len(s.rich) + 1) for i in numbers):
+        return ""
+    together, alone = _size(found.noise.noise), [_alone(found.extended.member, int(i), s) for i in numbers]
+    if max(alone) > ALONE * together:
+        return ""
+    names = " and ".join(scans[i].name for i in numbers)
+    return (
+        f"{names} have no spread in common: by itself each leaves no more than {max(alone):.2g} N, together {together:.2g} N. They are of "
+        "different skins, taxels or places: diagnose each by itself"
+    )
+
+
+def _alone(m: Member, scan: int, s: Setting) -> float:
+    """The noise of one scan by itself, N rms, beside all directions in which the family can bend."""
+    cells = s.cells.only(s.cells.scan == scan)
+    own = Member(m.values, m.k[[scan]], m.free, m.scale, m.steps, m.k_free)
+    return _size(estimate(own, replace(cells, scan=np.zeros(len(cells), int)), s.rich, s.floor).noise)
+
+
+def _size(noise: Noise) -> float:
+    return float(np.sqrt(np.mean(noise.total() ** 2)))
