@@ -133,7 +133,7 @@ def error_table(bag: Path) -> str:
     for c, channel in enumerate(["force", *(f"taxel_{i}" for i in range(measured.shape[1] - 1))]):
         errors = [np.sqrt(np.mean((measured[:, c] - simulated[:, c]) ** 2)) for simulated in (before, after)]
         lines.append(f"    RMSE of {channel:<12}                         {errors[0]:8.4f} N  {errors[1]:8.4f} N")
-    lines.append("    (sample by sample, unfiltered: where the speed jumps, a live skin knows it a sample later; the report compares below 8 Hz)")
+    lines.append("    (unfiltered: where the speed jumps, a live skin knows it a sample later; the report compares below 8 Hz)")
     return "\n".join(lines)
 
 
