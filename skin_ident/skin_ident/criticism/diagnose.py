@@ -60,6 +60,7 @@ from skin_ident.spread_scan import SpreadScan
 from skin_models.errors import ModelError
 from skin_models.model import Model
 
+AS_MUCH = 1.1  # times, within which what two answers leave is alike
 BESIDE = ("adhesion",)  # causes that act in moments which are not compared, and follow from the motion: the curves show them
 BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out;
 FEWEST_BLOCKS = 9  # shorter ones in a session that would have fewer
@@ -100,6 +101,8 @@ def diagnose(
             raise DiagnosisError(f"a twin of {len(every[0].taxels)} taxels cannot be compared at once: name {FEW} or fewer with --taxels")
         return _of_many(every, len(recordings), odd, layout, model, progress)
     part = _part(every, len(recordings), odd, layout, model, twins, progress)
+    if twins and part.findings["verdict"] != "nothing_wrong":
+        part = _better(part, _part(every, len(recordings), odd, layout, model, twins, progress, beside=part))
     array = array_criticism(part.criticism, layout, part.seen, every)
     return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms, set(part.criticism.not_named))
 
@@ -118,14 +121,28 @@ class _Part:
     experiments: Experiments
 
 
-def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: Model | None, twins: list | None, progress) -> _Part:
+def _part(
+    every: list,
+    training: int,
+    odd: tuple[Symptom, ...],
+    layout,
+    model: Model | None,
+    twins: list | None,
+    progress,
+    beside: _Part | None = None,
+) -> _Part:
+    """The search on sessions; `beside` what it has found with a plain surrogate of twins, with the effects that they hold, if they do."""
     progress("inspecting the recordings")
     looked = inspect(every)
     known = known_mass(every[0].declared)
     mass = known.kg
     if twins:
         twin = read_twins(looked.sessions, every, twins, mass)
-        model = with_effects_of(twin.surrogate, twin.said, every, lambda sessions: _split(sessions, training), mass, progress)
+        model = twin.surrogate
+        if beside:
+            model = with_effects_of(model, twin.said, every, lambda sessions: _split(sessions, training), mass, progress)
+            if model == twin.surrogate:
+                return beside
         looked = looked.carrying(twin.beyond(model), twin.known)
         every = [r.warned(*warnings) for r, warnings in zip(every, twin.warnings, strict=True)]
     every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
@@ -152,6 +169,18 @@ def _part(every: list, training: int, odd: tuple[Symptom, ...], layout, model: M
     if model is None and every[0].depth is not None and not c.train[0].free_mass:
         findings["baseline"]["held"] = {"m": {"value": mass, "unit": "kg", "because": known.source}}
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
+
+
+def _better(plain: _Part, extended: _Part) -> _Part:
+    """Of what a plain and an extended surrogate of twins came to: that which leaves less, or of two that leave as much that with fewer
+    findings."""
+
+    def left(part: _Part) -> float:
+        return float(sum(gain["held_out_rmse_after"] for gain in part.findings["gain_by_channel"].values()))
+
+    if not 1.0 / AS_MUCH < left(plain) / left(extended) < AS_MUCH:
+        return min(plain, extended, key=left)
+    return min(plain, extended, key=lambda part: len(part.findings["findings"]))
 
 
 def _outcome(

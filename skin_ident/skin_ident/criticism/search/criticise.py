@@ -9,7 +9,7 @@ from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run
-from skin_ident.criticism.search.state import Progress, Search
+from skin_ident.criticism.search.state import MOST_FINDINGS, Progress, Search
 from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.search.weighing import unweigh, weighed
 from skin_ident.criticism.sessions.parting import moved, without_meeting_at, without_parting
@@ -29,9 +29,11 @@ def criticise(
     more: tuple[Direction, ...] = (),
     encoder_step: float = 0.0,
     mass_declared: bool = False,
+    most: int = MOST_FINDINGS,
 ) -> Criticism:
     """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg,
-    assumed unless `mass_declared`; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m.
+    assumed unless `mass_declared`; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m; at `most`
+    so many rounds look for causes.
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
@@ -42,6 +44,7 @@ def criticise(
         train, held = ([without_meeting_at(s, surface, there) for s in sessions] for sessions in (train, held))
     enough_is_compared(train, held)
     search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None, mass_declared)
+    search.most = most
     noise = noise_beside(start, train, search.which)
     fitted = fit(start, train, noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}

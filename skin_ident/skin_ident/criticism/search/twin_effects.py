@@ -18,6 +18,7 @@ from skin_ident.estimators.scale import white_noise
 from skin_models.model import Model
 
 BEYOND = 1.0  # times the recording's noise in the common band (RMS), from which what a twin says beyond its surrogate is asked
+MOST = 2  # causes that are looked for in a twin
 LEAST = 1e-4  # of the range of a channel, the least that its noise is taken for
 
 
@@ -32,7 +33,7 @@ def with_effects_of(surrogate: Model, said: list[Session], recordings: list, spl
         return surrogate
     rng = np.random.default_rng(0)
     train, held = split([_with_noise(s, n * rng.standard_normal(s.raw.shape)) for s, n in zip(said, noise, strict=True)])
-    found = criticise(train, held, None, lambda stage: progress(f"the twin: {stage}"), mass)
+    found = criticise(train, held, None, lambda stage: progress(f"the twin: {stage}"), mass, most=MOST)
     return replace(found.extended.model, name=surrogate.name, source=surrogate.source)
 
 
