@@ -32,8 +32,8 @@ def criticise(
     most: int = MOST_FINDINGS,
 ) -> Criticism:
     """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg,
-    assumed unless `mass_declared`; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m; at `most`
-    so many rounds look for causes.
+    assumed unless `mass_declared`; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m; there
+    are at `most` so many rounds.
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
