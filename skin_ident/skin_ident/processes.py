@@ -21,8 +21,8 @@ def workers(jobs: int | None = None, *, finish: bool) -> Iterator[ProcessPoolExe
     try:
         yield pool
     except BaseException:
-        for process in [] if finish else active_children():
-            if process not in before:
+        if not finish:
+            for process in set(active_children()) - set(before):
                 process.terminate()
         raise
     finally:  # interrupted: what has not begun is dropped

@@ -23,6 +23,7 @@ from skin_ident.stretches import without
 SPIKE = 12.0  # times the usual second difference (robust) and
 SPIKE_RANGE = 0.03  # of the channel's range
 WIDEST = 4  # samples of one spike: three, and one more where it was resampled
+FASTER = 5.0  # times the greatest speed beside jumps, which no stage reaches in one
 OFTEN = 0.2  # of the samples: a channel that bends more often jumps all the time
 MOST = 0.02  # of the samples that spikes may hold: a channel of more is not what it would be without
 WAY = 4  # samples to either side that must keep to the line from which a spike stands off
@@ -66,14 +67,21 @@ def bridged(t: np.ndarray, y: np.ndarray, spike: np.ndarray) -> np.ndarray:
 
 
 def _of_depth(r: Recording, found: Mapping[str, np.ndarray], asked: Sequence[str]) -> np.ndarray:
-    """Spikes of the encoder: jumps beside which no channel jumps (`found`, (N,) each), nor follows as a skin would."""
+    """Spikes of the encoder: jumps beside which no channel jumps (`found`, (N,) each), nor follows as a skin would. What hits all cables
+    hits the encoder's, too: faster than the stage ever moves else, a jump is motion only where every channel has as much of it as of depth.
+    """
     own = jumps(r.depth)
     if not own.any():
         return own
     rows = [r.channels[name] for name in asked]
     skins = [(y, skin) for y in rows if (skin := Skin.of(r.t, r.depth, y)) is not None]
+    steady = ~(own[1:] | own[:-1])
+    fastest = float(np.max(np.abs(np.diff(r.depth))[steady], initial=0.0))  # m per sample
+    by_depth = [(y, _Other.of(y, r.depth)) for y in rows]
 
     def followed(a: int, b: int) -> bool:
+        if abs(_excess(r.depth, a, b)) > FASTER * fastest * min(b - a, WIDEST):
+            return all(_tells(y, a, b, r.depth, o.slope, o.noise) for y, o in by_depth)
         beside = any(found[name][max(0, a - LATE) : b + LATE].any() for name in asked)
         return beside or any(_tells(skin.force, a, b, y, 1.0, white_noise(y)) for y, skin in skins)
 

@@ -73,3 +73,8 @@ def test_what_a_model_with_an_effect_lacks_is_named_and_the_effect_stays():
     findings = found(PLAIN.extended(Lag("load_cell", tau=1e-6)), SQUARE)
     assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("nonlinear_stiffness", "skin")]
     assert findings["extended"]["parameters"]["lag.load_cell.tau"]["value"] == 1e-6
+
+
+def test_a_wrong_share_of_a_taxel_that_feels_little_is_a_wrong_number():
+    (one,) = found(replace(PLAIN, shares=(1.0, 0.3)), 0.0)["findings"]
+    assert one["cause"] == "parameters" and one["parameters"]["share_1"]["value"] == pytest.approx(SHARES[1], rel=0.02)

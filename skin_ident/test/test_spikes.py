@@ -190,3 +190,16 @@ def test_of_many_spikes_the_first_are_named():
     assert "force: 5 spikes bridged (at 10.00, 18.00, 26.00, … s)" in inspected(replace(r, force=force))[2].warnings
     force[1800:] = r.force[1800:]
     assert "force: 1 spike bridged (at 10.00 s)" in inspected(replace(r, force=force))[2].warnings
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_hits_the_cable_of_the_encoder_and_of_the_load_cell_at_once_is_no_touch(seed):
+    """2 mm within a sample of 10 ms are 200 mm/s, of a stage that has not gone a tenth of that, and 6 N are not what 2 mm press."""
+    r = battery(seed, speeds=(2.0, 3.0))
+    rng = np.random.default_rng(seed)
+    at = rng.choice(np.arange(50, len(r) - 50), 10, replace=False)
+    depth, force = r.depth.copy(), r.force.copy()
+    depth[at] += 2e-3 * rng.choice([-1.0, 1.0], at.size)
+    force[at] += 6.0 * rng.choice([-1.0, 1.0], at.size)
+    found = spikes_of(replace(r, depth=depth, force=force))
+    assert found["depth"][at].sum() == 10 and found["force"][at].sum() >= 6  # the others stand where the stage could do as much

@@ -14,6 +14,7 @@ from skin_ident.criticism.record import inspect
 from skin_ident.hiding.writing import write_recordings
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
+from skin_models.effects.friction import Friction
 from skin_models.effects.nonlinear_stiffness import PolynomialStiffness
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
@@ -110,7 +111,7 @@ def test_a_twin_whose_clock_began_elsewhere_is_set_by_its_depth(late):
     said = simulated(twin.surrogate, looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions[0])
     inside = slice(50, -50)
     assert np.std((said[0] - TWINS[0].force)[inside]) < 1e-3 * np.std(TWINS[0].force)
-    assert f"{1e3 * late:+.3g} ms" in twin.warnings[0][-1]
+    assert f"{late:+.3g} s" in twin.warnings[0][-1]
 
 
 def test_a_dead_taxel_says_what_it_says_whatever_its_twin_says():
@@ -149,3 +150,30 @@ def test_a_twin_of_nearly_the_same_motion_is_warned_about():
     for other, said in ((1.02 * TWINS[0].depth, True), (TWINS[0].depth + 1e-6 * rng.standard_normal(T.size), False)):
         warnings = read_twins(looked.sessions, MEASURED[:1], [replace(TWINS[0], depth=other)], 0.0).warnings[0]
         assert any("another motion" in w for w in warnings) is said
+
+
+@pytest.mark.parametrize("what", ["depth", "force", "taxels"])
+def test_a_twin_that_stands_still_is_refused(what):
+    still = replace(TWINS[0], **{what: np.zeros_like(getattr(TWINS[0], what))})
+    with pytest.raises(DiagnosisError, match=f"the {what} of the twin twin_0 never changes"):
+        diagnose(MEASURED[:1], twins=[still])
+
+
+def test_a_twin_without_depth_keeps_its_clock_where_its_damping_is_wrong():
+    """A delay explains only part of that; a clock that is off explains all."""
+    thick = recorded(replace(REAL, dispersion=replace(SKIN, b1=1.5 * SKIN.b1, b2=1.5 * SKIN.b2)), 0, name="twin")
+    late = replace(recorded(REAL, 0, name="twin"), t=T + 0.04)
+    for twin, moved in ((thick, False), (late, True)):
+        warnings = read_twins(inspect(MEASURED[:1]).sessions, MEASURED[:1], [replace(twin, depth=None)], 0.0).warnings[0]
+        assert any("its clock is set" in w for w in warnings) is moved
+
+
+def test_a_twin_that_rubs_where_the_rig_does_not_is_told_so():
+    """No friction is less than none: a twin with too much of it was told hysteresis of the load cell."""
+    plain = Model(SKIN, (1.0, 0.4))
+    measured, rubs = (
+        [recorded(m, i, noise, name) for i in range(3)]
+        for m, noise, name in ((plain, 0.02, "session"), (plain.extended(Friction("rig", force=0.15)), 0.0, "twin"))
+    )
+    (found,) = diagnose(measured[:2], measured[2:], twins=rubs).findings["findings"]
+    assert found["cause"] == "parameters" and "friction" in found["evidence"]["why"]

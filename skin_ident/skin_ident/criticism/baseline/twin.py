@@ -71,6 +71,7 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
     if missing or beyond:
         what = " and ".join([*(f"{c} is missing" for c in missing), *(f"{c} is too many" for c in beyond)])
         raise DiagnosisError(f"the twin {twin.name} must carry the channels of {recording.name} ({', '.join(session.channels)}): {what}")
+    _answers(recording, twin)
     if same(recording, twin):
         raise DiagnosisError(f"the twin {twin.name} holds the very samples of {recording.name}: give what a simulation said of that motion")
     t, warnings = on_the_clock_of(recording, twin)
@@ -79,6 +80,17 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
     weight = np.tile(known.astype(float), (len(raw), 1))
     warnings += [f"{twin.name} (the twin): {w}" for w in twin.warnings]
     return replace(session, raw=raw, bridged=raw, measured=session.band.thin(raw), weight=weight, stuck={}), warnings
+
+
+def _answers(recording, twin) -> None:
+    """Raise `DiagnosisError` where the depth, the force or all taxels of a twin stand still that move in its recording."""
+    rows = {"depth": (recording.depth, twin.depth), "force": (recording.force, twin.force), "taxels": (recording.taxels, twin.taxels)}
+    for what, (ours, theirs) in rows.items():
+        if ours is None or theirs is None or not ours.size:
+            continue
+        moves, still = np.any(np.ptp(ours, axis=-1) > 0.0), np.all(np.ptp(theirs, axis=-1) == 0.0)
+        if moves and still:
+            raise DiagnosisError(f"the {what} of the twin {twin.name} never changes: leave it out, or give what a simulation said")
 
 
 def _surrogate(sessions: list[Session], mass: float, names: list[str]) -> Model:

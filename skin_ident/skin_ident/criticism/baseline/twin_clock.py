@@ -19,6 +19,7 @@ FARTHER = 1.25  # times as far, which no simulated motion goes
 SAME, NOISE = 0.002, 3.0  # of the motion (rms), and times the noise of reading it, by which the two may differ
 LATEST_S = 1.0  # by which a twin's clock may be off, beside clocks that begin together
 LEAST = 0.25  # of a sampling period, from which that is said
+NEARLY_ALL = 0.3  # of what two answers differ by (rms), the most that a delay leaves which is all of it
 ROUNDS = 8
 
 
@@ -37,12 +38,12 @@ def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
     hides = ""
     if by == drive:
         warnings += _same_motion(recording, twin, t - late, by)
-    elif abs(late) < max(recording.dt, twin.dt):
-        return t, warnings  # what the twin gets wrong moves its answer by as much
+    elif not by or abs(late) < max(recording.dt, twin.dt) or not _is_all(recording, t, late, *_both(recording, twin, by)):
+        return t, warnings  # what the twin gets wrong moves its answer, too
     else:
         hides = f", for it tells no {drive}: damping that is wrong may hide in that"
     if abs(late) > LEAST * recording.dt:
-        said = f"{twin.name}: its {by} comes {1e3 * late:+.3g} ms beside that of {recording.name}"
+        said = f"{twin.name}: its {by} comes {late:+.3g} s beside that of {recording.name}"
         warnings.append(f"{said}: its clock is set by that{hides}")
     return t - late, warnings
 
@@ -99,7 +100,13 @@ def _late(recording, t: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> flo
         late += step
         if abs(step) < 1e-3 * dt:
             break
-    return late
+    return late if abs(late) <= LATEST_S + dt else 0.0
+
+
+def _is_all(recording, t: np.ndarray, late: float, ours: np.ndarray, theirs: np.ndarray) -> bool:
+    """Whether a delay is nearly all by which two answers differ: of damping that is wrong, more is left."""
+    before, after = (float(np.std(ours - at(recording.t + d, t, theirs))) for d in (0.0, late))
+    return after < NEARLY_ALL * before
 
 
 def _same_motion(recording, twin, t: np.ndarray, by: str) -> list[str]:
@@ -111,7 +118,7 @@ def _same_motion(recording, twin, t: np.ndarray, by: str) -> list[str]:
         raise DiagnosisError(f"the twin {twin.name} is not of the same motion as {recording.name}: their {by}s correlate by {r:.2f}")
     if not 1.0 / FARTHER < size < FARTHER:
         raise DiagnosisError(f"the {by} of the twin {twin.name} is {size:.3g} times that of {recording.name}: is its unit right?")
-    off, noise = float(np.std(ours - theirs)), float(np.std(np.diff(ours - theirs))) / np.sqrt(2.0)
+    off, noise = float(np.sqrt(np.mean((ours - theirs) ** 2))), float(np.std(np.diff(ours - theirs))) / np.sqrt(2.0)
     if by == "force" or off <= max(SAME * float(np.std(ours)), NOISE * noise, recording.step(by) or 0.0):
         return []
     return [

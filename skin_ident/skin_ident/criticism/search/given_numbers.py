@@ -7,7 +7,7 @@ from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit, fit_effe
 from skin_ident.criticism.baseline.unknowns import effect_unknowns
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.hardware import encoder_does
-from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.named import Named, NotNamed
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_models.effect import Effect
@@ -29,40 +29,41 @@ def check_numbers(search: Search, given: Model) -> None:
         return fit(model, sessions, noise, iterations, free)
 
     kept = fit_added(as_given, search.train, search.noise)
-    if not _wrong(search, given, kept, every, fit_added):
+    wrong, why = _wrong(search, given, kept, every, fit_added)
+    if not wrong:
+        search.hardware |= {PARAMETERS: why} if why else {}
         search.present = kept
         return
     effects = fit_effects(as_given, search.train, search.noise)
-    search.present = every if not given.effects or _wrong(search, given, effects, every, fit_effects) else effects
+    search.present = every if not given.effects or _wrong(search, given, effects, every, fit_effects)[0] else effects
     gain = search.gain(kept.model, search.present.model, "skin", fit_added)
     finding = Named(*PARAMETERS, gain, kept.cost - search.present.cost, (), given, search.present.model)
     search.named.insert(0, finding)
 
 
-def _wrong(search: Search, given: Model, before: Fit, after: Fit, refit_before: Callable) -> bool:
-    """Whether numbers that `before` holds are wrong, as `after` has changed them, and it is no hardware that bends them."""
+def _wrong(search: Search, given: Model, before: Fit, after: Fit, refit_before: Callable) -> tuple[bool, NotNamed | None]:
+    """Whether numbers that `before` holds are wrong, as `after` has changed them; if it is hardware that bends them, why not."""
     gain = search.gain(before.model, after.model, "skin", refit_before)
     if not (gain.passed and gain.before - gain.after > WRONG * gain.before and _others(given, after.model)):
-        return False
-    as_if = DAMPING if _as_stiff(before.model, after.model) else PARAMETERS
+        return False, None
+    # Noise of the depth, or of a force that drives the test, does as much to damping.
+    as_if = DAMPING if _but_for_damping(given, after.model) else PARAMETERS
     why = encoder_does(as_if, gain, before.model, after.model, search.train, search.encoder_step)
-    search.hardware |= {PARAMETERS: why} if why else {}
-    return why is None
+    return why is None, why
 
 
 def _others(given: Model, after: Model) -> bool:
     """Whether numbers of the skin, or of the effects that were given, are others by what anybody would care for."""
-    damping = given.dispersion.b1 + given.dispersion.b2
-    pairs = [(getattr(given.dispersion, name), getattr(after.dispersion, name)) for name in ("b1", "b2")]
-    damped = any(abs(a - b) > AS_DAMPED * abs(damping) for b, a in pairs)
-    shared = any(abs(a - b) > AS_STIFF for b, a in zip(given.shares, after.shares, strict=True))
-    return damped or shared or not _as_stiff(given, after) or given.effects != after.effects[: len(given.effects)]
+    damping = AS_DAMPED * abs(given.dispersion.b1 + given.dispersion.b2)
+    was, now = ((m.dispersion.b1, m.dispersion.b2) for m in (given, after))
+    return not _but_for_damping(given, after) or any(abs(n - w) > damping for w, n in zip(was, now, strict=True))
 
 
-def _as_stiff(before: Model, after: Model) -> bool:
-    """Whether two skins differ by damping alone: noise of the depth, or of a force that drives the test, does as much to that."""
-    pairs = ((before.dispersion.k1, after.dispersion.k1), (before.dispersion.k2, after.dispersion.k2))
-    return all(abs(b - a) <= AS_STIFF * abs(b) for b, a in pairs)
+def _but_for_damping(given: Model, after: Model) -> bool:
+    """Whether stiffness and shares are the same for all that anybody would care, and the effects that were given as they were."""
+    was, now = ((m.dispersion.k1, m.dispersion.k2, *m.shares) for m in (given, after))
+    same = all(abs(n - w) <= AS_STIFF * abs(w) for w, n in zip(was, now, strict=True))
+    return same and given.effects == after.effects[: len(given.effects)]
 
 
 def _added(given: Model, extended: Model) -> tuple[Effect, ...]:

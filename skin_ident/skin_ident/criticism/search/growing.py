@@ -99,10 +99,10 @@ def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: White
 def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Iterator[Fit]:
     """Where damping gives back what it took, which a delay looks like: the cause begun at the delay that is as much, beside damping as it
     may be. Step by step a fit does not come there, for on all the way the one takes the place of the other."""
-    skin, delays = present.model.dispersion, next(p for p in parameters_of(ranked.best.effect) if p.name == ranked.best.parameter)
-    if delays.unit != "s" or sessions[0].drive is not None:
+    amplitude = next(p for p in parameters_of(ranked.best.effect) if p.name == ranked.best.parameter)
+    if amplitude.unit != "s" or sessions[0].drive is not None:
         return
-    sound, late = sound_damping(skin)
+    sound, late = sound_damping(present.model.dispersion)
     if late <= 0.0:
         return
     amount = ranked.best_amount + late / ranked.best.size
@@ -114,8 +114,11 @@ def sound_damping(skin: Dispersion) -> tuple[Dispersion, float]:
     """The skin with damping that takes all round, and the delay, s, that looks like what it had: of everything, where it had none in all;
     of the taxels alone, which are late where b1 < 0, or of the load cell, where b2 < 0: then both springs are damped alike."""
     whole, damping = skin.k1 + skin.k2, skin.b1 + skin.b2
+    if whole <= 0.0:
+        return skin, 0.0
     if damping < 0.0:
-        return replace(skin, b1=max(skin.b1, 0.0), b2=max(skin.b2, 0.0)), -damping / whole
+        sound = replace(skin, b1=max(skin.b1, 0.0), b2=max(skin.b2, 0.0))
+        return sound, (sound.b1 + sound.b2 - damping) / whole
     if skin.b1 < 0.0 < skin.k1:
         b1 = damping * skin.k1 / whole
         return replace(skin, b1=b1, b2=damping - b1), (b1 - skin.b1) / skin.k1

@@ -15,7 +15,6 @@ ORDER = {cause.name: i for i, cause in enumerate(CAUSES)}
 WITHIN = 0.35  # of the best score: further down, no refit makes up for it
 
 
-
 def shortlisted(
     ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], suspected: set[Key]
 ) -> list[Trial]:

@@ -19,8 +19,8 @@ from skin_models.model import Model
 
 BEYOND = 1.0  # times the recording's noise in the common band (RMS), from which what a twin says beyond its surrogate is asked
 MOST = 2  # causes that are looked for in a twin
-LEAST = 1e-4  # of the range of a channel, the least that its noise is taken for
-
+LEAST = 1e-4  # of the range of a channel, the least that its noise is taken for,
+FINEST = 1e-6  # N, of one that never changes
 
 Split = Callable[[list[Session]], tuple[list[Session], list[Session]]]
 
@@ -39,8 +39,8 @@ def with_effects_of(surrogate: Model, said: list[Session], recordings: list, spl
 
 def _noise_of(recording, said: Session) -> np.ndarray:
     """The white noise of every force that was measured, N rms (C, 1)."""
-    measured = [recording.channels[c] for c in said.channels]
-    return np.array([[max(white_noise(y), LEAST * float(np.ptp(y)))] for y in measured])
+    both = [(recording.channels[c], y) for c, y in zip(said.channels, said.raw, strict=True)]
+    return np.array([[max(white_noise(y), LEAST * float(np.ptp(y)), LEAST * float(np.ptp(twin)), FINEST)] for y, twin in both])
 
 
 def _is_beyond(surrogate: Model, said: Session, noise: np.ndarray) -> bool:

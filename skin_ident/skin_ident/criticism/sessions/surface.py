@@ -12,6 +12,7 @@ from skin_models.signals import Motion
 
 FAR = 0.03  # of the greatest depth, from which a surface is another one
 BETTER = 0.5  # of the squares that the encoder's zero leaves, the most that it may leave
+ROUNDING = 1e-9  # of the squares of the loads, below which nothing is left to be explained
 STEPS, FINER = 60, 20
 MOST = 1500  # samples of a session that are looked at
 
@@ -20,6 +21,8 @@ def surface_of(sessions: list[Session]) -> float:
     """The depth, m, at which the force begins, or the strongest taxel; 0 where the encoder's zero does nearly as well."""
     pressed = [(s.motion, _load(s)) for s in sessions if s.drive is None]
     if not pressed:
+        return 0.0
+    if _left(pressed, 0.0) < ROUNDING * sum(float(np.sum((y - y.mean()) ** 2)) for _, y in pressed):
         return 0.0
     shallowest, deepest = min(m.x.min() for m, _ in pressed), max(m.x.max() for m, _ in pressed)
     step = (deepest - shallowest) / STEPS

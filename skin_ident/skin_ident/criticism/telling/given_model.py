@@ -14,10 +14,11 @@ HARDLY = 0.1  # or this share of what it was given as
 
 
 def refitted(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
-    """The numbers of a given model that were fitted, and those of its effects: what is held is as it was given."""
-    skin = {p.name: p for p in parameters_of(model.dispersion)}
-    effects = {model.listed_as(i, p.name): p for i, _, e in _of_given(named, model) for p in parameters_of(e)}
-    return {label: {"value": p.value, "unit": p.unit, "std": std[label]} for label, p in (skin | effects).items() if label in std}
+    """The numbers of a given model that were fitted, its shares and those of its effects: what is held is as it was given."""
+    numbers = {p.name: (p.value, p.unit) for p in parameters_of(model.dispersion)}
+    numbers |= {f"share_{i}": (share, "1") for i, share in enumerate(model.shares)}
+    numbers |= {model.listed_as(i, p.name): (p.value, p.unit) for i, _, e in _of_given(named, model) for p in parameters_of(e)}
+    return {label: {"value": value, "unit": unit, "std": std[label]} for label, (value, unit) in numbers.items() if label in std}
 
 
 def not_there(named: Named, model: Model, std: dict[str, float]) -> dict[str, str]:
@@ -30,8 +31,11 @@ def not_there(named: Named, model: Model, std: dict[str, float]) -> dict[str, st
         most = (max(SURE * std.get(model.listed_as(i, p.name), 0.0), HARDLY * abs(getattr(given, p.name))) for p in sizes)
         return all(abs(p.value) <= size for p, size in zip(sizes, most, strict=True))
 
-    without = [cause_at(e.cause, e.where) for i, given, e in _of_given(named, model) if given != e and hardly(i, given, e)]
-    return {"why": f"the given simulation has {' and '.join(dict.fromkeys(without))}, which the record hardly shows"} if without else {}
+    own = list(_of_given(named, model))
+    shown = {(e.cause, e.where) for i, given, e in own if not hardly(i, given, e)}  # of two arms one may be there
+    gone = dict.fromkeys((e.cause, e.where) for _, given, e in own if given != e and (e.cause, e.where) not in shown)
+    without = " and ".join(cause_at(*key) for key in gone)
+    return {"why": f"the given simulation has {without}, which the record hardly shows"} if without else {}
 
 
 def _of_given(named: Named, model: Model) -> Iterator[tuple[int, Effect, Effect]]:
