@@ -11,6 +11,7 @@ from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effects.lag import Lag
 from skin_models.effects.nonlinear_stiffness import PolynomialStiffness
+from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 
 DT, SHARES = 0.01, (1.0, 0.4)
@@ -20,8 +21,8 @@ SQUARE = 3e6  # N/m^2 under the taxels
 BENT = PLAIN.extended(PolynomialStiffness("skin", square_sensed=SQUARE))
 
 
-def session(seed: int, square: float) -> Recording:
-    """Three sines at once, out of the air and back; a skin that stiffens by `square`, N/m^2, under the taxels."""
+def session(seed: int, square: float, arms: tuple[StressRelaxation, ...] = ()) -> Recording:
+    """Three sines at once, out of the air and back; a skin that stiffens by `square`, N/m^2, under the taxels, and relaxes by `arms`."""
     rng, t = np.random.default_rng(seed), np.arange(4000) * DT
     w, phase = 2.0 * np.pi * np.array([0.11, 0.43, 1.3]), rng.uniform(0.0, 2.0 * np.pi, (3, 1))
     size = np.array([[0.35e-3], [0.2e-3], [0.05e-3]])
@@ -33,9 +34,21 @@ def session(seed: int, square: float) -> Recording:
     )
     force, taxels = response((x, v, a), shares=SHARES, dt=DT)
     more = square * np.maximum(x, 0.0) ** 2 * (taxels[0] > 0.0)
-    force, taxels = force + more, taxels + np.outer(SHARES, more)
+    for arm in arms:
+        z = stretched(np.maximum(x, 0.0), arm.tau)
+        more = more + arm.k_sensed * z * (taxels[0] > 0.0)
+        force = force + arm.k_dispersed * z * (taxels[0] > 0.0)
+    force, taxels = np.maximum(force + more, 0.0), np.maximum(taxels + np.outer(SHARES, more), 0.0)  # skin does not pull
     noise = 0.01 * rng.standard_normal((3, t.size))
     return Recording(f"session_{seed}", t, x, force + noise[0], taxels + noise[1:])
+
+
+def stretched(x: np.ndarray, tau: float) -> np.ndarray:
+    """The stretch of a Maxwell arm's spring, m, by trapezes: z' = x' - z / tau."""
+    z, c = np.zeros(x.size), 0.5 * DT / tau
+    for n in range(1, x.size):
+        z[n] = ((1.0 - c) * z[n - 1] + x[n] - x[n - 1]) / (1.0 + c)
+    return z
 
 
 def found(model: Model, square: float) -> dict:
@@ -73,6 +86,16 @@ def test_what_a_model_with_an_effect_lacks_is_named_and_the_effect_stays():
     findings = found(PLAIN.extended(Lag("load_cell", tau=1e-6)), SQUARE)
     assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("nonlinear_stiffness", "skin")]
     assert findings["extended"]["parameters"]["lag.load_cell.tau"]["value"] == 1e-6
+
+
+def test_of_two_arms_the_one_that_a_model_has_is_not_found():
+    """What it lacks is told by its own numbers alone."""
+    slow, quick = (StressRelaxation("skin", k_sensed=1500.0, k_dispersed=500.0, tau=tau) for tau in (3.0, 0.3))
+    sessions = [session(seed, 0.0, (slow, quick)) for seed in range(3)]
+    (one,) = diagnose(sessions[:2], sessions[2:], PLAIN.extended(slow)).findings["findings"]
+    assert one["cause"] == "stress_relaxation" and len(one["evidence"]["forms"]) == 1
+    (tau,) = [p["value"] for name, p in one["parameters"].items() if name.startswith("tau")]
+    assert tau == pytest.approx(0.3, rel=0.1)
 
 
 def test_a_wrong_share_of_a_taxel_that_feels_little_is_a_wrong_number():

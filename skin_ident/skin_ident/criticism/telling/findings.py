@@ -46,12 +46,12 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
     }
 
 
-def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments) -> dict[str, Any]:
-    """One entry of `findings` that an effect stands for."""
-    effects = instances(model, *named.key)
+def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments, had: int = 0) -> dict[str, Any]:
+    """One entry of `findings` that an effect stands for; the first so many effects that a given model `had` are none."""
+    effects = instances(replace(model, effects=model.effects[had:]), *named.key)
     parameters: dict[str, Any] = refitted(named, model, std) if named.cause == "parameters" else {}
     for i, e in enumerate(model.effects):
-        for p in parameters_of(e) if e in effects else ():
+        for p in parameters_of(e) if i >= had and e in effects else ():
             label = model.listed_as(i, p.name)
             parameters[label.rsplit(".", 1)[1]] = {"value": p.value, "unit": p.unit, "std": std.get(label)}
     gain = named.gain
@@ -189,7 +189,8 @@ def as_findings(
     before = [[replace(own, beyond=s.beyond) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
     baseline = described(c.baseline.model, c.baseline.unknowns, {} if given else c.baseline.std, *before)
     baseline |= {"given": True} if given else {}
-    entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments) for n in c.named]
+    had = len(c.baseline.model.effects) if given else 0
+    entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments, had) for n in c.named]
     named = {(e["cause"], e["where"]) for one in entries for e in (one, *one["alternatives"])}
     known = telemetry_words(recordings, given)
     rounds, seen_there = [s for s, _ in c.rounds], _not_findings(c, recordings, named)
