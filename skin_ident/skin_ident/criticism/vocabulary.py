@@ -7,6 +7,12 @@ from dataclasses import dataclass
 
 Key = tuple[str, str]  # a cause and its place
 
+# Those that rules of physics speak of.
+PARAMETERS, DAMPING, STIFFER = ("parameters", "skin"), ("rate_dependence", "skin"), ("nonlinear_stiffness", "skin")
+HYSTERESIS, RELAXATION, ADHESION = ("hysteresis", "skin"), ("stress_relaxation", "skin"), ("adhesion", "skin")
+OFFSET, LATE_DEPTH, LEAKS = ("position_offset", "rig"), ("time_shift", "clock_depth"), ("crosstalk", "taxel")
+LOOP_OF_LOAD_CELL, CREEP_OF_LOAD_CELL = ("hysteresis", "load_cell"), ("drift", "load_cell")
+
 
 @dataclass(frozen=True)
 class Cause:

@@ -8,7 +8,7 @@ from skin_ident.criticism.gates.blurred import blurred
 from skin_ident.criticism.gates.description import shorter_by
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.gates.second_opinion import at_any_scale
-from skin_ident.criticism.search.by_nature import OFFSET, same_by_nature
+from skin_ident.criticism.search.by_nature import same_by_nature
 from skin_ident.criticism.search.doubt import shadowed, unproven
 from skin_ident.criticism.search.growing import instances, negligible
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_is_off, too_short
@@ -17,7 +17,7 @@ from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import SHIFT
 from skin_ident.criticism.search.trial import Trial, sized
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import OFFSET, Key
 
 SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked

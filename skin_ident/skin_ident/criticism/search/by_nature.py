@@ -16,7 +16,18 @@ from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.one_rate import at_one_rate
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import (
+    CREEP_OF_LOAD_CELL,
+    DAMPING,
+    HYSTERESIS,
+    LATE_DEPTH,
+    LEAKS,
+    LOOP_OF_LOAD_CELL,
+    OFFSET,
+    RELAXATION,
+    STIFFER,
+    Key,
+)
 from skin_models.effect import Effect
 from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.mount_compliance import DampedMount, JointedMount, PowerMount, YieldingMount
@@ -30,10 +41,6 @@ MOST = 0.8  # of what a loop of the skin explains, what that of the load cell mu
 SURE = 2.0  # standard errors
 ALONE = 0.1  # of what one kind of sensor feels of damping, the most that the other feels where it is told by the first alone
 SWALLOWED = {"skin": ("dead_zone", "skin"), "taxel": ("dead_zone", "taxel")}
-OFFSET, LATE_DEPTH = ("position_offset", "rig"), ("time_shift", "clock_depth")
-HYSTERESIS, RELAXATION, DAMPING = ("hysteresis", "skin"), ("stress_relaxation", "skin"), ("rate_dependence", "skin")
-LOOP_OF_LOAD_CELL = ("hysteresis", "load_cell")
-STIFFER, LEAKS = ("nonlinear_stiffness", "skin"), ("crosstalk", "taxel")
 
 
 @dataclass(frozen=True)
@@ -133,7 +140,7 @@ def _told_by_taxels_alone(mine: Instances) -> bool:
 
 def _told_by_the_load_cell_alone(mine: Instances) -> Iterator[Key]:
     """A loop or an arm of the skin that has nothing under the taxels is what the load cell would do by itself, or by its creep."""
-    sensor = {HYSTERESIS: LOOP_OF_LOAD_CELL, RELAXATION: ("drift", "load_cell")}.get(mine.key)
+    sensor = {HYSTERESIS: LOOP_OF_LOAD_CELL, RELAXATION: CREEP_OF_LOAD_CELL}.get(mine.key)
     if sensor is None or len(mine.sessions[0].channels) < 2 or "force" not in mine.sessions[0].channels:
         return
     sensed, dispersed = mine.amounts()

@@ -10,10 +10,10 @@ from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named, NotNamed
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import DAMPING, PARAMETERS
 from skin_models.effect import Effect
 from skin_models.model import Model
 
-PARAMETERS, DAMPING = ("parameters", "skin"), ("rate_dependence", "skin")
 AS_STIFF, AS_DAMPED = 0.02, 0.1  # share by which stiffness, or damping, is the same: an imperfect effect bends it by as much
 WRONG = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
 

@@ -10,9 +10,9 @@ from skin_ident.criticism.search.growing import instances, lacking, unlike_skin
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.pull import is_pulled
+from skin_ident.criticism.vocabulary import ADHESION, DAMPING
 
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
-DAMPING, ADHESION = ("rate_dependence", "skin"), ("adhesion", "skin")
 
 
 def plausible(trial: Trial, sessions: list[Session]) -> bool:
