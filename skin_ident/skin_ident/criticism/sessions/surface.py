@@ -6,6 +6,7 @@ what is left out for that of the encoder, and names nothing.
 """
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from skin_ident.criticism.sessions.session import Session
 from skin_models.signals import Motion
@@ -13,8 +14,8 @@ from skin_models.signals import Motion
 FAR = 0.03  # of the greatest depth, from which a surface is another one
 BETTER = 0.5  # of the squares that the encoder's zero leaves, the most that it may leave
 ROUNDING = 1e-9  # of the squares of the loads, below which nothing is left to be explained
-STEPS, FINER = 60, 20
-MOST = 1500  # samples of a session that are looked at
+STEPS, NEAR = 60, 1e-4  # of the way, and of the greatest depth, to which the surface is found
+MOST = 4000  # samples of a session that are looked at
 
 
 def surface_of(sessions: list[Session]) -> float:
@@ -27,7 +28,8 @@ def surface_of(sessions: list[Session]) -> float:
     shallowest, deepest = min(m.x.min() for m, _ in pressed), max(m.x.max() for m, _ in pressed)
     step = (deepest - shallowest) / STEPS
     coarse = min(shallowest + step * np.arange(STEPS - 1), key=lambda s: _left(pressed, s))
-    finest = min(coarse + step * np.linspace(-1.0, 1.0, FINER + 1), key=lambda s: _left(pressed, s))
+    around = (coarse - step, coarse + step)
+    finest = minimize_scalar(lambda s: _left(pressed, s), bounds=around, method="bounded", options={"xatol": NEAR * deepest}).x
     far = abs(finest) > FAR * deepest and _left(pressed, finest) < BETTER * _left(pressed, 0.0)
     return float(finest) if far else 0.0
 
