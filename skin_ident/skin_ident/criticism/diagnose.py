@@ -10,7 +10,7 @@ from skin_ident.criticism.array.analysis import ArrayCriticism
 from skin_ident.criticism.array.exchanged import put_right as columns_put_right
 from skin_ident.criticism.array.extending import told
 from skin_ident.criticism.array.joining import array_criticism, joined
-from skin_ident.criticism.array.layout import layout_of, unplaced
+from skin_ident.criticism.array.layout import Layout, layout_of, unplaced
 from skin_ident.criticism.array.proposing import array_directions
 from skin_ident.criticism.array.spreading import with_spread
 from skin_ident.criticism.baseline.residual import simulated
@@ -100,9 +100,9 @@ def diagnose(
         if twins:
             raise DiagnosisError(f"a twin of {len(every[0].taxels)} taxels cannot be compared at once: name {FEW} or fewer with --taxels")
         return _of_many(every, len(recordings), odd, layout, model, progress)
-    part = _part(every, len(recordings), odd, layout, model, twins, progress)
-    if twins and part.findings["verdict"] != "nothing_wrong":
-        part = _better(part, _part(every, len(recordings), odd, layout, model, twins, progress, beside=part))
+    progress("inspecting the recordings")
+    how = len(recordings), odd, layout
+    part = _of_twins(every, twins, *how, progress) if twins else _part(every, inspect(every), *how, model, progress)
     array = array_criticism(part.criticism, layout, part.seen, every)
     return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms, set(part.criticism.not_named))
 
@@ -122,29 +122,11 @@ class _Part:
 
 
 def _part(
-    every: list,
-    training: int,
-    odd: tuple[Symptom, ...],
-    layout,
-    model: Model | None,
-    twins: list | None,
-    progress,
-    beside: _Part | None = None,
+    every: list, looked: Inspected, training: int, odd: tuple[Symptom, ...], layout: Layout | str, model: Model | None, progress
 ) -> _Part:
-    """The search on sessions; `beside` what it has found with a plain surrogate of twins, with the effects that they hold, if they do."""
-    progress("inspecting the recordings")
-    looked = inspect(every)
+    """The search on sessions as they were `looked` at; `model` is the given one, or what stands in for twins."""
     known = known_mass(every[0].declared)
     mass = known.kg
-    if twins:
-        twin = read_twins(looked.sessions, every, twins, mass)
-        model = twin.surrogate
-        if beside:
-            model = with_effects_of(model, twin.said, every, lambda sessions: _split(sessions, training), mass, progress)
-            if model == twin.surrogate:
-                return beside
-        looked = looked.carrying(twin.beyond(model), twin.known)
-        every = [r.warned(*warnings) for r, warnings in zip(every, twin.warnings, strict=True)]
     every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
     train, held = _split(looked.sessions, training)
     step = depth_resolution(every)
@@ -169,6 +151,24 @@ def _part(
     if model is None and every[0].depth is not None and not c.train[0].free_mass:
         findings["baseline"]["held"] = {"m": {"value": mass, "unit": "kg", "because": known.source}}
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
+
+
+def _of_twins(every: list, twins: list, training: int, odd: tuple[Symptom, ...], layout: Layout | str, progress) -> _Part:
+    """What the search makes of sessions beside a plain surrogate of twins, or, where something is wrong, beside one that has the effects
+    which they hold, if that comes to more."""
+    looked, mass = inspect(every), known_mass(every[0].declared).kg
+    twin = read_twins(looked.sessions, every, twins, mass)
+    every = [r.warned(*warnings) for r, warnings in zip(every, twin.warnings, strict=True)]
+
+    def beside(surrogate: Model) -> _Part:
+        carrying = looked.carrying(twin.beyond(surrogate), twin.known)
+        return _part([*every], carrying, training, odd, layout, surrogate, progress)
+
+    plain = beside(twin.surrogate)
+    if plain.findings["verdict"] == "nothing_wrong":
+        return plain
+    extended = with_effects_of(twin.surrogate, twin.said, every, lambda sessions: _split(sessions, training), mass, progress)
+    return plain if extended == twin.surrogate else _better(plain, beside(extended))
 
 
 def _better(plain: _Part, extended: _Part) -> _Part:
@@ -203,7 +203,8 @@ def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model
     """The same where the taxels are too many for one search (see `many`)."""
     chosen = loaded_most(every[:training])
     few = some(every, chosen)
-    part = _part(few, training, (), layout_of(few, model), model and model_of_few(model, chosen), None, progress)
+    progress("inspecting the recordings")
+    part = _part(few, inspect(few), training, (), layout_of(few, model), model and model_of_few(model, chosen), progress)
 
     def split(sessions: list[Session]) -> tuple[list[Session], list[Session]]:
         return _split(sessions, training)
