@@ -43,8 +43,7 @@ def criticise(
     if there:
         train, held = ([without_meeting_at(s, surface, there) for s in sessions] for sessions in (train, held))
     enough_is_compared(train, held)
-    search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None, mass_declared)
-    search.most = most
+    search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None, mass_declared, most=most)
     noise = noise_beside(start, train, search.which)
     fitted = fit(start, train, noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
