@@ -190,8 +190,6 @@ def _outcome(
     which there is something that is no finding."""
     c, findings = part.criticism, joined(findings, array, model, seen)
     findings["findings"] = in_all_taxels(findings["findings"], len(model.shares))
-    if findings["findings"] and findings["verdict"] == "unexplained":  # until the array had its say
-        findings["verdict"] = "partly_explained"
     kept, whole = {s.name for s in part.held}, part.looked.whole
     shown = with_effects(c.extended.model, [e for e in effects_of(symptoms) if e.cause in BESIDE])
     traces = tuple(_trace(c, shown, s, own, s.name in kept) for s, own in zip(whole, _with_courses(whole, c), strict=True))

@@ -30,7 +30,7 @@ from skin_ident.criticism.sessions.session import Session, longest, prepare
 from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.findings import found, of_reading, seen
-from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.criticism.vocabulary import BY_NAME, revised
 from skin_ident.recordings.chosen import only_taxels
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -239,7 +239,6 @@ def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, ch
         for u in (*findings["untestable"], *rest.untestable)
         if u["cause"] not in causes or (u.get("in_doubt") and (u["cause"], u["where"]) not in told)
     ]
-    verdict = {"nothing_wrong": "explained", "unexplained": "partly_explained"}.get(findings["verdict"], findings["verdict"])
     said = (
         f"of {count} taxels those that are loaded most ({', '.join(map(str, chosen))}) were searched together with skin, rig and load "
         "cell; the others, in groups, for causes of their own alone"
@@ -249,6 +248,6 @@ def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, ch
         "findings": entries,
         "excluded": [e for e in findings["excluded"] if (e["cause"], e.get("where")) not in named],
         "untestable": open_still,
-        "verdict": verdict if entries else findings["verdict"],
+        "verdict": revised(findings["verdict"], bool(entries)),
         "warnings": [said, *findings["warnings"]],
     }

@@ -33,6 +33,11 @@ def verdict_of(anything: bool, systematic: bool) -> str:
     return "unexplained" if systematic else "nothing_wrong"
 
 
+def revised(verdict: str, anything: bool, more: bool = False) -> str:
+    """A verdict once more, now that it is known whether `anything` is found, and where `more` is left than was known of."""
+    return verdict_of(anything, more or verdict in ("partly_explained", "unexplained"))
+
+
 CAUSES: tuple[Cause, ...] = (
     Cause(
         "parameters",

@@ -9,7 +9,7 @@ from skin_ident.criticism.array.findings import entry, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import changing
 from skin_ident.criticism.telemetry.more_than_applied import KIND as MORE_THAN_APPLIED
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import Key, revised
 from skin_models.model import Model
 
 SPOILT = ("dead_taxel", "data_error")
@@ -53,9 +53,7 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
     mine = [u for u in findings["untestable"] if u["cause"] not in named or u.get("in_doubt")]
     kept = [u for u in mine if _about(u) in seen or _about(u) not in decided]
-    verdict = "explained" if entries and findings["verdict"] == "nothing_wrong" else findings["verdict"]
-    if not isinstance(a, str) and a.unexplained:
-        verdict = "partly_explained" if entries else "unexplained"
+    verdict = revised(findings["verdict"], bool(entries), more=not isinstance(a, str) and a.unexplained)
     warnings = [*findings["warnings"], *([APART] if not isinstance(a, str) and a.named else [])]
     reasons = [u for u in reasons if u["cause"] not in {e["cause"] for e in bounds}]
     absent = unwritten(model, a)

@@ -13,7 +13,7 @@ from skin_ident.criticism.telemetry.faults import PREDICTS, UNLIKE, effect_of
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.floor import beyond_noise, floor_of_all, left_beside, noise_floor
 from skin_ident.criticism.telling.judging import Judged
-from skin_ident.criticism.vocabulary import BY_NAME
+from skin_ident.criticism.vocabulary import BY_NAME, revised
 from skin_models.model import Model
 
 OTHER_UNIT = 3.0  # times the applied force, which no taxel reads whose gain is merely off
@@ -48,7 +48,7 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     excluded = [_as_read(e, encoder_step, c.extended.model) for e in findings["excluded"]]
     told = {"findings": entries, "recordings": recordings, "excluded": excluded, "warnings": warnings}
     told |= {"noise_floor": floor, "gain_by_channel": bounds}
-    return {**findings, **told, "verdict": _verdict(findings["verdict"], bool(above))}
+    return {**findings, **told, "verdict": revised(findings["verdict"], bool(entries), more=bool(above))}
 
 
 def _once_each(entries: list[dict[str, Any]], symptoms: int) -> list[dict[str, Any]]:
@@ -108,10 +108,6 @@ def _never_loaded(certain: dict[str, float], left: dict[str, float]) -> list[str
         for channel, rms in certain.items()
         if left[channel] > UNSURE * rms
     ]
-
-
-def _verdict(verdict: str, more: bool) -> str:
-    return {"nothing_wrong": "unexplained", "explained": "partly_explained"}.get(verdict, verdict) if more else verdict
 
 
 def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
