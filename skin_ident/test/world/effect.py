@@ -51,7 +51,7 @@ class Effect:
     """Nothing hidden. Forms override what they touch; `a` is the amplitude that the world scales, `rng` is the session's own."""
 
     fixed = False  # the amplitude is not scaled to a size
-    by_difference = False  # sized by what it changes in the measured signals, depth counted as force
+    by_difference = False  # sized by the errors that it adds to the measured signals, depth counted as force
     limit = float("inf")  # largest amplitude that makes sense
     stiff = False  # needs the fine steps even for sizing
     static_array = False  # shows only against the declared spread over several taxels

@@ -8,7 +8,7 @@ from .effect import Context
 from .hidden import RIVALS, Hide, build, complete
 from .noise import as_noise
 from .rig import FORCE_STEP, OVER, Rig
-from .sizing import find_amplitude, rms, visible, visible_in_array
+from .sizing import added, find_amplitude, rms, visible, visible_in_array
 from .specimen import draw_specimen
 
 
@@ -120,8 +120,7 @@ def _sizes(rig, number, effect, a, known=None, coarse=1):
     """Visible RMS over noise RMS of [force, taxel_0, …] in one session; `known` = (finished, (clean, said)) saves running it."""
     if effect.by_difference:
         clean = rig.clean(number, [])[0]
-        one, other = rig.measure(clean, number, [(effect, a)]), rig.measure(clean, number, [])
-        difference = one.force - other.force + rig.skin.stiffness * (one.x - other.x), one.taxels - other.taxels
+        left = added(rig.measure(clean, number, [(effect, a)]), rig.measure(clean, number, []), clean, rig.skin.stiffness)
     else:
         if known is None:
             run = rig.clean(number, [(effect, a)], coarse)
@@ -129,11 +128,11 @@ def _sizes(rig, number, effect, a, known=None, coarse=1):
         finished, (_, said) = known
         base = rig.base(number, coarse, said)
         if effect.static_array and len(rig.skin.positions) > 1:
-            difference = visible_in_array(finished, base, OVER // coarse, rig.skin.shares())
+            left = visible_in_array(finished, base, OVER // coarse, rig.skin.shares())
         else:
-            difference = visible(finished, base, OVER // coarse)
+            left = visible(finished, base, OVER // coarse)
     floor = rig.noise_rms()
-    return [float(rms(difference[0]) / floor["force"]), *(rms(difference[1]) / np.array(floor["taxels"])).tolist()]
+    return [float(rms(left[0]) / floor["force"]), *(rms(left[1]) / np.array(floor["taxels"])).tolist()]
 
 
 def _amplitude(rig, effect, hide):

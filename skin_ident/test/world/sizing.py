@@ -20,6 +20,22 @@ def visible_in_array(record, base, every, shares):
     return np.zeros(u.size), left.reshape(n, -1).T
 
 
+def added(wrong, sound, clean, stiffness):
+    """What a wrong record has of error beyond a sound one, as `visible` has it: errors of force and depth, the latter by `stiffness` (N/m),
+    and of taxels, each as the RMS of the excess. A step that is a thousandth coarser rounds otherwise, and adds nothing.
+    """
+    force, taxels = zip(*(_errors(r, clean, stiffness) for r in (wrong, sound)), strict=True)
+    return _excess(*force), _excess(*taxels)
+
+
+def _errors(record, clean, stiffness):
+    return record.force - clean.force + stiffness * (record.x - clean.x), record.taxels - clean.taxels
+
+
+def _excess(wrong, sound):
+    return np.sqrt(np.maximum(np.mean(wrong**2, axis=0) - np.mean(sound**2, axis=0), 0.0))[None]
+
+
 def _sampled(base, every):
     """Surface depth, speed, contact, and the samples that count: those next to a touchdown depend on its place between samples."""
     touching = base.touching[::every]
