@@ -270,7 +270,10 @@ def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
     own = {s.name: s for s in (*c.train, *c.held)}
     kept = [own.get(s.name, c.train[0]) for s in sessions]
     beyond = [k.beyond if k.beyond is None else at_every_sample(k.beyond, k, s) for s, k in zip(sessions, kept, strict=True)]
-    return [replace(s, beyond=b, spread=k.spread, reference=k.reference) for s, b, k in zip(sessions, beyond, kept, strict=True)]
+    return [
+        replace(s, beyond=b, spread=k.spread, reference=k.reference, lacks=k.lacks, skin=k.skin)
+        for s, b, k in zip(sessions, beyond, kept, strict=True)
+    ]
 
 
 def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> Model:
@@ -282,7 +285,7 @@ def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> M
 
 
 def _trace(c: Criticism, shown: Model, s: Session, own: Session, held: bool) -> Trace:
-    before, after = simulated(c.baseline.model, s), simulated(shown, own)
+    before, after = simulated(c.baseline.model, replace(s, skin=own.skin)), simulated(shown, own)
     moved = motion_under(s, c.extended.model.dispersion)
     seen = believed(s.name, c)
     left_out = None if seen is None else 1.0 - np.round(np.interp(moved.t, *seen))

@@ -204,13 +204,12 @@ def criticism_of_all(
     c: Criticism, rest: Rest, recordings: list, chosen: list[int], model: Model, symptoms: tuple, split: Split
 ) -> Criticism:
     """The criticism with all taxels in its sessions and its model, as the analysis of the array asks for it."""
-    own = {s.name: s.beyond for s in (*c.train, *c.held)}
+    own = {s.name: s for s in (*c.train, *c.held)}
     mended = [mended_depth(r, symptoms) for r in recordings]
     common = common_to(mended, depth_step(mended))
     sessions = [prepare(r, bad_samples(r, symptoms), common) for r in mended]
     train, held = (
-        [replace(without_parting(s, model.dispersion), beyond=_spread_out(own.get(s.name), s, chosen)) for s in part]
-        for part in split(sessions)
+        [_with_own(without_parting(s, model.dispersion), own.get(s.name), chosen) for s in part] for part in split(sessions)
     )
     noise = noise_of(model, train)
     named = (*(named_of_all(n, chosen) for n in c.named), *rest.named)
@@ -218,14 +217,16 @@ def criticism_of_all(
     return replace(c, extended=extended, last=last, named=named, train=tuple(train), held=tuple(held))
 
 
-def _spread_out(beyond: np.ndarray | None, s: Session, chosen: list[int]) -> np.ndarray | None:
-    """What a session has of its own in the few channels, (C, N), among all of them."""
-    if beyond is None:
-        return None
-    out = np.zeros_like(s.raw)
-    first = len(s.channels) - s.n_taxels
-    out[[*range(first), *(first + i for i in chosen)]] = beyond
-    return out
+def _with_own(s: Session, few: Session | None, chosen: list[int]) -> Session:
+    """A session of all taxels with what it has and lacks of its own in the `few` channels."""
+    if few is None:
+        return s
+    lacks = frozenset((cause, renamed(where, chosen)) for cause, where in few.lacks)
+    if few.beyond is None:
+        return replace(s, lacks=lacks, skin=few.skin)
+    beyond, first = np.zeros_like(s.raw), len(s.channels) - s.n_taxels
+    beyond[[*range(first), *(first + i for i in chosen)]] = few.beyond
+    return replace(s, beyond=beyond, lacks=lacks, skin=few.skin)
 
 
 def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, chosen: list[int], count: int) -> dict[str, Any]:

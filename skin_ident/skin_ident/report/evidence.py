@@ -14,7 +14,7 @@ from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, meaning,
 
 UNTOLD = (  # said elsewhere, or for programs
     "likelihood_gain", "held_out_fall_of_mean_square", "why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std",
-    "sessions", "in_model", "predicts_nothing_for",
+    "sessions", "in_model", "predicts_nothing_for", "only_in", "not_in",
 )  # fmt: skip
 
 

@@ -79,6 +79,11 @@ class Finding:
         return re.sub(r"taxel_(\d)", r"taxel \1", text(dict(self.evidence).get("why")))
 
     @property
+    def partly(self) -> bool:
+        """Whether some sessions are free of it."""
+        return bool(dict(self.evidence).get("not_in"))
+
+    @property
     def simulated(self) -> bool:
         """Whether the finding says that it is in the extended model."""
         return dict(self.evidence).get("in_model") is True

@@ -25,7 +25,13 @@ def simulated_again(model: Model, changed: list[tuple[Model, Place | None]], ses
 
 
 def placed(model: Model, session: Session) -> Model:
-    """The model under the contact of this session: itself, unless sessions press at different places."""
+    """The model as it is in this session: with its own skin, without what it lacks, and under its contact where sessions press at different
+    places."""
+    if session.skin:
+        own = {name: factor * getattr(model.dispersion, name) for name, factor in session.skin.items()}
+        model = replace(model, dispersion=replace(model.dispersion, **own))
+    if session.lacks:
+        model = replace(model, effects=tuple(e for e in model.effects if (e.cause, e.where) not in session.lacks))
     if session.spread is None:
         return model
     effects = tuple(at_place(e, session) for e in model.effects)

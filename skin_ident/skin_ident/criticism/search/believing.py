@@ -52,6 +52,13 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
     return None
 
 
+def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:
+    """Whether a trial that some sessions lack is believed as one that all share would be."""
+    if search.shadows(gain) or trial.score <= search.form_of_others(*trial.key) or _is_hardware(search, trial, gain):
+        return False
+    return _is_believed(search, trial, gain, second_chance=False) and not _hardware_does(search, trial, [], gain)
+
+
 def _explains_all(search: Search, trial: Trial) -> bool:
     """Whether a trial of one instance explains nearly all that anything explains of what is left: what an imperfect form of another cause
     leaves, no other cause has the form of. One that explains much more than small amounts of everything is no small effect: it leads the

@@ -39,7 +39,7 @@ def exchange(search: Search) -> bool:
 
 def _shared(search: Search) -> list[Named]:
     """What was named that all sessions share."""
-    return [n for n in search.named if not n.courses]
+    return [n for n in search.named if not (n.courses or n.only)]
 
 
 def _exchanged(search: Search, finding: Named) -> bool:

@@ -1,5 +1,7 @@
 """What held-out data support and is no finding, since good hardware does as much by itself: it is said, with what would tell."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from skin_ident.criticism.courses.carriers import DEPTH
@@ -86,6 +88,13 @@ def tare_does(largest: float, tare: Tare) -> NotNamed:
     off = f"the zeros of single sessions are off by up to {largest:.2g} N"
     needs = "a converter with finer steps, and tares of many seconds in free air"
     return _usual(f"{off}, as {tare.said} may leave them", needs, own_zero=True)
+
+
+def specimens_do(largest: Mapping[str, float]) -> NotNamed:
+    """Why numbers that each session has of its own, the `largest` departure of each by name, are no finding."""
+    off = ", ".join(f"{name} by up to {100.0 * share:.2g} %" for name, share in largest.items())
+    needs = "sessions of one specimen in one place and at one temperature, or the numbers of each"
+    return _usual(f"the skin of single sessions is another ({off}), as that of specimens, temperatures and places is", needs)
 
 
 def _worth(gain: Gain) -> str:

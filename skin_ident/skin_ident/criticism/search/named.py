@@ -24,6 +24,8 @@ class Named:
     before: Model | None = None
     model: Model | None = None
     courses: dict[str, Said] = field(default_factory=dict)  # what belongs to one session alone, in words by session
+    only: tuple[str, ...] = ()  # the sessions that have it, by name, where others are
+    free: tuple[str, ...] = ()  # free of it
 
     @property
     def key(self) -> Key:

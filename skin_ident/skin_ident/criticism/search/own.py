@@ -97,7 +97,7 @@ def take_alone(search: Search) -> bool:
     if search.alone or not search.held:
         return False
     for _ in range(TARES):
-        runs = _not_had(search)
+        runs = courses_alone(search)
         run = next(iter(runs), None)
         if run is not None and run.of_the_tare:
             if not _take_zero_alone(search, run):
@@ -112,7 +112,7 @@ def take_alone(search: Search) -> bool:
     return False
 
 
-def _not_had(search: Search) -> list[Run]:
+def courses_alone(search: Search) -> list[Run]:
     """What held-out sessions may have of their own and have not yet, the plainest first."""
     had = {r.course for r in search.runs}
     runs = beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step)

@@ -152,6 +152,8 @@ def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], sessio
     run = model.trace(motion_under(session, model.dispersion))
     base = rows(run.response, session)
     for i, d in enumerate(which):
+        if d.key in session.lacks:
+            continue
         change = rows(model.bent(run, at_place(d.probed, session)), session) - base
         changed = np.einsum("cn,cn->c", change, change) > 0.0  # five times as fast as to ask for any
         out[i, changed] = session.band.thin(change[changed]) / d.amount

@@ -5,6 +5,8 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.own import take_alone, take_course
+from skin_ident.criticism.search.own_skin import settle_skin, take_own_skin, take_own_skin_of_held
+from skin_ident.criticism.search.partly import take_partly
 from skin_ident.criticism.search.several import in_order
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
@@ -29,13 +31,20 @@ def run(search: Search, fitted: Fit) -> None:
 def _round(search: Search) -> bool:
     """Take what explains most of what the present model leaves, and is believed; return whether to look again."""
     search.begin_round()
+    settle_skin(search)
     last = search.look()
     trials, runs = in_order(search, search.trials(last)), search.own_courses()
     mass = with_mass(search.present, search.train, search.noise) if search.weighable else None
-    if mass and weighs(search, mass, max([0.0, *(t.score for t in trials), *(r.score for r in runs)])):
+    best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
+    if mass and weighs(search, mass, best):
         weigh(search, mass)
         return True
+    if take_own_skin(search, trials, runs):
+        return True
     last_resort = mass if mass and may_wait(search, mass) else None
+    if take_partly(search, last, best):
+        search.end_round(last, search.named[-1].cause)
+        return True
     own, shared = choose(search, trials, runs)
     if own and not take_tare(search, own[1]):
         search.end_round(last, own[1].cause)
@@ -52,6 +61,8 @@ def _believing_none(search: Search, last: Survey, trials: list[Trial], runs: lis
     wave. Return whether to look again."""
     if not (search.zeroed or search.doubts or search.hardware) and take_zeros(search):
         search.zeroed = True
+        return True
+    if take_own_skin_of_held(search):
         return True
     if take_alone(search):
         search.end_round(last, search.named[-1].cause)
@@ -77,7 +88,7 @@ def eliminate(search: Search) -> bool:
     if nothing came after it."""
     named = search.named
     asked = named[:-1] if named and named[-1].model is search.present.model else named
-    for finding in reversed([n for n in asked if not n.courses]):
+    for finding in reversed([n for n in asked if not (n.courses or n.only)]):
         without = fit(lacking(search.present.model, *finding.key), search.train, search.noise)
         gain = search.gain(without.model, search.present.model, finding.where)
         if not (gain.passed or search.second_opinion(without.model, search.present.model, finding.where, gain).passed):

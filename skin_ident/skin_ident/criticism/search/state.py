@@ -74,6 +74,7 @@ class Search:
     dropped: set[Key] = field(default_factory=set)  # without which the rest predicted as well: what they took is asked of others
     doubting: bool = False  # held-out sessions alone decide, for a cause was taken for granted
     alone: bool = False  # what is wrong in the held-out sessions alone was looked for, and found
+    own_skin: bool = False  # the skin may differ from session to session
     zeroed: bool = False  # zeros as good hardware leaves them were taken where no cause was believed
     refused: float = 0.0  # what the best cause would explain that was not believed in the last round
     wandering: float = 0.0  # the most that a course explained of training which then predicted nothing
@@ -126,12 +127,13 @@ class Search:
         """The most promising causes, each grown and refitted, the best first."""
 
         def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
-            return (t for t in map(self._trial, causes) if plausible(t, self.train))
+            return (t for t in map(self.tried, causes) if plausible(t, self.train))
 
         ranked = [r for r in last.ranked if r.key not in self.dropped]
         return shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected)
 
-    def _trial(self, r: Ranked) -> Trial:
+    def tried(self, r: Ranked) -> Trial:
+        """One cause, grown and refitted beside everything else."""
         self.progress(f"trying {r.cause} in the {r.where}")
         fits = grow(self.present, r, self.train, self.which, self.noise)
         grown, *plainer = (Trial(r, after, after.gain_over(self.present)) for after in fits)

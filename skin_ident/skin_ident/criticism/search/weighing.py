@@ -35,6 +35,11 @@ def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:
     return [replace(s, heaviest=heaviest) for s in sessions]
 
 
+def having_all(sessions: list[Session]) -> list[Session]:
+    """The sessions, none of which lacks a cause any more."""
+    return [replace(s, lacks=frozenset()) for s in sessions]
+
+
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
     """The fit with the mass free, where it is set and that explains enough to matter; of one that hangs, with its inertia."""
     if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
@@ -116,6 +121,7 @@ def weigh(search: Search, free: Fit) -> None:
     # That of the other mass was the noise of a wrong model.
     search.present = fit(search.present.model, search.train, search.survey().noise)
     if not kept:
+        search.train, search.held = having_all(search.train), having_all(search.held)
         search.named, search.befores, search.wandering = [n for n in search.named if n.courses], {}, 0.0
     search.go_on()
 

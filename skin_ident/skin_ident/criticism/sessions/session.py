@@ -9,6 +9,7 @@ import numpy as np
 from skin_ident.criticism.noise.growth import load_of
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import ALONE, Common, beside_rounding
+from skin_ident.criticism.vocabulary import Key
 from skin_ident.recordings.staircase import drawn_again
 from skin_models.dispersion import Dispersion
 from skin_models.operators.lagging import lagged
@@ -46,6 +47,8 @@ class Session:
     stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
     clipped: frozenset[str] = frozenset()  # channels that the record itself shows to stand at a ceiling
     heaviest: float = 0.0  # kg, up to which the model's mass is fitted, too; held where this is 0 (see `weighing`)
+    skin: Mapping[str, float] = field(default_factory=dict)  # what k1, b1, k2, b2 are multiplied by in this session (see `search.own_skin`)
+    lacks: frozenset[Key] = frozenset()  # causes of the model, and their places, that are not in this session (see `search.partly`)
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
     reference: int | None = None  # the taxel whose share is so in any case
     steps: tuple[float, ...] = ()  # N, between the levels on which each channel is read, 0 where none are seen

@@ -66,6 +66,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
             "held_out": gain.held_out,
             "forms": [type(e).__name__ for e in effects],
             **_of_each_session(named),
+            **_in_some(named),
             **not_there(named, model, std),
         },
         "gain": gain.entry,
@@ -79,6 +80,8 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
 def advice_on(named: Named) -> str:
     """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
     usual, own = BY_NAME[named.cause].act, named.courses.values()
+    if named.only:
+        return f"look for what changed between the sessions (another plug, filter or specimen, a re-mount, a loose screw); then {usual}"
     if any(course.under_way for course in own):
         return f"look for what happened at the moments that are named (a knock, a plug, a re-mount, a tare in between); then {usual}"
     if any(course.crept for course in own):
@@ -93,6 +96,13 @@ def _of_each_session(named: Named) -> dict[str, Any]:
     why = f"each session has its own ({said}), which no parameter that they share could be"
     sizes = {session: list(course.sizes) for session, course in named.courses.items()}
     return {"why": why, "of_each_session": named.courses, "sessions": sizes}
+
+
+def _in_some(named: Named) -> dict[str, Any]:
+    if not named.only:
+        return {}
+    why = f"it is in {', '.join(named.only)}, as far as each session tells, and not in {', '.join(named.free)}"
+    return {"why": why, "only_in": list(named.only), "not_in": list(named.free)}
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:

@@ -50,11 +50,14 @@ def judge(
 
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
     start = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects)
-    plain = [[without_parting(s, start.dispersion) for s in sessions] for sessions in whole]
+    plain = [
+        [replace(without_parting(s, start.dispersion), skin=own.skin) for s, own in zip(*pair, strict=True)]
+        for pair in zip(whole, (c.train, c.held), strict=True)
+    ]
     noise = noise_of(start, plain[0])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
     train, held = (
-        [replace(s, beyond=own.beyond, spread=own.spread) for s, own in zip(*pair, strict=True)]
+        [replace(s, beyond=own.beyond, spread=own.spread, lacks=own.lacks, skin=own.skin) for s, own in zip(*pair, strict=True)]
         for pair in zip(plain, (c.train, c.held), strict=True)
     )
     model = with_effects(c.extended.model, effects)

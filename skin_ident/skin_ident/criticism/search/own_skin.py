@@ -1,0 +1,132 @@
+"""The skin as each session had it: a specimen is a hundredth stiffer where it lies today, or how warm it is.
+
+k1, b1, k2 and b2 of a session are those that all share, times 1 + theta. What theta explains is held against what any cause does, by its
+marginal likelihood under a normal distribution with the standard deviation s = `STRAYS`,
+
+    theta = (J'J + 1/s^2)^-1 J' r,    2 log p - 2 log p0 = r' J theta - log det(1 + s^2 J'J)
+
+with the whitened residual r and the tangents J of all sessions, both beside what the shared numbers may do (N. M. Laird, J. H. Ware,
+Random-effects models for longitudinal data, Biometrics 38 (1982) 963-974). Where that is more, sessions keep numbers of their own, which
+belong to the baseline as the zeros of their tares do; held-out sessions have theirs by themselves.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from skin_ident.criticism.baseline.fitting import fit, tangents, whitened
+from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values
+from skin_ident.criticism.courses.course import basis
+from skin_ident.criticism.courses.run import LEAST, Run
+from skin_ident.criticism.noise.whitening import stack
+from skin_ident.criticism.search.hardware import specimens_do
+from skin_ident.criticism.search.own import courses_alone
+from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.trial import Trial
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import PARAMETERS
+
+NUMBERS = ("k1", "b1", "k2", "b2")
+STRAYS = 0.03  # of every number, from session to session
+FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
+TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, until they move by less
+WORTH_SAYING = 0.002
+
+
+def take_own_skin(search: Search, trials: list[Trial], runs: list[Run]) -> bool:
+    """Whether numbers of each session's own explain more of what was fitted than any cause, or course of theirs, and were taken."""
+    if not _asked(search) or len(search.train) < 2:
+        return False
+    theta, explained = _of_train(search)
+    return _taken(search, theta, explained, max((x.score for x in (*trials, *runs)), default=0.0))
+
+
+def take_own_skin_of_held(search: Search) -> bool:
+    """The same of what is left in held-out sessions alone."""
+    if not _asked(search) or not search.held:
+        return False
+    each = [_of_one(search, s) for s in search.held]
+    theta, explained = np.array([t for t, _ in each]), sum(x for _, x in each)
+    return _taken(search, theta, explained, max((r.score for r in courses_alone(search)), default=0.0))
+
+
+def _asked(search: Search) -> bool:
+    return not search.own_skin and bool(_which(search))
+
+
+def _taken(search: Search, theta: np.ndarray, explained: float, best: float) -> bool:
+    if explained <= max(LEAST, best) or np.abs(theta).max() > FARTHEST:
+        return False
+    search.progress("letting the skin differ from session to session")
+    search.own_skin = True
+    settle_skin(search)
+    return True
+
+
+def settle_skin(search: Search) -> None:
+    """Fit the numbers that every session has of its own once more, and those that all share beside them, where they were taken."""
+    if not search.own_skin:
+        return
+    if len(search.train) > 1:
+        _settle_train(search)
+    search.held = [_with(s, search, _of_one(search, s)[0]) for s in search.held]
+    every = [s.skin for s in (*search.train, *search.held) if s.skin]
+    largest = {u.label: max(abs(skin[u.label] - 1.0) for skin in every) for u in _which(search)}
+    search.tared.pop(PARAMETERS, None)
+    if max(largest.values()) > WORTH_SAYING:
+        search.tared[PARAMETERS] = specimens_do(largest)
+
+
+def _settle_train(search: Search) -> None:
+    for _ in range(TIMES):
+        before = np.array([_present(search, s) for s in search.train])
+        theta, _ = _of_train(search)
+        search.train = [_with(s, search, row) for s, row in zip(search.train, theta, strict=True)]
+        search.present = fit(search.present.model, search.train, search.noise)
+        if np.abs(theta - before).max() < SETTLED:
+            return
+
+
+def _which(search: Search) -> tuple[Unknown, ...]:
+    s = search.train[0]
+    return tuple(u for u in unknowns(search.present.model, s) if u.label in NUMBERS) if s.drive is None else ()
+
+
+def _rows(search: Search, s: Session) -> np.ndarray:
+    """What a unit of each theta changes in a session, whitened, (R, U)."""
+    which, model = _which(search), search.present.model
+    shares = values(model, which) / scales(model, which)
+    return stack([tangents(model, [s], which)[0] * shares[:, None, None]], [s], search.noise)
+
+
+def _present(search: Search, s: Session) -> np.ndarray:
+    return np.array([s.skin.get(u.label, 1.0) - 1.0 for u in _which(search)])
+
+
+def _of_train(search: Search) -> tuple[np.ndarray, float]:
+    """theta (S, U) of the sessions that were fitted, and what it explains: twice a log likelihood ratio."""
+    sessions, noise, model = search.train, search.noise, search.present.model
+    Q = basis(stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise))
+    J, now = block_diag(*(_rows(search, s) for s in sessions)), np.concatenate([_present(search, s) for s in sessions])
+    r = whitened(model, sessions, noise) + J @ now
+    J, r = J - Q @ (Q.T @ J), r - Q @ (Q.T @ r)
+    theta, explained = _solved(J, r)
+    return theta.reshape(len(sessions), -1), explained
+
+
+def _of_one(search: Search, s: Session) -> tuple[np.ndarray, float]:
+    """theta (U,) of a session that was held out, and what it explains."""
+    J = _rows(search, s)
+    return _solved(J, whitened(search.present.model, [s], search.noise) + J @ _present(search, s))
+
+
+def _solved(J: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, float]:
+    """theta of the module's equation, and what it explains."""
+    gram, product = J.T @ J, J.T @ r
+    theta = np.linalg.solve(gram + np.eye(len(gram)) / STRAYS**2, product)
+    return theta, float(theta @ product - np.linalg.slogdet(np.eye(len(gram)) + STRAYS**2 * gram)[1])
+
+
+def _with(s: Session, search: Search, theta: np.ndarray) -> Session:
+    return replace(s, skin={u.label: 1.0 + float(x) for u, x in zip(_which(search), theta, strict=True)})

@@ -1,0 +1,217 @@
+"""A cause that some sessions have and others lack: since a screw came loose, until a filter was taken out, in the cold of one day.
+
+Taken as what all sessions share it is too small for the one half of them and too large for the other, and another cause may look more
+like it. So before a shared cause is believed it is asked whether one would explain clearly more of which some sessions are free. Each
+session s would have an amount of its own of a direction of the catalogue,
+
+    amounts = G^-1 b,    b_s = d_s' P r,    G_st = [s = t] d_s' d_s - (Q' d_s)' (Q' d_t)
+
+with whitened directions d, what is left r, and P = I - Q Q' what projects off the model's own unknowns. In the order of these amounts the
+sessions are parted in two where the one part, having one amount, explains most; who has it is chosen, and charged as so many coins. With
+the cause fitted to these, every session is asked once more whether it is nearer with or without it, and so is each that was held out.
+
+Zeros, gains, clocks and drifts of each session's own are courses (see `courses.course`), whatever their amounts. Where the skin itself is
+another in those sessions, any cause may seem to come and go with it: other numbers of the plain model for them are a rival, and where they
+explain clearly more nothing is named.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, whitened
+from skin_ident.criticism.courses.course import basis
+from skin_ident.criticism.courses.kinds import CAUSES as COURSES
+from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain, in_turn, left_by
+from skin_ident.criticism.gates.second_opinion import halves_in_turn
+from skin_ident.criticism.noise.whitening import stack
+from skin_ident.criticism.search.believing import believed_in_part
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.plausible import plausible
+from skin_ident.criticism.search.rivals import Rival, reach
+from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.survey import Survey, survey
+from skin_ident.criticism.search.trial import Trial
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import PARAMETERS, Key
+
+FEWEST = 3  # training sessions, of which some may have what others lack
+MOST = 3  # causes that are fitted
+UNFELT = 1e-3  # of what other sessions feel, and of what is felt before the model imitates it, below which a session tells nothing
+COIN = 2.0 * np.log(2.0)  # twice nats, of having or lacking it
+TIMES = 3  # that sessions are asked whether they have it
+TELLS = 6.0  # twice nats, by which a session must be nearer without a cause to lack it
+PROMISING = 0.8  # of what is explained by another account, from which on a cause is fitted
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What a cause seems to explain at first glance, charged, and the names of the sessions that seem to lack it."""
+
+    key: Key
+    score: float
+    lacking: frozenset[str]
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """A cause fitted to the sessions that have it: the state in which the others lack it, the trial, and its score less the coins."""
+
+    ahead: Search
+    trial: Trial
+    score: float
+
+
+def take_partly(search: Search, last: Survey, best: float) -> bool:
+    """Name the cause that explains clearly more than the `best` of all others where some sessions lack it, if it is believed."""
+    if len(search.train) < FEWEST:
+        return False
+    least = max(best, search.least(search.present.count))
+    ground = _Ground.of(search, last)
+    seen = [s for s in ground.seen() if s.score > PROMISING * least][:MOST]
+    tried = sorted(filter(None, (_tried(search, s) for s in seen)), key=lambda t: -t.score)
+    if not tried or reach(tried[0].score) <= least:
+        return False
+    first, *others = tried
+    numbers = ground.of_other_numbers({s.name for s in first.ahead.train if first.trial.key not in s.lacks})
+    if first.score <= reach(numbers):
+        return False
+    gain = _gain(search, first)
+    if not believed_in_part(first.ahead, first.trial, gain):
+        return False
+    rivals = [Rival(*t.trial.key, first.score - t.score, t.trial.fit.model) for t in others if t.score > reach(first.score)]
+    rivals += [Rival(*PARAMETERS, first.score - numbers)] * (numbers > reach(first.score))
+    search.train, search.held = first.ahead.train, first.ahead.held
+    only, free = (
+        tuple(s.name for s in (*search.train, *search.held) if (first.trial.key in s.lacks) == lacks) for lacks in (False, True)
+    )
+    named = Named(*first.trial.key, gain, first.score, tuple(rivals), search.present.model, first.trial.fit.model, only=only, free=free)
+    search.accept(first.trial.fit, named)
+    return True
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """By session: the squares of whitened directions (S, M), their products with what is left (S, M), and with the orthonormal `Q` (R, U)
+    that the model's `own` unknowns (R, U) span (S, U, M); what is `left` (R,) beside these, and where each session begins in R."""
+
+    keys: tuple[Key, ...]
+    names: tuple[str, ...]
+    signs: np.ndarray
+    squares: np.ndarray
+    products: np.ndarray
+    along: np.ndarray
+    own: np.ndarray
+    Q: np.ndarray
+    left: np.ndarray
+    begins: np.ndarray
+
+    @classmethod
+    def of(cls, search: Search, last: Survey) -> "_Ground":
+        """What the survey knows, session by session."""
+        sessions, noise, which = search.train, search.noise, last.projected.which
+        every, own = zip(*(last.directions_of(s) for s in sessions), strict=True)
+        white = [stack([rows], [s], noise) for rows, s in zip(every, sessions, strict=True)]
+        J = np.concatenate([a[:, : own[0]] for a in white])
+        r, Q = whitened(search.present.model, sessions, noise), basis(J)
+        r = r - Q @ (Q.T @ r)
+        begins = np.cumsum([len(a) for a in white])[:-1]
+        parts = list(zip((a[:, own[0] :] for a in white), np.split(Q, begins), np.split(r, begins), strict=True))
+        return cls(
+            tuple(d.key for d in which),
+            tuple(s.name for s in sessions),
+            np.array([d.sign for d in which]),
+            np.array([np.einsum("rm,rm->m", a, a) for a, _, _ in parts]),
+            np.array([a.T @ left for a, _, left in parts]),
+            np.array([q.T @ a for a, q, _ in parts]),
+            *(J, Q, r, begins),
+        )
+
+    def of_other_numbers(self, having: set[str]) -> float:
+        """What other numbers of the plain model for these sessions explain, charged."""
+        parts = zip(np.split(self.own, self.begins), self.names, strict=True)
+        J = np.concatenate([part * (name in having) for part, name in parts])
+        apart = basis(J - self.Q @ (self.Q.T @ J))
+        return float(np.sum((apart.T @ self.left) ** 2)) - self.charge * apart.shape[1]
+
+    @property
+    def charge(self) -> float:
+        """Of every number."""
+        return float(np.log(max(np.count_nonzero(self.left), 2)))
+
+    def seen(self) -> list[_Seen]:
+        """Of every cause that direction which explains most where some sessions lack it; the best first."""
+        best: dict[Key, _Seen] = {}
+        for m, (key, sign) in enumerate(zip(self.keys, self.signs, strict=True)):
+            one = self._of(m, int(sign)) if key[0] not in COURSES.values() else None
+            if one and one.score > best.get(key, _Seen(key, 0.0, frozenset())).score:
+                best[key] = one
+        return sorted(best.values(), key=lambda s: -s.score)
+
+    def _of(self, m: int, sign: int) -> _Seen | None:
+        """What the direction `m`, of one `sign` or of either (0), explains where those sessions have it that seem to have most of it."""
+        along = self.along[:, :, m]
+        gram, size = np.diag(self.squares[:, m]) - along @ along.T, np.sqrt(self.squares[:, m])
+        if size.min() <= UNFELT * size.max():
+            return None
+        amounts = np.linalg.lstsq(gram / np.outer(size, size), self.products[:, m] / size, rcond=None)[0] / size
+        order = np.argsort(-amounts * (sign or 1))
+        ways = [order, order[::-1]] if sign == 0 else [order]
+        return max((self._split(m, sign, gram, way[:k]) for way in ways for k in range(1, order.size)), key=lambda s: s.score)
+
+    def _split(self, m: int, sign: int, gram: np.ndarray, having: np.ndarray) -> _Seen:
+        has = np.isin(np.arange(len(gram)), having)
+        energy, product = float(has @ gram @ has), float(has @ self.products[:, m])
+        able = energy > UNFELT * float(has @ self.squares[:, m]) and product * (sign or product) > 0.0
+        score = product**2 / energy - self.charge - COIN * has.size if able else 0.0
+        return _Seen(self.keys[m], score, frozenset(n for n, h in zip(self.names, has, strict=True) if not h))
+
+
+def _tried(search: Search, seen: _Seen) -> _Tried | None:
+    """The cause fitted where sessions have it; None where all or none of them do, where they share it just as well, or physics rules it
+    out."""
+    key, lacking = seen.key, seen.lacking
+    own = tuple(d for d in search.which if d.key == key)
+    trial = None
+    for _ in range(TIMES):
+        ahead = search.ahead(search.present)
+        ahead.train = _without(search.train, key, lacking)
+        if trial is None:
+            trial = ahead.tried(survey(search.present.model, ahead.train, own, search.noise).ranked[0])
+        else:
+            after = fit(trial.fit.model, ahead.train, search.noise)
+            trial = replace(trial, fit=after, score=after.gain_over(search.present), plainer=None)
+        now = frozenset(s.name for s in search.train if _lacks(search, trial.fit, s, key))
+        if now == lacking or not 0 < len(now) < len(search.train):
+            break
+        lacking = now
+    alike = fit(trial.fit.model, _without(search.train, key, ()), search.noise)
+    score = trial.score - COIN * len(search.train)
+    if not (0 < len(now) < len(search.train)) or reach(score) <= alike.gain_over(search.present) or not plausible(trial, ahead.train):
+        return None
+    ahead.held = _without(search.held, key, [s.name for s in search.held if _lacks(search, trial.fit, s, key)])
+    return _Tried(ahead, trial, score)
+
+
+def _without(sessions: list[Session], key: Key, lacking: Iterable[str]) -> list[Session]:
+    return [replace(s, lacks=s.lacks | {key} if s.name in lacking else s.lacks - {key}) for s in sessions]
+
+
+def _lacks(search: Search, after: Fit, s: Session, key: Key) -> bool:
+    """Whether a session is nearer to a fit without a cause, as far as it tells."""
+    having, lacking = (cost_of(after.model, [replace(s, lacks=lacks)], search.noise) for lacks in (s.lacks - {key}, s.lacks | {key}))
+    return lacking < having - TELLS
+
+
+def _gain(search: Search, tried: _Tried) -> Gain:
+    """What the cause gains in held-out sessions that have it; where none does, in the others of those that do, each in turn, or of one that
+    is alone in each half."""
+    ahead, before, after, key = tried.ahead, search.present.model, tried.trial.fit.model, tried.trial.key
+    held, train = ([s for s in sessions if key not in s.lacks] for sessions in (ahead.held, ahead.train))
+    if held:
+        return held_out_gain(before, after, ahead.train, held, search.noise)
+    if len(train) == 1:
+        return halves_in_turn(before, after, train, search.noise)
+    asked = [a for a in in_turn(before, after, ahead.train, search.noise) if key not in a[0].lacks]
+    return gain_of_residuals(*left_by(asked), [s for s, _, _ in asked], search.noise, "each session that has it in turn")
