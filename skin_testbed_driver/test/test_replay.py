@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from skin_models.layout import row_from_origin
+from skin_testbed_driver.bag import BagWriter, TopicInfo
 from skin_testbed_driver.rig import RigError
 from skin_testbed_driver.rigs.replay import Recorded, ReplayRig, Track
 from skin_testbed_driver.rigs.table import read_table
@@ -70,3 +71,38 @@ def test_a_material_test_has_taxels_that_say_nothing(tmp_path):
 def test_another_number_of_taxels_than_the_recording_has_is_refused(tmp_path):
     with pytest.raises(RigError, match="has 1 taxels, but the layout has 3"):
         ReplayRig(table(tmp_path, TABLE), row_from_origin(3)).open(100.0)
+
+
+def bag_of(path, *forces_by_namespace):
+    """A bag with rigs in namespaces, told apart by their force."""
+    from geometry_msgs.msg import WrenchStamped
+    from rclpy.serialization import serialize_message
+    from sensor_msgs.msg import JointState
+
+    bag = BagWriter(path)
+    for namespace, force in forces_by_namespace:
+        encoder = bag.add_topic(TopicInfo(f"{namespace}/encoder", "sensor_msgs/msg/JointState", ""))
+        cell = bag.add_topic(TopicInfo(f"{namespace}/force", "geometry_msgs/msg/WrenchStamped", ""))
+        for i in range(3):
+            depth, wrench = JointState(name=["indentation"], position=[1e-3 * force]), WrenchStamped()
+            wrench.wrench.force.z = -force
+            depth.header.stamp.nanosec = wrench.header.stamp.nanosec = 10_000_000 * i
+            bag.write(encoder, serialize_message(depth), i, i)
+            bag.write(cell, serialize_message(wrench), i, i)
+    bag.close()
+    return str(path)
+
+
+def test_of_a_rig_and_a_simulation_beside_it_the_rig_is_played_and_of_two_rigs_the_one_that_was_named(tmp_path):
+    pytest.importorskip("skin_testbed_msgs")
+    from skin_testbed_driver.ros.replayed_bag import read_bag
+
+    beside, _ = read_bag(bag_of(tmp_path / "beside", ("/simulated", 7.0), ("", 2.0)))
+    assert beside.force.values == pytest.approx([2.0] * 3) and beside.depth.values == pytest.approx([2e-3] * 3)
+    assert "force is read from /force, not from /simulated/force" in beside.warnings
+    two = bag_of(tmp_path / "two", ("/left", 1.0), ("/right", 2.0))
+    with pytest.raises(RigError, match="could be encoder: /left/encoder, /right/encoder; name the namespace"):
+        read_bag(two)
+    assert read_bag(two, "right")[0].force.values == pytest.approx([2.0] * 3)
+    with pytest.raises(RigError, match="no topic encoder in the namespace /middle"):
+        read_bag(two, "/middle")

@@ -20,14 +20,16 @@ from skin_testbed_driver.rigs.table import write_table
 from skin_testbed_driver.ros.replayed_bag import read_bag
 
 
-def export_table(recording: Path, out: Path) -> Recorded:
-    """Write the table of a bag and return what it held. Raises `RigError`; an existing file is not overwritten, and a table is not
-    put beside the rig.yaml of another rig."""
+def export_table(recording: Path, out: Path, namespace: str = "") -> Recorded:
+    """Write the table of a bag, of its topics in `namespace`, and return what it held.
+
+    Raises `RigError`; an existing file is not overwritten, and a table is not put beside the rig.yaml of another rig.
+    """
     rig = (recording if recording.is_dir() else recording.parent) / "rig.yaml"
     beside = out.parent / "rig.yaml"
     if rig.is_file() and beside.is_file() and rig.read_bytes() != beside.read_bytes():
         raise RigError(f"{beside} is of another rig than {rig}: write the table into a folder of its own")
-    recorded, _ = read_bag(str(recording))
+    recorded, _ = read_bag(str(recording), namespace)
     write_table(out, recorded)
     if rig.is_file() and not beside.exists():
         shutil.copyfile(rig, beside)
@@ -39,10 +41,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="export_table", description="Write a recording as a tab-delimited table.")
     parser.add_argument("recording", type=Path, help="a rosbag2 directory or an .mcap file")
     parser.add_argument("--out", type=Path, help="the table; default: the recording's name with .tsv, in this folder")
+    parser.add_argument("--namespace", default="", help="of the topics, where the recording holds several rigs")
     chosen = parser.parse_args()
     out = chosen.out or Path(chosen.recording.resolve().with_suffix("").name + ".tsv")
     try:
-        recorded = export_table(chosen.recording, out)
+        recorded = export_table(chosen.recording, out, chosen.namespace)
     except SkinError as error:
         sys.exit(_complain("export_table", error))
     except OSError as error:

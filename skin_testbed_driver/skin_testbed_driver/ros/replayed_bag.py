@@ -22,29 +22,60 @@ from skin_testbed_driver.ros import JOINT
 _TYPES = {"encoder": JointState, "force": WrenchStamped, "taxels": TaxelArray, "taxel_layout": TaxelLayout}
 
 
-def read_bag(path: str) -> tuple[Recorded, Layout | None]:
-    """The recording in a rosbag2 directory or .mcap file. Raises `RigError` when it lacks `encoder` or `force`.
+def read_bag(path: str, namespace: str = "") -> tuple[Recorded, Layout | None]:
+    """The recording in a rosbag2 directory or .mcap file: its topics in `namespace`, else those in the outermost one.
 
-    Of a file that is cut off or damaged, what can be read is there; the warnings say how much that is.
+    Raises `RigError` when it lacks `encoder` or `force`, or holds several rigs of which none was named. Of a file that is cut off or
+    damaged, what can be read is there; the warnings say how much that is.
     """
-    found: dict[str, list[tuple[int, Any]]] = {"encoder": [], "force": [], "taxels": []}
-    layout, faults = None, []
-    for role, message in _messages(path, faults):
-        if role == "taxel_layout":
-            layout = layout_of(message)
-        elif role == "encoder" and JOINT in message.name:
-            found[role].append((_nanoseconds(message), message.position[message.name.index(JOINT)]))
-        elif role == "force":
-            found[role].append((_nanoseconds(message), -message.wrench.force.z))
-        elif role == "taxels":
-            found[role].append((_nanoseconds(message), np.array(message.force)))
+    faults: list[str] = []
+    heard = _heard(path, faults)
+    chosen, notes = _chosen(heard, namespace)
+    found = {role: _samples(role, heard[role][chosen[role]]) for role in ("encoder", "force", "taxels") if role in chosen}
     for role in ("encoder", "force"):
-        if not found[role]:
+        if not found.get(role):
             why = f" ({'; '.join(faults)})" if faults else ""
-            raise RigError(f"{path} holds no topic {role}: nothing to replay{why}")
+            where = f" in the namespace /{namespace.strip('/')}" if namespace else ""
+            raise RigError(f"{path} holds no topic {role}{where}: nothing to replay{why}")
+    layout = layout_of(heard["taxel_layout"][chosen["taxel_layout"]][-1]) if "taxel_layout" in chosen else None
     start = found["encoder"][0][0]
     tracks = {role: _track(samples, start) for role, samples in found.items() if samples}
-    return Recorded(*tracks.values(), warnings=tuple(f"{fault}: {_read(tracks)}" for fault in faults)), layout
+    return Recorded(*tracks.values(), warnings=tuple(f"{fault}: {_read(tracks)}" for fault in faults) + notes), layout
+
+
+def _heard(path: str, faults: list[str]) -> dict[str, dict[str, list[Any]]]:
+    """All messages by role and topic."""
+    heard: dict[str, dict[str, list[Any]]] = {role: {} for role in _TYPES}
+    for role, topic, message in _messages(path, faults):
+        heard[role].setdefault(topic, []).append(message)
+    return heard
+
+
+def _chosen(heard: dict[str, dict[str, list[Any]]], namespace: str) -> tuple[dict[str, str], tuple[str, ...]]:
+    """The topic of every role, as `fit` chooses: a simulated skin that was recorded beside the rig is not the rig. And what to know."""
+    chosen, notes = {}, []
+    for role, topics in heard.items():
+        wanted = f"/{namespace.strip('/')}/{role}"
+        there = [t for t in topics if t == wanted] if namespace else list(topics)
+        outer = [t for t in there if t.count("/") == min(t.count("/") for t in there)]
+        if len(outer) > 1:
+            one = outer[0].rpartition("/")[0].strip("/")
+            how = f"name the namespace of one, as in recording_namespace:={one}, or --namespace {one}"
+            raise RigError(f"more than one topic could be {role}: {', '.join(sorted(outer))}; {how}")
+        if outer:
+            chosen[role] = outer[0]
+        if len(there) > 1:
+            notes.append(f"{role} is read from {outer[0]}, not from {', '.join(sorted(t for t in there if t != outer[0]))}")
+    return chosen, tuple(notes)
+
+
+def _samples(role: str, messages: list[Any]) -> list[tuple[int, Any]]:
+    """Stamps (ns) and values: depth (m), compression (N), taxels (N)."""
+    if role == "encoder":
+        return [(_nanoseconds(m), m.position[m.name.index(JOINT)]) for m in messages if JOINT in m.name and len(m.position) == len(m.name)]
+    if role == "force":
+        return [(_nanoseconds(m), -m.wrench.force.z) for m in messages]
+    return [(_nanoseconds(m), np.array(m.force)) for m in messages]
 
 
 def _read(tracks: dict[str, Track]) -> str:
@@ -54,8 +85,9 @@ def _read(tracks: dict[str, Track]) -> str:
     return f"{', '.join(counts)}{lacking} up to {tracks['encoder'].t[-1]:.2f} s were read; what is lost cannot be told"
 
 
-def _messages(path: str, faults: list[str]) -> Iterator[tuple[str, Any]]:
-    """Messages of the topics that matter, each with the last part of its name. What a damaged file has lost is added to `faults`."""
+def _messages(path: str, faults: list[str]) -> Iterator[tuple[str, str, Any]]:
+    """Messages of the topics that matter, each with the last part of its name, and all of it. What a damaged file has lost is added to
+    `faults`."""
     for file in _files(path):
         schemas, channels = {}, {}
         for record in records(file, faults):
@@ -64,10 +96,10 @@ def _messages(path: str, faults: list[str]) -> Iterator[tuple[str, Any]]:
             elif isinstance(record, Channel):
                 role = record.topic.rsplit("/", 1)[-1]
                 if role in _TYPES:
-                    channels[record.id] = role, _class(record.topic, role, schemas.get(record.schema_id, "unknown"))
+                    channels[record.id] = role, record.topic, _class(record.topic, role, schemas.get(record.schema_id, "unknown"))
             elif isinstance(record, Message) and record.channel_id in channels:
-                role, kind = channels[record.channel_id]
-                yield role, deserialize_message(record.data, kind)
+                role, topic, kind = channels[record.channel_id]
+                yield role, topic, deserialize_message(record.data, kind)
 
 
 def _files(path: str) -> list[Path]:

@@ -72,6 +72,7 @@ class RigSettings:
     recording: str = setting(
         "", "replay rig: a rosbag2 directory, an .mcap file, or a table (t_s, x_mm, force_n, taxel_0_n, …)", fixed=True
     )
+    recording_namespace: str = setting("", "replay rig: namespace of the recorded topics, where a bag holds several rigs", fixed=True)
     loop: bool = setting(False, "replay rig: begin again at the end", fixed=True)
 
     joint: str = setting("indentation", "topics rig: name of the axis in axis_state and axis_command", fixed=True)
@@ -137,7 +138,7 @@ class RigSettings:
         if Path(self.recording).suffix.lower() in SUFFIXES:
             recorded, layout = read_table(self.recording), None
         else:
-            recorded, layout = read_bag(self.recording)
+            recorded, layout = read_bag(self.recording, self.recording_namespace)
         for warning in recorded.warnings:
             node.get_logger().warning(f"{self.recording}: {warning}")
         return ReplayRig(recorded, layout or self._layout(max(recorded.taxels.values.shape[1], 1)), loop=self.loop)
