@@ -168,8 +168,16 @@ class DriverNode(LifecycleNode):
             if not isinstance(error, SkinError):
                 self.get_logger().fatal(traceback.format_exc())
             self._thread.end()
+            end(SkinError(f"sampling failed ({error}): {self._halted()}"))
+
+    def _halted(self) -> str:
+        """Halt the axis, and say whether that could be done."""
+        try:
             self._testbed.rig.halt()
-            end(SkinError(f"sampling failed ({error}): the axis was halted"))
+        except Exception as error:  # a rig that cannot even do this must not keep the node from ending
+            self.get_logger().fatal(traceback.format_exc())
+            return f"the axis could not be halted ({error}), see to it by hand"
+        return "the axis was halted"
 
     def _publish_state(self, status: Status | None) -> None:
         if status is not None and status.reason and (self._published is None or status.reason != self._published.reason):
