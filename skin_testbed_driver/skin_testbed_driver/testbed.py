@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skin_models.errors import SkinError
 from skin_testbed_driver.calibration import Calibration
 from skin_testbed_driver.motion import Activity, Motion
 from skin_testbed_driver.rig import Reading, Rig, RigError
@@ -49,7 +50,7 @@ class Testbed:
         """Open the rig. Raises `RigError`."""
         self.rig, self.limits, self.period = rig, limits, 1.0 / sample_rate
         self._lock = threading.Lock()
-        rig.open(sample_rate)
+        _open(rig, sample_rate)
         self._guard = Guard(limits, rig.travel)
         self._sensing = Sensing(calibration, 0.0, self.period, speed_samples)
         self._start_depth, self._begun = start_depth, False
@@ -92,6 +93,10 @@ class Testbed:
 
     def _begin_with(self, r: Reading, t: float) -> bool:
         """Whether the first reading is there: it says where the stage is. Raises `RigError` for a rig that contradicts its layout."""
+        for name in ("taxel_voltage", "taxel_force"):
+            values = getattr(r, name)
+            if not isinstance(values, np.ndarray) or values.dtype != np.float64 or values.ndim != 1:
+                raise RigError(f"the rig's {name} must be an array of float64, one per taxel: np.array(values, float)")
         taxels, places = max(r.taxel_voltage.size, r.taxel_force.size), len(self.rig.layout)
         if taxels != places:
             raise RigError(f"the rig reads {taxels} taxels, its layout has {places}: what is not known is NaN, not left out")
@@ -261,3 +266,13 @@ class Testbed:
     def _set_offsets(self, offsets: Offsets, tared: bool) -> None:
         self._sensing.force_offset, self._sensing.taxel_offset = offsets.force, offsets.taxels
         self._tared = tared
+
+
+def _open(rig: Rig, sample_rate: float) -> None:
+    """Open the rig. Raises `RigError` whatever is wrong: drivers of hardware have errors of their own."""
+    try:
+        rig.open(sample_rate)
+    except SkinError:
+        raise
+    except Exception as error:
+        raise RigError(f"the rig cannot be opened: {type(error).__name__}: {error}") from error

@@ -72,3 +72,52 @@ def test_a_rig_that_contradicts_its_layout_is_refused(my_rig):
     rig.read = lambda read=rig.read: read()._replace(taxel_voltage=np.zeros(3))
     with pytest.raises(RigError, match="reads 3 taxels, its layout has 2"):
         testbed.tick(0.0)
+
+
+@pytest.mark.parametrize("values", [[0.0, 0.0], np.zeros(2, np.float32), np.zeros(2, int), np.zeros((1, 2))])
+def test_readings_that_are_no_arrays_of_numbers_are_refused_in_a_sentence(my_rig, values):
+    rig = own_rig(my_rig, row_from_origin(2), "{port: here}")
+    testbed = Testbed(rig, thesis_calibration(2), Limits())
+    rig.read = lambda read=rig.read: read()._replace(taxel_voltage=values)
+    with pytest.raises(RigError, match=r"taxel_voltage must be an array of float64, one per taxel: np.array\(values, float\)"):
+        testbed.tick(0.0)
+
+
+def test_errors_of_the_hardwares_own_become_a_sentence(my_rig):
+    text = Path(my_rig).read_text()
+    Path(my_rig).write_text(text.replace("self._position = 0.073", 'raise OSError("no such port")'))
+    with pytest.raises(RigError, match="cannot be opened: OSError: no such port"):
+        Testbed(own_rig(my_rig, row_from_origin(2), "{port: here}"), thesis_calibration(2), Limits())
+    Path(my_rig).write_text(text.replace("self.layout, self._port", "self.layout, self._port = layout, open(port)\n        self._x"))
+    with pytest.raises(RigError, match="FileNotFoundError"):
+        own_rig(my_rig, row_from_origin(2), "{port: /nowhere/at/all}")
+
+
+FAILING = """
+from skin_testbed_driver.rig import Reading, Rig
+
+class Failing(Rig):
+    travel = (0.0, 0.15)
+
+    def __init__(self, layout):
+        self.layout = layout
+
+    def open(self, sample_rate):
+        pass
+
+    def read(self):
+        raise OSError("cable pulled")
+
+    def command(self, position, velocity):
+        pass
+
+    def halt(self):
+        raise OSError("no brake")
+"""
+
+
+def test_a_rig_that_cannot_even_halt_ends_the_node_all_the_same(graph, tmp_path):
+    (tmp_path / "failing.py").write_text(FAILING)
+    driver = graph.processes.start("skin_testbed_driver", "driver_node", parameters={"rig": str(tmp_path / "failing.py")})
+    assert driver.wait(20.0) == 2
+    assert "sampling failed (cable pulled): the axis could not be halted (no brake), see to it by hand" in driver.output()

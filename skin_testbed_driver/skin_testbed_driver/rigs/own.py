@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from skin_models.errors import SkinError
 from skin_models.layout import Layout
 from skin_testbed_driver.rig import Rig, RigError
 
@@ -25,6 +26,10 @@ def own_rig(name: str, layout: Layout, options: str) -> Rig:
         return kind(layout=layout, **_mapping(options))
     except TypeError as error:
         raise RigError(f"{name}: {error}; rig_options gives what __init__ takes besides layout") from error
+    except SkinError:
+        raise
+    except Exception as error:  # somebody else's code
+        raise RigError(f"cannot make the rig {name}: {type(error).__name__}: {error}") from error
 
 
 def _module(name: str) -> ModuleType:
