@@ -32,6 +32,8 @@ class Taring:
         self._taxels.append(sample.taxel_untared)
         if len(self._forces) < self._samples:
             return None
-        taxels = np.nan_to_num(np.mean(self._taxels, axis=0), nan=0.0)
-        offsets = Offsets(float(np.mean(self._forces)), taxels)
-        return Outcome(f"offsets are the means of {self._samples} samples", offsets)
+        known = np.isfinite(self._taxels)
+        counts = known.sum(axis=0)
+        taxels = np.where(known, self._taxels, 0.0).sum(axis=0) / np.maximum(counts, 1)  # of one that is silent: nothing
+        silent = f"; {np.count_nonzero(counts == 0)} of the taxels said nothing" if (counts == 0).any() else ""
+        return Outcome(f"offsets are the means of {self._samples} samples{silent}", Offsets(float(np.mean(self._forces)), taxels))

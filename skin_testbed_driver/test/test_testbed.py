@@ -216,6 +216,20 @@ def test_tare_subtracts_the_mean_and_reset_gives_it_back():
     assert bench.run(PERIOD).force == bench.samples[-1].load
 
 
+def test_a_taxel_that_misses_a_sample_is_tared_by_the_others():
+    bench, outcomes = Bench(), []
+    read, silent = bench.rig.read, math.nan
+    bench.rig.read = lambda: read()._replace(taxel_voltage=np.array([silent if bench.n % 10 == 0 else 0.02]))
+    bench.run(0.1)
+    bench.testbed.tare(0.5, outcomes.append)
+    bench.run(0.6)
+    assert outcomes[0].value.taxels == pytest.approx(thesis_calibration(1).taxel_force(np.array([0.02])))
+    bench.rig.read = lambda: read()._replace(taxel_voltage=np.array([silent]))
+    bench.testbed.tare(0.5, outcomes.append)
+    bench.run(0.6)
+    assert outcomes[1].value.taxels.tolist() == [0.0] and "1 of the taxels said nothing" in outcomes[1].message
+
+
 def test_over_force_retracts_within_one_sample_of_its_detection():
     bench = Bench(Limits(max_force=5.0))
     bench.run(0.1)
