@@ -13,6 +13,7 @@ from skin_models.spread.field import SpreadField
 from skin_models.spread.kernels import Kernel
 
 GAP = 1.0  # s; after a longer silence the skin is taken to be at rest again
+_BEHIND = 20  # samples in a row with older stamps, which are no longer stragglers: the clock was set back
 
 
 class LiveModel:
@@ -20,7 +21,8 @@ class LiveModel:
 
     The speed is the one given, or the backward difference of the depth; the acceleration is the backward difference of the speed. A
     stamp that does not advance and a depth beyond 100 mm are refused (`step` gives None), a silence of more than a second starts from
-    rest. `refused` and `restarts` count both.
+    rest. `refused` and `restarts` count both. So does a clock that was set back, as where a bag is played again or a simulation is
+    reset: after a few samples.
     """
 
     def __init__(self, model: Model, seed: int | None = None) -> None:
@@ -28,20 +30,25 @@ class LiveModel:
         self.model, self.seed = model, seed
         self.refused = self.restarts = 0
         self._last: Sample | None = None
+        self._behind = 0  # samples in a row with stamps older than the newest
         self._state: State = model.initial(seed)
 
     def step(self, t: float, x: float, v: float = math.nan) -> Response | None:
         """The response at time `t` (s) to depth `x` (m) and speed `v` (m/s); None for a sample that cannot be used."""
-        if not math.isfinite(t + x) or x > DEEPEST or (self._last is not None and t <= self._last.t):
+        ahead = t - self._last.t if self._last is not None else math.inf
+        self._behind = self._behind + 1 if ahead < 0.0 else 0
+        set_back = self._behind >= _BEHIND
+        if not math.isfinite(t + x) or x > DEEPEST or (ahead <= 0.0 and not set_back):
             self.refused += 1
             return None
-        if self._last is None or t - self._last.t > GAP:
+        if set_back or ahead > GAP:
             return self._start(Sample(t, x, v if math.isfinite(v) else 0.0, 0.0))
-        last, dt = self._last, t - self._last.t
+        last, dt = self._last, ahead
         v = v if math.isfinite(v) else (x - last.x) / dt
         return self._advance(Sample(t, x, v, (v - last.v) / dt), dt)
 
     def _start(self, s: Sample) -> Response:
+        self._behind = 0
         if self._last is not None:
             self.restarts += 1
             self._state = self.model.initial(self.seed)

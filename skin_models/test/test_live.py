@@ -41,6 +41,20 @@ def test_a_long_silence_starts_from_rest():
     assert live.step(100.0, 3e-4).force == fresh.step(100.0, 3e-4).force and live.restarts == 1
 
 
+def test_a_clock_that_was_set_back_starts_from_rest_and_stragglers_do_not():
+    live, fresh = LiveModel(MODEL), LiveModel(MODEL)
+    for t, x in zip(T, X, strict=True):
+        live.step(1000.0 + t, x)
+        if t > 0.5:
+            assert live.step(1000.0 + t - 0.2, x) is None  # one late sample between two that are not
+    assert live.restarts == 0
+    got = [live.step(5.0 + t, x) for t, x in zip(T, X, strict=True)]
+    first = next(i for i, r in enumerate(got) if r is not None)
+    assert 0 < first < 30 and None not in got[first:] and live.restarts == 1
+    expected = [fresh.step(5.0 + t, x) for t, x in zip(T[first:], X[first:], strict=True)]
+    assert [r.force for r in got[first:]] == [r.force for r in expected]
+
+
 def test_shares_of_a_layout_come_from_the_spread_unless_they_were_measured():
     spread = under_plunger(MODEL, grid(3, 1, 10e-3, A201_AREA), Gaussian(width=5.25e-3))
     beside = np.exp(-((10 / 5.25) ** 2))
