@@ -24,6 +24,14 @@ def test_a_message_holds_then_fades_then_is_gone():
     assert gone.key == () and not stale
 
 
+def test_a_clock_that_is_set_back_leaves_no_contact_behind():
+    got = ContactInput()
+    got.take("gz_contacts", [("a", HERE, 8.0, math.nan, 0.0)], now=1000.0)
+    assert got.at(1.0, timeout=0.2, decay=0.1)[0].force == pytest.approx([8.0])
+    assert got.at(1.1, timeout=0.2, decay=0.1)[1] is False
+    assert got.at(3.0, timeout=0.2, decay=0.1)[0].key == ()
+
+
 def test_sources_add_up_and_replace_only_themselves():
     got = ContactInput()
     got.take("contacts", [("a", HERE, 1.0, math.nan, 0.0), ("", HERE, math.nan, 1e-3, 2e-3)], now=0.0)

@@ -1,11 +1,12 @@
 """What presses on the skin, from messages: our ContactArray, a WrenchStamped, and Contacts of ros_gz_interfaces where that is installed.
 
 Rule for silence: a message holds until `timeout` after it came. Then its contacts are stale: force and depth fall to zero with the time
-constant `decay`, and below a thousandth they are gone. An empty ContactArray says that nothing touches, at once.
+constant `decay`, and below a thousandth they are gone. An empty ContactArray says that nothing touches, at once. Where the clock is set
+back, as by a simulator's reset, what came before counts as having come then.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,8 @@ class ContactInput:
     def at(self, now: float, timeout: float, decay: float) -> tuple[Presses, bool]:
         """Everything that presses at time `now` (s), and whether some of it is stale."""
         held, stale = [], False
+        if any(message.came > now for message in self._messages.values()):
+            self._messages = {source: replace(m, came=min(m.came, now)) for source, m in self._messages.items()}
         for message in self._messages.values():
             late = now - message.came - timeout
             factor = math.exp(-late / decay) if late > 0.0 else 1.0
