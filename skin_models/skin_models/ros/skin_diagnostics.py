@@ -14,7 +14,7 @@ class SkinDiagnostics:
     def __init__(self, node: Node) -> None:
         """Advertise on `node`."""
         self._node, self._publisher = node, node.create_publisher(DiagnosticArray, "/diagnostics", 10)
-        self._outside = self._stale = 0
+        self._outside = self._stale = self._unusable = self._refused = 0
         self._foreign = ""
 
     def frame(self, frame: str, skin_frame: str) -> None:
@@ -27,14 +27,15 @@ class SkinDiagnostics:
         self._outside, self._stale = max(self._outside, outside), self._stale + stale
 
     def contacts(self, about: str, ticks: TickReport, wanted: float, unusable: int) -> None:
-        """Report on a skin that contacts press on."""
+        """Report on a skin that contacts press on; `unusable` counts contacts since the start, a complaint those since the last report."""
+        left_out, self._unusable = max(unusable - self._unusable, 0), unusable
         complaints = [
             text
             for bad, text in (
                 (ticks.rate < wanted * (1.0 - _RATE_TOLERANCE) or ticks.skipped, f"{ticks.rate:.1f} of {wanted:g} Hz"),
                 (self._outside, f"{self._outside} contacts touch beside the skin"),
                 (self._stale, "contacts fell silent"),
-                (unusable, f"{unusable} contacts had neither a usable force nor a depth"),
+                (left_out, f"{left_out} contacts had no usable place, or neither force nor depth"),
                 (self._foreign, self._foreign),
             )
             if bad
@@ -45,8 +46,9 @@ class SkinDiagnostics:
         self._foreign = ""
 
     def encoder(self, about: str, refused: int, restarts: int) -> None:
-        """Report on a skin that an encoder drives."""
-        complaints = [f"{refused} encoder samples had no depth below 100 mm or no newer stamp"] if refused else []
+        """Report on a skin that an encoder drives; counts as for contacts."""
+        left_out, self._refused = max(refused - self._refused, 0), refused  # another model counts anew
+        complaints = [f"{left_out} encoder samples had no depth below 100 mm or no newer stamp"] if left_out else []
         self._publish(about, complaints, {"refused_samples": refused, "restarts": restarts})
 
     def _publish(self, about: str, complaints: list[str], values: dict) -> None:
