@@ -1,5 +1,8 @@
 """How every installed command starts: Ctrl-C ends it with one word and status 130, also while it is still importing.
 
+Linear algebra keeps to one thread, unless OPENBLAS_NUM_THREADS says otherwise: the matrices here are too thin for more, and where other
+processes have the cores its threads only wait for each other, which made fits twenty times slower.
+
 A package lists its commands in `executables.py`, which imports nothing heavy, and setup.py points there: an interruption in the seconds
 that scipy or rclpy take would otherwise show where in them it was.
 """
@@ -18,6 +21,7 @@ def command(module: str) -> Callable[[], int | None]:
     """What a console script calls: `main()` of `module`, which is imported only then."""
 
     def main() -> int | None:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is imported
         with _leaving_at_once():
             entry = importlib.import_module(module).main
         try:
