@@ -192,6 +192,16 @@ def test_identify_can_be_cancelled(world):
     assert answer.error_code == Identify.Result.CANCELLED and not (folder / "cancelled").exists()
 
 
+def test_a_goal_that_waits_for_another_can_be_cancelled_before_that_ends(world):
+    bench, folder, _ = world
+    bag = str(write_bag(folder / "first", recording(n=2000)))
+    first, second = bench.send(recordings=[bag] * 40), bench.send(recordings=[bag])
+    bench.ask(second.cancel_goal_async)
+    assert bench.ask(second.get_result_async, 5.0).result.error_code == Identify.Result.CANCELLED
+    bench.ask(first.cancel_goal_async)  # it was still at work
+    assert bench.ask(first.get_result_async, 30.0).result.error_code == Identify.Result.CANCELLED
+
+
 def test_identify_criticises(world):
     bench, folder, _ = world
     bags = [str(write_bag(folder / f"c{i}", recording(i, n=1500, offset=0.2e-3))) for i in range(2)]

@@ -5,6 +5,7 @@ Subscribes to encoder, force and taxels; publishes `estimates` (ParameterEstimat
 """
 
 import threading
+import time
 from dataclasses import dataclass
 from operator import attrgetter
 
@@ -35,6 +36,8 @@ from skin_models.ros.node import run
 from skin_models.ros.parameters import Parameters, setting
 
 Result = Identify.Result
+_FAREWELL = 3.0  # s, for running goals to notice that the node ends
+_LAST_WORD = 0.2  # s, for their results to leave
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,7 @@ class IdentNode(Node):
         self.leaving = threading.Event()
         self.working = threading.Lock()
         self.worker: threading.Thread | None = None
+        self.goals = 0  # that have no result yet
         self.action = ActionServer(self, Identify, "identify", self._identify, cancel_callback=lambda handle: CancelResponse.ACCEPT)
         self.get_logger().info("ready: estimating live, and waiting for goals on identify")
 
@@ -130,6 +134,7 @@ class IdentNode(Node):
         return response
 
     async def _identify(self, handle: ServerGoalHandle) -> Result:
+        self.goals += 1
         result = await self._in_thread(handle)
         if result.error_code == Result.SUCCESS:
             handle.succeed()
@@ -138,6 +143,7 @@ class IdentNode(Node):
         else:
             handle.abort()
         self.get_logger().info(f"identify ended: {result.error_string or 'success'}")
+        self.goals -= 1
         return result
 
     def _in_thread(self, handle: ServerGoalHandle) -> Future:
@@ -145,8 +151,7 @@ class IdentNode(Node):
 
         def work() -> None:
             try:
-                with self.working:
-                    future.set_result(job.result())
+                future.set_result(job.after(self.working))
             except BaseException as error:  # a goal must end whatever happens
                 future.set_exception(error)
             if self.executor is not None:
@@ -157,10 +162,16 @@ class IdentNode(Node):
         return future
 
     def destroy_node(self) -> None:
-        """Cancel a running goal before the node goes."""
+        """Cancel a running goal before the node goes, and let the client hear of it, though the loop of the node has ended."""
         self.leaving.set()
+        end = time.monotonic() + _FAREWELL
+        told = end if self.goals else time.monotonic()
+        while time.monotonic() < told and self.executor is not None:
+            self.executor.spin_once(timeout_sec=0.02)
+            if not self.goals:
+                told = min(told, time.monotonic() + _LAST_WORD)
         if self.worker is not None:
-            self.worker.join(3.0)
+            self.worker.join(0.1)
         super().destroy_node()
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from threading import Lock
 from traceback import format_exc
 
 from rclpy.logging import get_logger
@@ -25,6 +26,7 @@ from skin_models.parameter import parameters_of
 from skin_models.words import counted
 
 Result = Identify.Result
+_LOOK = 0.1  # s, between two looks whether a goal that waits is still wanted
 
 
 class Cancelled(Exception):
@@ -54,6 +56,16 @@ class Run:
     cancelled: Callable[[], bool]
     publish: Callable[[Identify.Feedback], None]
     done: float = field(default=0.0)
+
+    def after(self, others: Lock) -> Result:
+        """The result, once the goals before this one are done with, which may be never: it can be cancelled until then."""
+        while not others.acquire(timeout=_LOOK):
+            if self.cancelled():
+                return Result(error_code=Result.CANCELLED, error_string="cancelled; nothing was written")
+        try:
+            return self.result()
+        finally:
+            others.release()
 
     def result(self) -> Result:
         """The result, whatever happens."""
