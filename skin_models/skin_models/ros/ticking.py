@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from rclpy.clock import Clock
+from rclpy.clock import Clock, JumpHandle, JumpThreshold
 from rclpy.duration import Duration
 
 
@@ -27,14 +27,17 @@ class Ticking(threading.Thread):
         super().__init__(name="ticking", daemon=True)
         self._tick, self._period, self._clock = tick, 1.0 / rate, clock
         self._ending, self._skipped, self._late, self._since = False, 0, [], time.monotonic()
+        self._news, self._listener = threading.Event(), None  # /clock has moved, and what tells of it
 
     def run(self) -> None:
         """Sleep until a deadline, tick, and set the next one a period later; by /clock where that is used."""
-        sleep, now = (self._sleep_simulated, self._simulated) if self._clock.ros_time_is_active else (self._sleep, time.monotonic)
+        sleep, now = self._sleep, time.monotonic
+        if self._clock.ros_time_is_active:
+            sleep, now, self._listener = self._sleep_simulated, self._simulated, self._listening()
         deadline = now()
         while not self._ending:
-            deadline = min(deadline, now() + 2.0 * self._period)  # a clock that jumped back does not stop the skin
             sleep(deadline)
+            deadline = min(deadline, now())  # a clock that jumped back does not stop the skin
             self._late.append(now() - deadline)
             self._tick()
             deadline += self._period
@@ -46,6 +49,7 @@ class Ticking(threading.Thread):
     def end(self) -> None:
         """End after the present tick, and wait for that."""
         self._ending = True
+        self._news.set()
         if self.is_alive() and threading.current_thread() is not self:
             self.join(timeout=2.0)
 
@@ -64,7 +68,14 @@ class Ticking(threading.Thread):
     def _simulated(self) -> float:
         return self._clock.now().nanoseconds * 1e-9
 
+    def _listening(self) -> JumpHandle:
+        """Every message on /clock is a jump of the clock. Its own `sleep_until` waits for a time that a reset may have put far ahead."""
+        tick = Duration(nanoseconds=1)
+        threshold = JumpThreshold(min_forward=tick, min_backward=Duration(nanoseconds=-1), on_clock_change=True)
+        return self._clock.create_jump_callback(threshold, post_callback=lambda _: self._news.set())
+
     def _sleep_simulated(self, deadline: float) -> None:
-        """Follow /clock, in pieces short enough to notice the end."""
-        while not self._ending and (delay := deadline - self._simulated()) > 0.0:
-            self._clock.sleep_for(Duration(seconds=min(delay, 0.1)))
+        """Until /clock says so, or has gone back by more than a period."""
+        while not self._ending and 0.0 < deadline - self._simulated() <= 2.0 * self._period:
+            self._news.wait(0.1)
+            self._news.clear()
