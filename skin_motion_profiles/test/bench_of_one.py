@@ -55,7 +55,8 @@ class Bench:
 
     def _on_encoder(self, message: JointState) -> None:
         stamp = message.header.stamp
-        self.depths.append((stamp.sec + 1e-9 * stamp.nanosec, message.position[0]))
+        if message.name == ["indentation"] and message.position:
+            self.depths.append((stamp.sec + 1e-9 * stamp.nanosec, message.position[0]))
 
     @property
     def depth(self) -> float:

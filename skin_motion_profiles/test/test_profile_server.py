@@ -11,6 +11,7 @@ pytest.importorskip("skin_testbed_msgs")
 
 from action_msgs.msg import GoalStatus
 from bench_of_one import Bench
+from sensor_msgs.msg import JointState
 from skin_testbed_msgs.action import ExecuteProfile
 
 from skin_motion_profiles.profile_file import entry_from_text
@@ -67,6 +68,14 @@ def test_feedback_tells_progress_segment_depth_and_force(bench):
     assert sorted({f.segment for f in bench.feedback}) == ["1/2 free_air", "2/2 step"]
     assert max(f.depth for f in bench.feedback) == pytest.approx(1e-3, abs=1e-6)
     assert bench.feedback[-1].peak_force == pytest.approx(12.0, rel=1e-3)
+
+
+def test_joints_without_positions_are_passed_over(bench):
+    odd = bench.node.create_publisher(JointState, "encoder", 10)
+    bench.until(lambda: odd.get_subscription_count() >= 2, "server and bench")
+    odd.publish(JointState(name=["indentation"]))
+    odd.publish(JointState(name=["other", "indentation"], position=[0.0]))
+    assert bench.run("{type: step, depth_mm: 0.2, hold_s: 0.1, rest_s: 0.1}").error_code == Result.SUCCESS
 
 
 def test_a_battery_zeroes_and_tares_between_motions(bench):

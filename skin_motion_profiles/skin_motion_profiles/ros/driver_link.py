@@ -121,9 +121,9 @@ class DriverLink:
         self.told = float(s.x[-1])
 
     def _on_encoder(self, message: JointState) -> None:
-        if JOINT not in message.name:
+        value = dict(zip(message.name, message.position, strict=False)).get(JOINT)
+        if value is None:  # a message may name joints and hold no positions
             return
-        value = message.position[message.name.index(JOINT)]
         if math.isfinite(value):  # NaN is how the driver says that it does not know
             self.depth = Heard(value, _nanoseconds(message), time.monotonic())
             self.peak_depth = max(self.peak_depth, value)
