@@ -220,6 +220,12 @@ def test_a_second_driver_on_the_same_topics_does_not_go_unnoticed(graph):
     graph.wait(lambda: heard and "samples skipped" in heard[-1].status[0].message, "peace")
 
 
+def test_two_clocks_do_not_go_unnoticed_either(graph):
+    first = graph.driver(time_scale=2.0)
+    graph.processes.start("skin_testbed_driver", "driver_node", parameters={"time_scale": 3.0}, remap={"__ns": "/other"})
+    graph.wait(lambda: "/other/testbed_driver publishes the same topics" in first.output(), "the complaint")
+
+
 def test_real_time_priority_is_had_or_its_lack_is_said(graph):
     process = graph.driver(realtime_priority=10)
     encoder = graph.hear(JointState, "encoder")

@@ -101,6 +101,8 @@ class DriverNode(LifecycleNode):
 
     def _configure(self) -> None:
         settings = self._settings.now
+        if self.get_parameter("use_sim_time").value:
+            self.get_logger().warning("samples are taken in real time, whatever /clock says: leave out use_sim_time, and set time_scale")
         rig, calibration = settings.make_rig(self)
         self._testbed = Testbed(rig, calibration, settings.limits(), settings.sample_rate, settings.start_depth, settings.speed_samples)
         self._statistics = LoopStatistics(1.0 / (settings.sample_rate * settings.time_scale))
@@ -145,7 +147,10 @@ class DriverNode(LifecycleNode):
     def _release(self) -> None:
         if self._testbed is None:
             return
-        self._testbed.close()
+        try:
+            self._testbed.close()
+        except Exception:  # whatever it is, the rest is to be released, too
+            self.get_logger().error(f"the rig could not be closed: {traceback.format_exc()}")
         self._testbed = None
         self._publishing.destroy()
         self._requests.destroy()

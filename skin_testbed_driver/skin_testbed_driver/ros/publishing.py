@@ -104,16 +104,19 @@ class Publishing:
             self._texts[name].publish(String(data=yaml.safe_dump(content, sort_keys=False)))
 
     def others(self) -> str:
-        """The names of other nodes that publish on the topic of the encoder; empty where there is none."""
-        topic = self._streams[0].topic_name
+        """The names of other nodes that publish on the topic of the encoder, or on /clock where this one does; empty without any."""
+        topics = [self._streams[0].topic_name, *([self._clock.topic_name] if self._clock else [])]
+        return ", ".join(sorted({name for topic in topics for name in self._others_on(topic)}))
+
+    def _others_on(self, topic: str) -> list[str]:
         if self._node.count_publishers(topic) < 2:
-            return ""
+            return []
         infos = self._node.get_publishers_info_by_topic(topic)
-        names = sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos)
+        names = [f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos]
         mine = self._node.get_fully_qualified_name()
         if mine in names:
             names.remove(mine)
-        return ", ".join(names)
+        return names
 
     def destroy(self) -> None:
         """Take the publishers away."""
