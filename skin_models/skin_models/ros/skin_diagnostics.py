@@ -33,6 +33,7 @@ class SkinDiagnostics:
             text
             for bad, text in (
                 (ticks.rate < wanted * (1.0 - _RATE_TOLERANCE) or ticks.skipped, f"{ticks.rate:.1f} of {wanted:g} Hz"),
+                (ticks.stands, "/clock stands still"),
                 (self._outside, f"{self._outside} contacts touch beside the skin"),
                 (self._stale, "contacts fell silent"),
                 (left_out, f"{left_out} contacts had no usable place, or neither force nor depth"),
@@ -53,7 +54,7 @@ class SkinDiagnostics:
 
     def _publish(self, about: str, complaints: list[str], values: dict) -> None:
         status = DiagnosticStatus(
-            name=f"{self._node.get_name()}: skin",
+            name=f"{self._node.get_fully_qualified_name()}: skin",
             level=DiagnosticStatus.WARN if complaints else DiagnosticStatus.OK,
             message="; ".join(complaints) or about,
             hardware_id="simulated_skin",

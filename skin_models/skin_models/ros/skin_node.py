@@ -14,6 +14,7 @@ import math
 import threading
 
 from geometry_msgs.msg import WrenchStamped
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
@@ -61,7 +62,7 @@ class SkinNode(Node):
         self._diagnostics = SkinDiagnostics(self)
         self._listen()
         self._ticking = None if self._encoder else Ticking(self._tick, settings.rate, self.get_clock())
-        self.create_timer(1.0, self._diagnose)
+        self.create_timer(1.0, self._diagnose, clock=Clock(clock_type=ClockType.STEADY_TIME))  # also while /clock stands still
         if settings.view_rate:
             self._viewing = Viewing(self, self._layout, settings.skin_frame)
             self.create_timer(1.0 / settings.view_rate, self._view)

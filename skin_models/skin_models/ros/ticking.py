@@ -14,9 +14,10 @@ from rclpy.duration import Duration
 class TickReport:
     """How well the thread kept its time since the last report."""
 
-    rate: float  # Hz, achieved
+    rate: float  # Hz of the clock, achieved
     skipped: int  # deadlines that passed while a tick was still at work
     late_p99: float  # s
+    stands: bool = False  # /clock stands still
 
 
 class Ticking(threading.Thread):
@@ -26,14 +27,17 @@ class Ticking(threading.Thread):
         """`rate` in Hz of `clock`; nothing happens before `start`."""
         super().__init__(name="ticking", daemon=True)
         self._tick, self._period, self._clock = tick, 1.0 / rate, clock
-        self._ending, self._skipped, self._late, self._since = False, 0, [], time.monotonic()
+        self._ending, self._skipped, self._late = False, 0, []
+        self._simulating = clock.ros_time_is_active
+        self._now = self._simulated if self._simulating else time.monotonic
+        self._since = self._now()
         self._news, self._listener = threading.Event(), None  # /clock has moved, and what tells of it
 
     def run(self) -> None:
         """Sleep until a deadline, tick, and set the next one a period later; by /clock where that is used."""
-        sleep, now = self._sleep, time.monotonic
-        if self._clock.ros_time_is_active:
-            sleep, now, self._listener = self._sleep_simulated, self._simulated, self._listening()
+        sleep, now = self._sleep, self._now
+        if self._simulating:
+            sleep, self._listener = self._sleep_simulated, self._listening()
         deadline = now()
         while not self._ending:
             sleep(deadline)
@@ -56,9 +60,10 @@ class Ticking(threading.Thread):
     def report(self) -> TickReport:
         """How it went since the last call."""
         late, self._late, skipped, self._skipped = self._late, [], self._skipped, 0
-        now, since = time.monotonic(), self._since
+        now, since = self._now(), self._since
         self._since = now
-        return TickReport(len(late) / max(now - since, 1e-9), skipped, float(np.percentile(late, 99)) if late else 0.0)
+        rate = len(late) / (now - since) if now > since else 0.0
+        return TickReport(rate, skipped, float(np.percentile(late, 99)) if late else 0.0, now == since)
 
     def _sleep(self, deadline: float) -> None:
         delay = deadline - time.monotonic()
