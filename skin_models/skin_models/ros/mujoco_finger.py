@@ -9,6 +9,7 @@ frame of the patch, and the skin node makes taxels of it. Any simulator that can
 """
 
 import math
+import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -113,7 +114,7 @@ def _mujoco():
     try:
         import mujoco
     except ImportError as error:
-        raise SkinError("this example needs MuJoCo: install it with `pip install mujoco` into the environment that runs it") from error
+        raise SkinError(f"this example needs MuJoCo: {sys.executable} -m pip install mujoco") from error
     return mujoco
 
 
