@@ -74,7 +74,8 @@ def _warnings(found: Survey, damaged: int, handed: dict[int, int]) -> tuple[str,
         notes.append(f"{found.path.name}: {lost}")
     if found.cut_at is not None:
         rest = found.size - found.cut_at
-        notes.append(f"{found.path.name} is cut off: the last {rest} bytes hold no whole record; what comes before was used")
+        lost = f"the last {rest} bytes hold no whole record; what comes before was used" if rest else "all that is there was used"
+        notes.append(f"{found.path.name} is cut off: {lost}")
     return tuple(notes)
 
 
