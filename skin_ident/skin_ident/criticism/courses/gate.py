@@ -19,6 +19,7 @@ from skin_models.model import Model
 
 BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
 BRIEF_S = 2.0  # where a delay bends, whose knots are nearer
+FEWEST_BLOCKS = 10  # of a session in which a slope is asked for: each half of them must be loaded
 CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18, WAVE: 0.18}  # least relative fall: noise of long memory bends
 PLAINLY = 0.15  # fall that needs no gain in likelihood
 FAINT = 0.2  # of what is left at full rate, which a course of a zero must exceed
@@ -105,6 +106,7 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: 
     known = fitted(course, model, [s], noise, free).moments if course.carrier in (DEPTH, DELAY) else None
     at = known if known and known[s.name].size else None
     block = BRIEF_S if course.wanders else BLOCK_S[course.shape]
+    block = min(block, float(np.ptp(s.t)) / FEWEST_BLOCKS) if course.slopes else block
     odd = ((s.t - s.t[0]) / block).astype(int) % 2
     out = e.copy()
     for side in (0, 1):

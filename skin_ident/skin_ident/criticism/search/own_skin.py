@@ -23,7 +23,6 @@ from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.hardware import specimens_do
 from skin_ident.criticism.search.own import courses_alone
 from skin_ident.criticism.search.state import Search
-from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS
 
@@ -34,34 +33,37 @@ TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, 
 WORTH_SAYING = 0.002
 
 
-def take_own_skin(search: Search, trials: list[Trial], runs: list[Run]) -> bool:
-    """Whether numbers of each session's own explain more of what was fitted than any cause, or course of theirs, and were taken."""
+def explained_by_own_skin(search: Search) -> float:
+    """What numbers of each session's own explain of what was fitted: nothing where some would be farther off than specimens are, or where
+    they are not asked of these data."""
     if not _asked(search) or len(search.train) < 2:
-        return False
+        return 0.0
     theta, explained = _of_train(search)
-    return _taken(search, theta, explained, max((x.score for x in (*trials, *runs)), default=0.0))
+    return explained * (np.abs(theta).max() <= FARTHEST)
 
 
-def take_own_skin_of_held(search: Search) -> bool:
-    """The same of what is left in held-out sessions alone."""
-    if not _asked(search) or not search.held:
-        return False
-    each = [_of_one(search, s) for s in search.held]
-    theta, explained = np.array([t for t, _ in each]), sum(x for _, x in each)
-    return _taken(search, theta, explained, max((r.score for r in courses_alone(search)), default=0.0))
-
-
-def _asked(search: Search) -> bool:
-    return not search.own_skin and bool(_which(search))
-
-
-def _taken(search: Search, theta: np.ndarray, explained: float, best: float) -> bool:
-    if explained <= max(LEAST, best) or np.abs(theta).max() > FARTHEST:
+def take_own_skin(search: Search, explained: float, best: float) -> bool:
+    """Whether numbers of each session's own have `explained` more than the `best` cause, or course of theirs, and were taken."""
+    if explained <= max(LEAST, best):
         return False
     search.progress("letting the skin differ from session to session")
     search.own_skin = True
     settle_skin(search)
     return True
+
+
+def take_own_skin_of_held(search: Search, runs: list[Run]) -> bool:
+    """The same of what is left in held-out sessions alone, unless `runs` of those that were fitted explain more of these."""
+    if not _asked(search) or not search.held:
+        return False
+    each = [_of_one(search, s) for s in search.held]
+    explained = sum(x for _, x in each) * all(np.abs(theta).max() <= FARTHEST for theta, _ in each)
+    other = max((r.score for r in runs), default=0.0) > explained_by_own_skin(search)
+    return not (runs and other) and take_own_skin(search, explained, max((r.score for r in courses_alone(search)), default=0.0))
+
+
+def _asked(search: Search) -> bool:
+    return not search.own_skin and bool(_which(search))
 
 
 def settle_skin(search: Search) -> None:

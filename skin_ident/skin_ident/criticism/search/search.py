@@ -5,7 +5,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.own import take_alone, take_course
-from skin_ident.criticism.search.own_skin import settle_skin, take_own_skin, take_own_skin_of_held
+from skin_ident.criticism.search.own_skin import explained_by_own_skin, settle_skin, take_own_skin, take_own_skin_of_held
 from skin_ident.criticism.search.partly import take_partly
 from skin_ident.criticism.search.several import in_order
 from skin_ident.criticism.search.state import Search
@@ -39,11 +39,12 @@ def _round(search: Search) -> bool:
     if mass and weighs(search, mass, best):
         weigh(search, mass)
         return True
-    if take_own_skin(search, trials, runs):
-        return True
     last_resort = mass if mass and may_wait(search, mass) else None
-    if take_partly(search, last, best):
+    of_skin = explained_by_own_skin(search)
+    if take_partly(search, last, max(best, of_skin)):
         search.end_round(last, search.named[-1].cause)
+        return True
+    if take_own_skin(search, of_skin, best):
         return True
     own, shared = choose(search, trials, runs)
     if own and not take_tare(search, own[1]):
@@ -62,7 +63,7 @@ def _believing_none(search: Search, last: Survey, trials: list[Trial], runs: lis
     if not (search.zeroed or search.doubts or search.hardware) and take_zeros(search):
         search.zeroed = True
         return True
-    if take_own_skin_of_held(search):
+    if take_own_skin_of_held(search, runs):
         return True
     if take_alone(search):
         search.end_round(last, search.named[-1].cause)
