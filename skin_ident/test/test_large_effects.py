@@ -39,6 +39,14 @@ def test_a_push_that_the_model_smooths_is_no_excursion():
     assert excursions(push + noisy(), push + noisy(), 0.5).any()
 
 
+def test_a_halt_on_the_way_in_is_no_excursion():
+    """A plunger that halts for one sample between two ramps pushes less for that long, while the force goes on rising with depth."""
+    model, push = 0.12 * np.arange(200.0), np.zeros(200)
+    model[97:104] -= [0.0, 0.2, 0.5, 0.6, 0.5, 0.2, 0.0]
+    push[100] -= 1.2
+    assert not excursions(push + noisy(n=200), model + push + noisy(n=200), 0.5).any()
+
+
 @pytest.mark.parametrize("at_landings", [True, False])
 def test_jumps_at_landings_alone_are_no_outliers(at_landings):
     jumps = np.zeros(4000, bool)

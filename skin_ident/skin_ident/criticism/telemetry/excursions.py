@@ -42,10 +42,16 @@ def _of_their_own(mask: np.ndarray, e: np.ndarray, model: np.ndarray) -> np.ndar
     def of_the_model(a: int, b: int) -> bool:
         far = e[a] - e[a - 1]
         m = model[max(a - BESIDE, 0) : b + BESIDE] * np.sign(far)
-        top = int(np.argmax(m))
-        return m[top] - max(m[: top + 1].min(), m[top:].min()) > PUSHED * abs(far)
+        return max(_tallest(m), _tallest(m - np.linspace(m[0], m[-1], m.size))) > PUSHED * abs(far)
 
     return without(mask, of_the_model)
+
+
+def _tallest(m: np.ndarray) -> float:
+    """How far the peak that stands out most rises above what is lower on both sides of it. It need not be the highest sample: a plunger
+    that halts for a moment on its way in leaves a dip in a force that rises."""
+    before, after = np.minimum.accumulate(m), np.minimum.accumulate(m[::-1])[::-1]
+    return float(np.max(m - np.maximum(before, after)))
 
 
 def paired(e: np.ndarray, d: np.ndarray, sharp: np.ndarray) -> np.ndarray:
