@@ -1,13 +1,18 @@
 """Experiment and criticism by turns: one name is left in the end, and the rig's time is counted."""
 
 import json
+from itertools import chain, repeat
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import yaml
 
 from skin_ident.cli.identify import _account, main
 from skin_ident.separating import loop
+from skin_ident.separating.candidates import random_motion
+from skin_ident.separating.path import planned
+from skin_motion_profiles.profile_file import entry_from_text
 
 TRIANGLES = (
     "{type: battery, profiles: [{type: free_air, duration_s: 1}, "
@@ -26,18 +31,59 @@ def test_goes_on_until_one_name_is_left(tmp_path, capsys):
         assert (tmp_path / name).exists(), name
 
 
-def test_no_battery_is_recorded_twice_and_the_rich_one_stands_in(monkeypatch):
-    finding = {"cause": "lag", "where": "skin", "alternatives": [{"cause": "drift", "where": "skin"}]}
-    same = SimpleNamespace(findings={"findings": [finding], "verdict": "explained"}, batteries={"separating.yaml": "again"})
-    monkeypatch.setattr(loop, "diagnose", lambda *arguments: same)
-    course = loop.until_named(lambda battery, name: SimpleNamespace(t=np.arange(3.0)), "first", "rich", 100.0)
-    assert [s.battery for s in course.steps] == ["first", "again", "rich"] and course.seconds == 12.0
+LAG, DRIFT = ({"cause": cause, "where": "taxel", "alternatives": []} for cause in ("lag", "drift"))
+RANDOM = random_motion(1e-3)
+
+
+def outcome(*findings, verdict="explained", battery=""):
+    proposed = {"separating.yaml": battery} if battery else {}
+    return SimpleNamespace(findings={"findings": list(findings), "verdict": verdict}, batteries=proposed)
+
+
+def course(monkeypatch, *outcomes, first="first"):
+    """The loop on criticisms that come out like this, one after the other, the last again and again."""
+    each = chain(outcomes, repeat(outcomes[-1]))
+    monkeypatch.setattr(loop, "diagnose", lambda *arguments: next(each))
+    recording = SimpleNamespace(t=np.arange(3.0), depth=np.array([0.0, 1e-3]))
+    return loop.until_named(lambda battery, name: recording, first, "rich", 100.0)
+
+
+def batteries(of):
+    return [s.battery for s in of.steps]
+
+
+def test_no_battery_is_recorded_twice(monkeypatch):
+    of = course(monkeypatch, outcome(LAG | {"alternatives": [DRIFT]}, battery="again"))
+    assert batteries(of) == ["first", "again"] and of.seconds == 8.0
+
+
+def test_a_name_that_one_battery_leaves_is_held_against_random_motion(monkeypatch):
+    assert batteries(course(monkeypatch, outcome(LAG))) == ["first", RANDOM]
+    assert batteries(course(monkeypatch, outcome(LAG), first="rich")) == ["rich"]
+    lost = course(monkeypatch, outcome(LAG), outcome(verdict="nothing_wrong"))
+    assert batteries(lost) == ["first", RANDOM, "rich"]
+
+
+def test_rivals_that_no_motion_separates_are_seen_under_one_other_motion_alone(monkeypatch):
+    assert batteries(course(monkeypatch, outcome(LAG | {"alternatives": [DRIFT]}))) == ["first", RANDOM]
+
+
+@pytest.mark.parametrize("verdict", ["nothing_wrong", "unexplained", "partly_explained"])
+def test_what_has_no_name_is_shown_the_rich_battery_once(monkeypatch, verdict):
+    of = course(monkeypatch, outcome(*([LAG] if verdict == "partly_explained" else []), verdict=verdict))
+    assert batteries(of) == ["first", "rich"]
+
+
+def test_random_motion_is_a_battery_of_both_kinds():
+    motion = planned(entry_from_text(RANDOM), 0.01)
+    assert 20.0 < motion.t[-1] < 40.0 and 0.95e-3 < motion.x.max() < 1.001e-3
+    assert [p["type"] for p in yaml.safe_load(RANDOM)["profiles"]] == ["free_air", "multisine", "random_ramps", "free_air"]
 
 
 @pytest.mark.parametrize(("seconds", "longer"), [(174.0, True), (40.0, False)])
 def test_a_loop_that_took_longer_than_the_fixed_battery_says_so(seconds, longer):
-    course, fixed = (loop.Course((loop.Step("b", s, (("lag",),), "explained"),), None, ()) for s in (seconds, 150.0))
-    assert ("24 s more than the fixed battery" in _account(course, fixed, "full")) is longer
+    of, fixed = (loop.Course((loop.Step("b", s, (("lag",),), "explained"),), None, ()) for s in (seconds, 150.0))
+    assert ("24 s more than the fixed battery" in _account(of, fixed, "full")) is longer
 
 
 def test_bad_calls(tmp_path, capsys):

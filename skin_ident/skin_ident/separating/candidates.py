@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from math import floor
 from typing import Any
 
+import yaml
+
 from skin_ident.separating.path import planned, within
 from skin_models.signals import Motion
 from skin_motion_profiles.battery_file import battery_names
@@ -19,6 +21,7 @@ LONGEST = 120.0  # s
 BRISK = 500.0  # mm/s^2
 GENTLE = 1.0  # mm/s, up to which loops cross the surface: a jump of the force at contact is taken for a spike, or left out
 BATTERIES = ("demo", "full", "hysteresis_and_rate", "relaxation", "stiffness", "sinusoidal_identification", "pseudo_random_validation")
+AIR = {"type": "free_air", "duration_s": 1.5}
 RICH = ("demo", "full", "pseudo_random_validation")
 
 
@@ -54,6 +57,14 @@ def candidates(deepest: float, dt: float, seed: int = 0) -> list[Candidate]:
     return found
 
 
+def random_motion(deepest: float) -> str:
+    """YAML text of a battery of random ramps and sines up to `deepest` (m), slow and fast: in half the time of the full one it shows a
+    little of everything."""
+    rich = [profile for _, profile in _rich(_rounded(deepest * 1e3), 0)]
+    profiles = [AIR, *({p["type"]: p for p in rich}).values(), AIR]  # of every kind the widest, which is the last
+    return yaml.safe_dump({"type": "battery", "name": "random motion", "profiles": profiles}, sort_keys=False, width=140)
+
+
 def _rounded(d: float) -> float:
     """A depth in mm that a person would type: whole hundredths, no deeper."""
     return floor(d * 100.0 + 0.2) / 100.0 if d > 0.1 else d
@@ -61,10 +72,9 @@ def _rounded(d: float) -> float:
 
 def _described(d: float, seed: int) -> Iterator[tuple[str, dict[str, Any], bool]]:
     """Name and content of every candidate for a depth of `d` mm, and whether it is rich."""
-    air = {"type": "free_air", "duration_s": 1.5}
     for profiles, rich in (((*_sines(d), *_loops(d), *_rests(d)), False), (_rich(d, seed), True)):
         for name, profile in profiles:
-            yield name, {"type": "battery", "profiles": [air, profile, air]}, rich
+            yield name, {"type": "battery", "profiles": [AIR, profile, AIR]}, rich
     for name in sorted(set(BATTERIES) & set(battery_names())):
         yield f"the battery {name}", {"battery": name, "depth_mm": d}, name in RICH
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.recordings.recording import Recording
+from skin_ident.separating.candidates import random_motion
 
 Record = Callable[[str, str], Recording]  # words or YAML of a battery, and a name for the session
 Progress = Callable[[str], None]
@@ -24,9 +25,9 @@ class Step:
     verdict: str
 
     @property
-    def decided(self) -> bool:
-        """Whether something is named, and no finding has a rival any more."""
-        return bool(self.left) and all(len(names) == 1 for names in self.left)
+    def unnamed(self) -> bool:
+        """Whether nothing has a name, or something that is left has none."""
+        return not self.left or self.verdict == "partly_explained"
 
     @property
     def words(self) -> str:
@@ -52,11 +53,12 @@ class Course:
 def until_named(record: Record, first: str, rich: str, budget: float, progress: Progress = lambda stage: None) -> Course:
     """Begin with the battery `first` and go on until one name is left, `budget` (s of recording) is spent, or nothing would help.
 
-    Where nothing is named there are no rivals to separate, and the first battery may have been too poor to show anything: then the battery
-    `rich` is next, once. So it is where no motion would tell the rivals apart: what else it shows may change the names.
+    What the first battery leaves alone is no name yet, for in a poor one its rivals, and whatever else is wrong, may not show: it is held
+    against random motion first, as the thesis validates what it fitted to sines (section 4.3.2). Where something has no name the battery
+    may have been too poor to show one: then the battery `rich` is next, once.
     """
     train, held, steps, battery = [], [], [], first
-    while True:
+    while battery:
         progress(f"experiment {len(steps) + 1}: recording twice")
         train.append(record(battery, f"experiment_{len(steps) + 1}"))
         held.append(record(battery, f"experiment_{len(steps) + 1}_again"))
@@ -65,9 +67,19 @@ def until_named(record: Record, first: str, rich: str, budget: float, progress: 
             Step(battery, sum(float(r.t[-1] - r.t[0]) for r in (train[-1], held[-1])), _left(outcome), outcome.findings["verdict"])
         )
         progress(f"left: {steps[-1].words}")
-        battery = next((b for b in (*outcome.batteries.values(), rich) if b not in [s.battery for s in steps]), "")
-        if steps[-1].decided or not battery or sum(s.seconds for s in steps) >= budget:
-            return Course(tuple(steps), outcome, (*train, *held))
+        spent = sum(s.seconds for s in steps) >= budget
+        battery = "" if spent else _next(steps, outcome, rich, max(float(r.depth.max()) for r in train))
+    return Course(tuple(steps), outcome, (*train, *held))
+
+
+def _next(steps: list[Step], outcome: Outcome, rich: str, deepest: float) -> str:
+    """What to record next, no deeper than `deepest` (m): what separates rivals, what may show what has no name yet, what holds names
+    against other motion; empty where there is nothing to ask any more."""
+    done = [s.battery for s in steps]
+    wanted = [*outcome.batteries.values(), *([rich] if steps[-1].unnamed else [])]
+    if done != [rich] and len(done) == 1:
+        wanted.append(random_motion(deepest))
+    return next((battery for battery in wanted if battery not in done), "")
 
 
 def _left(outcome: Outcome) -> tuple[tuple[str, ...], ...]:
