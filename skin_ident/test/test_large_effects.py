@@ -47,6 +47,20 @@ def test_a_halt_on_the_way_in_is_no_excursion():
     assert not excursions(push + noisy(n=200), model + push + noisy(n=200), 0.5).any()
 
 
+def test_pushes_of_a_mass_are_no_outliers():
+    """A load cell that carries a kilogram is pushed for a sample where the plunger starts and stops; spikes come whenever they like."""
+    at = np.arange(100, 4000, 300)
+    speed = 5e-5 * (np.searchsorted(at, np.arange(4000)) % 2)
+    path = np.cumsum(speed) + 3e-7 * np.random.default_rng(1).standard_normal(4000)
+    e, later = noisy(), noisy()
+    e[at] += np.diff(path, 2)[at - 1] / 0.01**2
+    later[at + 40] += np.where(np.arange(at.size) % 2, 0.5, -0.5)
+    rest = np.zeros(4000, bool)
+    pushed, spikes = (find_outliers(["a"], ("force",), [y[None]], [y[None]], [rest], 0, 0.01, paths=[path], reads=1e-6) for y in (e, later))
+    assert not pushed and spikes[0].evidence["excursions"] == at.size
+    assert find_outliers(["a"], ("force",), [e[None]], [e[None]], [rest], 0, 0.01)
+
+
 @pytest.mark.parametrize("at_landings", [True, False])
 def test_jumps_at_landings_alone_are_no_outliers(at_landings):
     jumps = np.zeros(4000, bool)

@@ -61,7 +61,7 @@ def random_motion(deepest: float) -> str:
     """YAML text of a battery of random ramps and sines up to `deepest` (m), slow and fast: in half the time of the full one it shows a
     little of everything."""
     rich = [profile for _, profile in _rich(_rounded(deepest * 1e3), 0)]
-    profiles = [AIR, *({p["type"]: p for p in rich}).values(), AIR]  # of every kind the widest, which is the last
+    profiles = [{**AIR}, *{p["type"]: p for p in rich}.values(), {**AIR}]  # of every kind the widest, which is the last
     return yaml.safe_dump({"type": "battery", "name": "random motion", "profiles": profiles}, sort_keys=False, width=140)
 
 

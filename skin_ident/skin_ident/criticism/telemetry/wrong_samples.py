@@ -32,7 +32,7 @@ def told(
     count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
     if count == 0:
         return None
-    wrong = np.concatenate([_away(line.e, m) for line, m in zip(lines, masks, strict=True)])
+    wrong = np.concatenate([away_from_around(line.e, m) for line, m in zip(lines, masks, strict=True)])
     largest = float(np.max(np.abs(wrong)))
     runs_still, runs_away = (sum(runs(m)[0].size for m in each) for each in (stood, ran))
     what = [
@@ -62,13 +62,13 @@ def _farthest(line: AsRead, on_grid: np.ndarray) -> np.ndarray:
     """How far a residual lies away in the samples of a mask (N,); of readings between these, which may be more, the farthest of a run."""
     mask = line.beside(on_grid)
     if line.own is None:
-        return _away(line.e, mask)
+        return away_from_around(line.e, mask)
     far = np.zeros(mask.size)
-    far[mask] = np.abs(_away(line.e, mask))
+    far[mask] = np.abs(away_from_around(line.e, mask))
     return np.array([far[a:b].max() for a, b in zip(*runs(mask), strict=True)])
 
 
-def _away(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
+def away_from_around(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """How far the residual lies, in the samples of the mask, from the straight lines between the good samples around them."""
     if not mask.any() or mask.all():
         return np.zeros(0)
