@@ -31,7 +31,7 @@ def test_goes_on_until_one_name_is_left(tmp_path, capsys):
         assert (tmp_path / name).exists(), name
 
 
-LAG, DRIFT = ({"cause": cause, "where": "taxel", "alternatives": []} for cause in ("lag", "drift"))
+LAG, DRIFT, GAIN = ({"cause": cause, "where": "taxel", "alternatives": []} for cause in ("lag", "drift", "gain_error"))
 RANDOM = random_motion(1e-3)
 
 
@@ -64,6 +64,12 @@ def test_a_name_that_one_battery_leaves_is_held_against_random_motion(monkeypatc
     assert batteries(lost) == ["first", RANDOM, "rich"]
 
 
+def test_a_name_that_a_separating_battery_brings_is_held_against_random_motion_and_one_that_it_leaves_is_not(monkeypatch):
+    both = outcome(LAG | {"alternatives": [DRIFT]}, battery="apart")
+    assert batteries(course(monkeypatch, both, outcome(DRIFT))) == ["first", "apart"]
+    assert batteries(course(monkeypatch, both, outcome(DRIFT, GAIN))) == ["first", "apart", RANDOM]
+
+
 def test_rivals_that_no_motion_separates_are_seen_under_one_other_motion_alone(monkeypatch):
     assert batteries(course(monkeypatch, outcome(LAG | {"alternatives": [DRIFT]}))) == ["first", RANDOM]
 
@@ -74,10 +80,10 @@ def test_what_has_no_name_is_shown_the_rich_battery_once(monkeypatch, verdict):
     assert batteries(of) == ["first", "rich"]
 
 
-def test_random_motion_is_a_battery_of_both_kinds():
-    motion = planned(entry_from_text(RANDOM), 0.01)
+def test_random_motion_is_a_battery_that_the_server_reads():
+    motion, kinds = planned(entry_from_text(RANDOM), 0.01), ["free_air", "constant_rate_loops", "multisine", "random_ramps", "free_air"]
     assert 20.0 < motion.t[-1] < 40.0 and 0.95e-3 < motion.x.max() < 1.001e-3
-    assert [p["type"] for p in yaml.safe_load(RANDOM)["profiles"]] == ["free_air", "multisine", "random_ramps", "free_air"]
+    assert [p["type"] for p in yaml.safe_load(RANDOM)["profiles"]] == kinds
 
 
 @pytest.mark.parametrize(("seconds", "longer"), [(174.0, True), (40.0, False)])

@@ -58,10 +58,10 @@ def candidates(deepest: float, dt: float, seed: int = 0) -> list[Candidate]:
 
 
 def random_motion(deepest: float) -> str:
-    """YAML text of a battery of random ramps and sines up to `deepest` (m), slow and fast: in half the time of the full one it shows a
-    little of everything."""
-    rich = [profile for _, profile in _rich(_rounded(deepest * 1e3), 0)]
-    profiles = [{**AIR}, *{p["type"]: p for p in rich}.values(), {**AIR}]  # of every kind the widest, which is the last
+    """YAML text of a battery of quick loops, random sines and random ramps up to `deepest` (m): in half the time of the full one it shows a
+    little of everything, and the largest loads."""
+    d = _rounded(deepest * 1e3)
+    profiles = [AIR, _quick_loops(d), _multisine(d, 0.4, 0) | {"periods": 1}, _random_ramps(d, 8, 0), dict(AIR)]
     return yaml.safe_dump({"type": "battery", "name": "random motion", "profiles": profiles}, sort_keys=False, width=140)
 
 
@@ -94,9 +94,9 @@ def _loops(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
     for pace in (0.2, 0.5, 1.0, 3.0, 10.0):
         base = -0.1 if pace <= GENTLE else 0.1 * d
         yield f"triangles to {d:g} mm at {pace:g} mm/s", {**common, "base_mm": base, "depths_mm": d, "speeds_mm_s": pace, "cycles": 3}
-    deep = [0.4 * d, 0.7 * d, d]
-    yield "triangles of three depths at 0.5 mm/s", {**common, "base_mm": -0.1, "depths_mm": deep, "speeds_mm_s": 0.5, "cycles": 2}
-    yield "triangles of three depths at 10 mm/s", {**common, "base_mm": 0.1 * d, "depths_mm": deep, "speeds_mm_s": 10, "cycles": 3}
+    slow = {**_quick_loops(d), "base_mm": -0.1, "speeds_mm_s": 0.5, "cycles": 2}
+    yield "triangles of three depths at 0.5 mm/s", slow
+    yield "triangles of three depths at 10 mm/s", _quick_loops(d)
     yield "small triangles at 0.1 and 1 mm/s", {**common, "base_mm": 0.5 * d, "depths_mm": 0.65 * d, "speeds_mm_s": [0.1, 1], "cycles": 2}
     yield "a slow approach", {**common, "base_mm": -0.3, "depths_mm": 0.3 * d, "speeds_mm_s": 0.2, "cycles": 2}
     for pace in (0.5, 2.0, 8.0):
@@ -116,10 +116,23 @@ def _rests(d: float) -> Iterator[tuple[str, dict[str, Any]]]:
     yield "a long wait in the air", {"type": "free_air", "duration_s": 12.0}
 
 
+def _quick_loops(d: float) -> dict[str, Any]:
+    deep, common = [0.4 * d, 0.7 * d, d], {"type": "constant_rate_loops", "acceleration_mm_s2": BRISK}
+    return {**common, "base_mm": 0.1 * d, "depths_mm": deep, "speeds_mm_s": 10, "cycles": 3}
+
+
 def _rich(d: float, seed: int) -> Iterator[tuple[str, dict[str, Any]]]:
-    sines = {"type": "multisine", "seed": seed, "offset_mm": 0.5 * d, "base_frequency_hz": 0.25, "highest_hz": 8}
     for share in (0.15, 0.4):
-        yield f"a multisine of {share * d:.2g} mm up to 8 Hz", {**sines, "amplitude_mm": share * d}
+        yield f"a multisine of {share * d:.2g} mm up to 8 Hz", _multisine(d, share, seed)
     for fastest in (2, 8):
-        ramps = {"type": "random_ramps", "seed": seed, "deepest_mm": d, "slowest_mm_s": 0.2, "fastest_mm_s": fastest, "count": 16}
-        yield f"random ramps at 0.2 to {fastest} mm/s", {**ramps, "acceleration_mm_s2": BRISK}
+        yield f"random ramps at 0.2 to {fastest} mm/s", _random_ramps(d, fastest, seed)
+
+
+def _multisine(d: float, share: float, seed: int) -> dict[str, Any]:
+    sines = {"type": "multisine", "seed": seed, "offset_mm": 0.5 * d, "base_frequency_hz": 0.25, "highest_hz": 8}
+    return {**sines, "amplitude_mm": share * d}
+
+
+def _random_ramps(d: float, fastest: float, seed: int) -> dict[str, Any]:
+    ramps = {"type": "random_ramps", "seed": seed, "deepest_mm": d, "slowest_mm_s": 0.2, "fastest_mm_s": fastest, "count": 16}
+    return {**ramps, "acceleration_mm_s2": BRISK}

@@ -53,9 +53,9 @@ class Course:
 def until_named(record: Record, first: str, rich: str, budget: float, progress: Progress = lambda stage: None) -> Course:
     """Begin with the battery `first` and go on until one name is left, `budget` (s of recording) is spent, or nothing would help.
 
-    What the first battery leaves alone is no name yet, for in a poor one its rivals, and whatever else is wrong, may not show: it is held
-    against random motion first, as the thesis validates what it fitted to sines (section 4.3.2). Where something has no name the battery
-    may have been too poor to show one: then the battery `rich` is next, once.
+    A name that was not among those left before is none yet: in a poor battery its rivals, and whatever else is wrong, may not show. It is
+    held against random motion first, as the thesis validates what it fitted to sines (section 4.3.2). Where something has no name the
+    battery may have been too poor to show one: then the battery `rich` is next, once.
     """
     train, held, steps, battery = [], [], [], first
     while battery:
@@ -73,12 +73,13 @@ def until_named(record: Record, first: str, rich: str, budget: float, progress: 
 
 
 def _next(steps: list[Step], outcome: Outcome, rich: str, deepest: float) -> str:
-    """What to record next, no deeper than `deepest` (m): what separates rivals, what may show what has no name yet, what holds names
-    against other motion; empty where there is nothing to ask any more."""
+    """What to record next, no deeper than `deepest` (m): what separates rivals, what may show what has no name yet, what a new name is held
+    against; empty where there is nothing to ask any more."""
     done = [s.battery for s in steps]
-    wanted = [*outcome.batteries.values(), *([rich] if steps[-1].unnamed else [])]
-    if done != [rich] and len(done) == 1:
-        wanted.append(random_motion(deepest))
+    before = {name for names in steps[-2].left for name in names} if len(steps) > 1 else set()
+    new = any(before.isdisjoint(names) for names in steps[-1].left)
+    wanted = [*outcome.batteries.values()]
+    wanted += [rich] if steps[-1].unnamed else [random_motion(deepest)] if new and rich not in done else []
     return next((battery for battery in wanted if battery not in done), "")
 
 
