@@ -1,7 +1,7 @@
 """Experiment and criticism by turns: one name is left in the end, and the rig's time is counted."""
 
 import json
-from itertools import chain, repeat
+from itertools import chain, count, repeat
 from types import SimpleNamespace
 
 import numpy as np
@@ -44,8 +44,13 @@ def course(monkeypatch, *outcomes, first="first"):
     """The loop on criticisms that come out like this, one after the other, the last again and again."""
     each = chain(outcomes, repeat(outcomes[-1]))
     monkeypatch.setattr(loop, "diagnose", lambda *arguments: next(each))
-    recording = SimpleNamespace(t=np.arange(3.0), depth=np.array([0.0, 1e-3]))
-    return loop.until_named(lambda battery, name: recording, first, "rich", 100.0)
+    deeper = count()
+
+    def record(battery, name):
+        """An encoder whose zero creeps."""
+        return SimpleNamespace(t=np.arange(3.0), depth=np.array([0.0, 1e-3 + 1e-5 * next(deeper)]))
+
+    return loop.until_named(record, first, "rich", 100.0)
 
 
 def batteries(of):
@@ -68,6 +73,10 @@ def test_a_name_that_a_separating_battery_brings_is_held_against_random_motion_a
     both = outcome(LAG | {"alternatives": [DRIFT]}, battery="apart")
     assert batteries(course(monkeypatch, both, outcome(DRIFT))) == ["first", "apart"]
     assert batteries(course(monkeypatch, both, outcome(DRIFT, GAIN))) == ["first", "apart", RANDOM]
+
+
+def test_random_motion_is_recorded_once_though_the_depth_is_read_anew(monkeypatch):
+    assert batteries(course(monkeypatch, outcome(LAG), outcome(LAG, GAIN), outcome(LAG, GAIN, DRIFT))) == ["first", RANDOM]
 
 
 def test_rivals_that_no_motion_separates_are_seen_under_one_other_motion_alone(monkeypatch):

@@ -68,7 +68,7 @@ def until_named(record: Record, first: str, rich: str, budget: float, progress: 
         )
         progress(f"left: {steps[-1].words}")
         spent = sum(s.seconds for s in steps) >= budget
-        battery = "" if spent else _next(steps, outcome, rich, max(float(r.depth.max()) for r in train))
+        battery = "" if spent else _next(steps, outcome, rich, float(train[0].depth.max()))
     return Course(tuple(steps), outcome, (*train, *held))
 
 
