@@ -64,6 +64,7 @@ def plan(kind: str, index: int, seed: int, size: float, causes: list[str]) -> Ca
     setting["n_taxels"] = int(rng.choice([1, 1, 2, 3]))
     setting["encoder_step_um"] = float(rng.choice([1.0, 1.0, 5.0, 10.0, 20.0])) if kind.endswith("null") else 1.0
     setting["encoder_noise_um"] = float(np.random.default_rng([seed, index, 1]).choice([0.0, 0.0, 0.5, 1.5, 4.0]))
+    setting["between"] = float(np.random.default_rng([seed, index, 2]).choice([0.0, 0.0, 0.01]))  # of the skin, from session to session
     count = {"null": 0, "poor_null": 0, "pair": 2}.get(kind, 1)
     names = [causes[index % len(causes)]] if count == 1 else list(rng.choice(causes, count, replace=False))
     hides = tuple(Hide(str(n), str(rng.choice(PLACES[str(n)])), None, size) for n in names)

@@ -35,7 +35,9 @@ The method, in the order in which `diagnose` runs it:
     during it. Zeros as tares leave them (`courses.left_by_tare`) belong to the baseline, and those of all channels and sessions together
     go before any cause that explains no more than they do, or where none is believed (`search.tared`). Where such courses explain most by
     far and predict nothing, the noise wanders more than its model knows, and nothing is named. Last, what is wrong in held-out sessions
-    alone.
+    alone. A cause that some of three sessions or more have, and others lack, is asked before all that they share (`search.partly`). Skin
+    that is another by some percent in every session, as that of specimens, temperatures and places is, belongs to the baseline where that
+    explains more than any cause (`search.own_skin`).
 10. `search.criticise` repeats this; each cause is then asked for again beside the others, and where much is left that none is believed for,
     its rivals in its place; of two accounts that explain as much the one with clearly fewer numbers is kept (`search.exchange`). What
     nothing needs is eliminated, and what it had explained is asked of the others once more. `telling` asks whether a general model still
@@ -47,5 +49,6 @@ The method, in the order in which `diagnose` runs it:
 
 References: L. Ljung, System Identification, 1999 (output error, residual tests); Y. C. Pati et al., Orthogonal matching pursuit, 1993;
 C. L. Lawson and R. J. Hanson, Solving Least Squares Problems, 1974 (signs); G. Schwarz, Annals of Statistics 6, 1978 (the charge for a
-parameter); B. Efron and R. Tibshirani, An Introduction to the Bootstrap, 1993 (blocks); W. A. Fuller, Measurement Error Models, 1987.
+parameter); B. Efron and R. Tibshirani, An Introduction to the Bootstrap, 1993 (blocks); W. A. Fuller, Measurement Error Models, 1987;
+N. M. Laird and J. H. Ware, Biometrics 38, 1982 (numbers of each session's own).
 """

@@ -81,7 +81,7 @@ def take_partly(search: Search, last: Survey, best: float) -> bool:
     if not believed_in_part(first.ahead, first.trial, gain):
         return False
     rivals = [Rival(*t.trial.key, first.score - t.score, t.trial.fit.model) for t in others if t.score > reach(first.score)]
-    rivals += [Rival(*PARAMETERS, first.score - numbers)] * (numbers > reach(first.score))
+    rivals += [Rival(*PARAMETERS, first.score - numbers)] if numbers > reach(first.score) else []
     search.train, search.held = first.ahead.train, first.ahead.held
     only, free = (
         tuple(s.name for s in (*search.train, *search.held) if (first.trial.key in s.lacks) == lacks) for lacks in (False, True)

@@ -1,0 +1,54 @@
+"""A month of sessions: what some of them have is named with these, and skin that differs from day to day is none of it."""
+
+import pytest
+from rows import rows
+from world import make_sessions, write_case
+from world.hidden import Hide
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.recordings.load import load
+
+SESSIONS, HELD = 5, 4
+SINCE = [
+    (Hide("lag", "taxel", "one_pole", 2.0), {2, 3, 4}, 3),
+    (Hide("stress_relaxation", "skin", "prony2", 2.0), {2, 3, 4}, 4),
+    (Hide("friction", "rig", "coulomb", 2.0), {0, 1}, 5),
+    (Hide("dead_zone", "taxel", "threshold", 2.0), {1, 2, 3}, 6),
+]
+
+
+def month(folder, hide, having, seed, **how):
+    """Recordings of one rig over days, in which the sessions `having` hide something."""
+    how = {"seed": seed, "protocol": "full", "n_sessions": SESSIONS, "noise": "white"} | how
+    plain, hidden = make_sessions([], **how)[0], make_sessions([hide], **how)[0]
+    write_case([hidden[i] if i in having else plain[i] for i in range(SESSIONS)], folder)
+    every = load(folder)
+    return [r for i, r in enumerate(every) if i != HELD], [every[HELD]]
+
+
+@pytest.mark.parametrize(("hide", "having", "seed"), rows(SINCE, 1), ids=lambda h: getattr(h, "cause", ""))
+def test_what_some_sessions_have_is_named_with_them(tmp_path, hide, having, seed):
+    train, held = month(tmp_path, hide, having, seed)
+    findings = diagnose(train, held).findings
+    (found,) = findings["findings"]
+    assert (found["cause"], findings["verdict"]) == (hide.cause, "explained")
+    names = [r.name for r in (*train, *held)]
+    assert set(found["evidence"]["only_in"]) == {names[i] for i in having}
+    assert set(found["evidence"]["not_in"]) == {names[i] for i in range(SESSIONS) if i not in having}
+
+
+@pytest.mark.parametrize("seed", rows([5, 6, 8, 9], 1))
+def test_skin_that_is_a_hundredth_stiffer_or_softer_every_day_is_no_finding(tmp_path, seed):
+    sessions, _ = make_sessions([], seed=seed, protocol="full", between=0.01)
+    write_case(sessions, tmp_path)
+    every = load(tmp_path)
+    findings = diagnose(every[:2], every[2:]).findings
+    assert findings["findings"] == [] and findings["verdict"] == "nothing_wrong", findings["findings"]
+
+
+def test_what_all_sessions_have_is_found_beside_skin_that_differs(tmp_path):
+    sessions, _ = make_sessions([Hide("lag", "taxel", "one_pole", 1.5)], seed=11, protocol="full", between=0.01, n_taxels=2)
+    write_case(sessions, tmp_path)
+    every = load(tmp_path)
+    findings = diagnose(every[:2], every[2:]).findings
+    assert [(f["cause"], f["where"]) for f in findings["findings"]] == [("lag", "taxel")]
