@@ -7,6 +7,7 @@ from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
+from skin_ident.criticism.search.own_skin import settle_skin, tell_of_skin
 from skin_ident.criticism.search.proposals import Direction, directions
 from skin_ident.criticism.search.search import eliminate, run
 from skin_ident.criticism.search.state import MOST_FINDINGS, Progress, Search
@@ -54,6 +55,8 @@ def criticise(
     if eliminate(search) and _resumed(search):
         eliminate(search)
     unweigh(search)
+    settle_skin(search)
+    tell_of_skin(search)
     if given:
         check_numbers(search, given)
         baseline = fit(given, train, noise, 0)

@@ -1,5 +1,6 @@
 """What the search for causes has named, and everything else that it found out on the way."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from skin_ident.criticism.baseline.fitting import Fit
@@ -8,7 +9,7 @@ from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import PARAMETERS, Key
 from skin_models.model import Model
 
 
@@ -59,3 +60,7 @@ class Criticism:
     train: tuple[Session, ...] = ()  # as compared: without what cannot be compared, and with the courses of their own
     held: tuple[Session, ...] = ()
     not_named: dict[Key, NotNamed] = field(default_factory=dict)  # by cause and place
+
+    def skin_before(self, own: Session) -> Mapping[str, float]:
+        """The skin under which the baseline is held against a session: its `own`, unless that is a finding."""
+        return {} if any(n.key == PARAMETERS and n.courses for n in self.named) else own.skin

@@ -15,20 +15,26 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import block_diag
 
-from skin_ident.criticism.baseline.fitting import fit, tangents, whitened
+from skin_ident.criticism.baseline.fitting import cost_of, fit, tangents, whitened
+from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values
 from skin_ident.criticism.courses.course import basis
 from skin_ident.criticism.courses.run import LEAST, Run
+from skin_ident.criticism.gates.gate import gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
+from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.hardware import specimens_do
+from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import courses_alone
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS
 
-NUMBERS = ("k1", "b1", "k2", "b2")
+STIFFNESSES = ("k1", "k2")
+NUMBERS = (*STIFFNESSES, "b1", "b2")
 STRAYS = 0.03  # of every number, from session to session
 FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
+NATURAL = 0.03  # that a stiffness may be off, as that of any specimen is; what differs by more is told
 TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, until they move by less
 WORTH_SAYING = 0.002
 
@@ -73,11 +79,30 @@ def settle_skin(search: Search) -> None:
     if len(search.train) > 1:
         _settle_train(search)
     search.held = [_with(s, search, _of_one(search, s)[0]) for s in search.held]
-    every = [s.skin for s in (*search.train, *search.held) if s.skin]
-    largest = {u.label: max(abs(skin[u.label] - 1.0) for skin in every) for u in _which(search)}
-    search.tared.pop(PARAMETERS, None)
-    if max(largest.values()) > WORTH_SAYING:
+
+
+def tell_of_skin(search: Search) -> None:
+    """Say how far the skin of sessions differs, where it was let, or name it where that is more than the skin of any specimen does."""
+    sessions = [s for s in (*search.train, *search.held) if s.skin]
+    largest = {u.label: max(abs(s.skin[u.label] - 1.0) for s in sessions) for u in _which(search)} if sessions else {}
+    if max((largest[k] for k in STIFFNESSES if k in largest), default=0.0) > NATURAL:
+        _name(search, sessions)
+    elif max(largest.values(), default=0.0) > WORTH_SAYING:
         search.tared[PARAMETERS] = specimens_do(largest)
+
+
+def _name(search: Search, sessions: list[Session]) -> None:
+    model, tested = search.present.model, search.held or search.train
+    before, after = ([residual(model, s) for s in each] for each in ([replace(s, skin={}) for s in tested], tested))
+    said = f"{', '.join(s.name for s in tested)}, with numbers of their own"
+    gain = gain_of_residuals(before, after, tested, search.noise, said)
+    explained = cost_of(model, [replace(s, skin={}) for s in search.train], search.noise) - search.present.cost
+    search.named.append(Named(*PARAMETERS, gain, explained, (), courses={s.name: _said(s) for s in sessions}))
+    search.progress("named another skin in every session")
+
+
+def _said(s: Session) -> Said:
+    return Said.of(", ".join(f"{name} {100.0 * (x - 1.0):+.1f} %" for name, x in s.skin.items()), [x - 1.0 for x in s.skin.values()], "1")
 
 
 def _settle_train(search: Search) -> None:

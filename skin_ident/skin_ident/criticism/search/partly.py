@@ -32,6 +32,7 @@ from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey, survey
+from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS, Key
@@ -82,11 +83,12 @@ def take_partly(search: Search, last: Survey, best: float) -> bool:
         return False
     rivals = [Rival(*t.trial.key, first.score - t.score, t.trial.fit.model) for t in others if t.score > reach(first.score)]
     rivals += [Rival(*PARAMETERS, first.score - numbers)] if numbers > reach(first.score) else []
-    search.train, search.held = first.ahead.train, first.ahead.held
-    only, free = (
-        tuple(s.name for s in (*search.train, *search.held) if (first.trial.key in s.lacks) == lacks) for lacks in (False, True)
-    )
+    sessions = (*first.ahead.train, *first.ahead.held)
+    only, free = (tuple(s.name for s in sessions if (first.trial.key in s.lacks) == lacks) for lacks in (False, True))
     named = Named(*first.trial.key, gain, first.score, tuple(rivals), search.present.model, first.trial.fit.model, only=only, free=free)
+    if take_tare(search, named):
+        return True
+    search.train, search.held = first.ahead.train, first.ahead.held
     search.accept(first.trial.fit, named)
     return True
 

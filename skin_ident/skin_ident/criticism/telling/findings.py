@@ -18,12 +18,14 @@ from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of
 from skin_ident.criticism.telling.given_model import not_there, refitted
 from skin_ident.criticism.telling.leftover import Rest
-from skin_ident.criticism.vocabulary import BY_NAME, Key
+from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key
 from skin_ident.separating.choose import Experiment
 from skin_models.model import Model
 from skin_models.parameter import parameters_of
 
 SCHEMA = 1
+OTHER_SKIN = "the skin is another from session to session, and one set of numbers does not serve them all"
+SAME_SKIN = "see what changed between sessions (specimen, place, temperature, age); fit apart what is not one skin"
 NOT_MEASURED = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": None, "unit": "N"}
 Experiments = Mapping[Key, tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
 
@@ -49,7 +51,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments, had: int = 0) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for; the first so many effects that a given model `had` are none."""
     effects = instances(replace(model, effects=model.effects[had:]), *named.key)
-    parameters: dict[str, Any] = refitted(named, model, std) if named.cause == "parameters" else {}
+    parameters: dict[str, Any] = refitted(named, model, std) if named.cause == "parameters" and not named.courses else {}
     for i, e in enumerate(model.effects):
         for p in parameters_of(e) if i >= had and e in effects else ():
             label = model.listed_as(i, p.name)
@@ -72,13 +74,15 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
         "gain": gain.entry,
         "alternatives": _alternatives(named),
         **_separating(named, experiments),
-        "means": BY_NAME[named.cause].means,
+        "means": OTHER_SKIN if _is_skin_of_sessions(named) else BY_NAME[named.cause].means,
         "advice": advice_on(named),
     }
 
 
 def advice_on(named: Named) -> str:
     """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
+    if _is_skin_of_sessions(named):
+        return SAME_SKIN
     usual, own = BY_NAME[named.cause].act, named.courses.values()
     if named.only:
         return f"look for what changed between the sessions (another plug, filter or specimen, a re-mount, a loose screw); then {usual}"
@@ -87,6 +91,10 @@ def advice_on(named: Named) -> str:
     if any(course.crept for course in own):
         return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose plug or a tare in between"
     return f"{usual}, before every session" if own else usual
+
+
+def _is_skin_of_sessions(named: Named) -> bool:
+    return named.key == PARAMETERS and bool(named.courses)
 
 
 def _of_each_session(named: Named) -> dict[str, Any]:

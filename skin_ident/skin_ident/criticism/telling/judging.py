@@ -51,7 +51,7 @@ def judge(
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
     start = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects)
     plain = [
-        [replace(without_parting(s, start.dispersion), skin=own.skin) for s, own in zip(*pair, strict=True)]
+        [replace(without_parting(s, start.dispersion), skin=c.skin_before(own)) for s, own in zip(*pair, strict=True)]
         for pair in zip(whole, (c.train, c.held), strict=True)
     ]
     noise = noise_of(start, plain[0])
@@ -95,11 +95,11 @@ def _tested(
     """On what, and for each session of it the residuals of baseline and extended model."""
     if c.held:
         return ", ".join(s.name for s in c.held), [
-            _pair(c.baseline.model, c.extended.model, *p) for p in zip(c.held, whole[1], strict=True)
+            _pair(c, c.baseline.model, c.extended.model, *p) for p in zip(c.held, whole[1], strict=True)
         ]
     if len(c.train) == 1 or c.baseline.model == c.extended.model:
         said = "the sessions it was fitted to"
-        return said, [_pair(c.baseline.model, c.extended.model, *p) for p in zip(c.train, whole[0], strict=True)]
+        return said, [_pair(c, c.baseline.model, c.extended.model, *p) for p in zip(c.train, whole[0], strict=True)]
     return EACH_IN_TURN, [pair for fold in _folds(len(c.train)) for pair in _fold(c, whole[0], fold, given)]
 
 
@@ -112,10 +112,10 @@ def _fold(c: Criticism, whole: list[Session], fold: list[int], given: bool) -> I
     """Both models fitted without the sessions of the fold, and tried on these."""
     rest = [i for i in range(len(c.train)) if i not in fold]
     others = with_reference([c.train[i] for i in rest])
-    plain = [replace(s, beyond=whole[i].beyond) for i, s in zip(rest, others, strict=True)]
+    plain = [replace(s, beyond=whole[i].beyond, skin=c.skin_before(s)) for i, s in zip(rest, others, strict=True)]
     before = c.baseline.model if given else _refitted(c.baseline, plain)
     after = _refitted(c.extended, others)
-    yield from (_pair(before, after, replace(c.train[i], reference=None), whole[i]) for i in fold)
+    yield from (_pair(c, before, after, replace(c.train[i], reference=None), whole[i]) for i in fold)
 
 
 def _refitted(known: Fit, sessions: list[Session]) -> Model:
@@ -123,8 +123,8 @@ def _refitted(known: Fit, sessions: list[Session]) -> Model:
     return fit(known.model, sessions, noise, FOLD_ITERATIONS, known.unknowns).model
 
 
-def _pair(before: Model, after: Model, own: Session, plain: Session) -> tuple[Session, np.ndarray, np.ndarray]:
-    return own, residual(before, replace(own, beyond=plain.beyond)), residual(after, own)
+def _pair(c: Criticism, before: Model, after: Model, own: Session, plain: Session) -> tuple[Session, np.ndarray, np.ndarray]:
+    return own, residual(before, replace(own, beyond=plain.beyond, skin=c.skin_before(own))), residual(after, own)
 
 
 def _entries(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> dict[str, dict[str, Any]]:
