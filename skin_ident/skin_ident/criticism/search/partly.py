@@ -29,6 +29,7 @@ from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.believing import believed_in_part
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.plausible import plausible
+from skin_ident.criticism.search.ranking import AT_FULL_RATE
 from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey, survey
@@ -37,6 +38,7 @@ from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS, Key
 
+ELSEWHERE = {AT_FULL_RATE, *COURSES.values()}  # causes that are looked for in every session by itself
 FEWEST = 3  # training sessions, of which some may have what others lack
 MOST = 3  # causes that are fitted
 UNFELT = 1e-3  # of what other sessions feel, and of what is felt before the model imitates it, below which a session tells nothing
@@ -146,7 +148,7 @@ class _Ground:
         """Of every cause that direction which explains most where some sessions lack it; the best first."""
         best: dict[Key, _Seen] = {}
         for m, (key, sign) in enumerate(zip(self.keys, self.signs, strict=True)):
-            one = self._of(m, int(sign)) if key[0] not in COURSES.values() else None
+            one = self._of(m, int(sign)) if key[0] not in ELSEWHERE else None
             if one and one.score > best.get(key, _Seen(key, 0.0, frozenset())).score:
                 best[key] = one
         return sorted(best.values(), key=lambda s: -s.score)
