@@ -31,6 +31,8 @@ class Status:
     reason: str
     zeroed: bool
     tared: bool
+    zero_count: int
+    tare_count: int
 
 
 class Testbed:
@@ -59,6 +61,7 @@ class Testbed:
         self._motion.stop(Stop(_WAITING, lost=True), 0.0)
         self._job, self._done = None, None
         self._zeroed = self._tared = False
+        self._zero_count = self._tare_count = 0
         self._next = 0.0  # time of the next sample: the axis has been told where to be by then
         self._last: Sample | None = None
         self._status_of: tuple = ()  # what `_status` was made from
@@ -119,10 +122,11 @@ class Testbed:
             activity = self._motion.activity(self._next)
             if self._job is not None and activity is Activity.READY:
                 activity = Activity.MOVING
-            now = (activity, stopped, self._zeroed, self._tared)
+            zeros = (self._zeroed, self._tared, self._zero_count, self._tare_count)
+            now = (activity, stopped, *zeros)
             if now != self._status_of:
                 self._status_of = now
-                self._status = Status(activity, stopped.reason if stopped else "", self._zeroed, self._tared)
+                self._status = Status(activity, stopped.reason if stopped else "", *zeros)
             return self._status
 
     def follow(self, command: Callable[[float], Trajectory]) -> None:
@@ -259,12 +263,14 @@ class Testbed:
         self._sensing.move_zero(depth)
         self._motion.shift(-depth)
         self._zeroed = True
+        self._zero_count += 1
 
     def _tare_found(self, offsets: Offsets) -> None:
         self._set_offsets(offsets, tared=True)
 
     def _set_offsets(self, offsets: Offsets, tared: bool) -> None:
         self._sensing.force_offset, self._sensing.taxel_offset = offsets.force, offsets.taxels
+        self._tare_count += self._tared or tared
         self._tared = tared
 
 

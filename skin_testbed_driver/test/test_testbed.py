@@ -70,7 +70,7 @@ def test_zero_finds_a_surface_that_lies_deeper_than_thought():
     bench.testbed.zero(ZeroSettings(), outcomes.append)
     bench.run(40.0)
     assert outcomes[0].value == pytest.approx(5e-4, abs=4e-5)
-    assert bench.testbed.status().zeroed
+    assert bench.testbed.status().zeroed and bench.testbed.status().zero_count == 1
     assert bench.samples[-1].depth == pytest.approx(-0.002, abs=1e-5)
     assert bench.samples[-1].position == pytest.approx(0.0735, abs=5e-5)
 
@@ -210,10 +210,12 @@ def test_tare_subtracts_the_mean_and_reset_gives_it_back():
     bench.testbed.tare(1.0, outcomes.append)
     bench.run(1.1)
     offsets = outcomes[0].value
-    assert bench.testbed.status().tared
+    assert bench.testbed.status().tared and bench.testbed.status().tare_count == 1
     assert bench.samples[-1].force == bench.samples[-1].load - offsets.force
     bench.testbed.reset_tare()
     assert bench.run(PERIOD).force == bench.samples[-1].load
+    bench.testbed.reset_tare()  # there is nothing to be taken back
+    assert bench.testbed.status().tare_count == 2 and not bench.testbed.status().tared
 
 
 def test_a_taxel_that_misses_a_sample_is_tared_by_the_others():

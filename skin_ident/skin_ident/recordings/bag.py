@@ -16,6 +16,7 @@ from skin_ident.recordings.readings import between
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.storage import Storage
 from skin_ident.recordings.timing import BRIDGED, Track, ordered
+from skin_ident.recordings.zeros import States, of_one_zero, states_beside
 from skin_models.words import counted
 
 ROLES = {
@@ -50,7 +51,8 @@ def read_bag(
         chosen, empty = choose(path.name, bag.topics, wishes)
         if all(wish.startswith(OF_ITS) for wish in wishes.values()):
             _as_meant(path.name, chosen, empty, bag.cut_off)
-        found, names, positions, warnings = _read(bag, chosen, log_time)
+        states = states_beside(bag.topics, [topic for topic, _ in chosen.values()])
+        found, names, positions, warnings = _read(bag, chosen, log_time, states)
         warnings += empty
         attached = bag.attachments.get(FILE_NAME)
     if attached is not None:
@@ -58,6 +60,9 @@ def read_bag(
     declared = declared.filled_with(Declared(taxel_positions_mm=positions))
     _same_clock(found, warnings)
     tracks = {role: _track(d, log_time, warnings) for role, d in found.items()}
+    stamped = {role: d.stamped for role, d in found.items()}
+    tracks, notes = of_one_zero(tracks, stamped, [change for each in states for change in each.changes()])
+    warnings += notes
     t, aligned = _on_one_clock(tracks, warnings)
     channels = [
         Channels(KINDS[role][0], _named(role, rows, names), found[role].unit or KINDS[role][1], rows, *read)
@@ -66,10 +71,13 @@ def read_bag(
     return assemble(path.name, t, channels, declared, tuple(warnings), keep, tuple(track.mended for track in tracks.values()))
 
 
-def _read(bag: Storage, chosen: Chosen, log_time: bool) -> tuple[dict[str, Decoded], tuple[str, ...], tuple, list[str]]:
+def _read(
+    bag: Storage, chosen: Chosen, log_time: bool, states: list[States]
+) -> tuple[dict[str, Decoded], tuple[str, ...], tuple, list[str]]:
     """Every chosen topic as arrays, names and positions of the taxels, and warnings."""
     gatherers = {role: decode.gatherer(*pair) for role, pair in chosen.items()}
     takers = {topic.name: gatherers[role] for role, (topic, _) in chosen.items()}
+    takers |= {each.topic.name: each for each in states}
     layouts = [t for t in bag.topics.values() if t.kind == decode.LAYOUT_TYPE and t.count]
     raws: list[bytes] = []
     if "taxels" in chosen and len(layouts) == 1:

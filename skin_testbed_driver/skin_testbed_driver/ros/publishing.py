@@ -134,6 +134,7 @@ def state_message(status: Status | None, limits: Limits, sample_rate: float, sta
     if status is not None:
         message.state, message.reason = status.activity.value, status.reason
         message.zeroed, message.tared = status.zeroed, status.tared
+        message.zero_count, message.tare_count = status.zero_count, status.tare_count
     for name in ("min_depth", "max_depth", "max_speed", "max_acceleration", "max_force", "retracted_depth"):
         setattr(message, name, getattr(limits, name))
     return message

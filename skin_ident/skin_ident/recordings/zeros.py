@@ -1,0 +1,107 @@
+"""Zeros that were set within a record. The driver tells of them in `driver_state`; what lies before and after are two records."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby, pairwise
+
+import numpy as np
+
+from skin_ident.recordings.decode import Topic, typestore
+from skin_ident.recordings.errors import RecordingError
+from skin_ident.recordings.places import Places
+from skin_ident.recordings.timing import Track
+from skin_models.words import counted
+
+STATE_TYPE = "skin_testbed_msgs/msg/DriverState"
+INACTIVE = 0  # such a state says nothing of zeros
+TOLD = (  # flag, how often it was set (older drivers do not count), and what to say where it is set, and where it is so no more
+    ("zeroed", "zero_count", "the depth was zeroed anew", "the zero of the depth was given up"),
+    ("tared", "tare_count", "the loads were tared anew", "the tare of the loads was taken back"),
+)
+NAMED = 3  # times of one kind that a sentence gives
+
+
+@dataclass(frozen=True)
+class Change:
+    """What was done to a zero, and the stamp (ns) of the sample at which it was, by the driver's clock and by the recorder's."""
+
+    what: str
+    stamp_ns: int
+    log_ns: int
+
+    def at(self, stamped: bool) -> int:
+        """Its time on the clock of a topic that is `stamped`, or is not."""
+        return self.stamp_ns if stamped else self.log_ns
+
+
+@dataclass
+class States:
+    """What a driver says of itself: collects the messages of its topic."""
+
+    topic: Topic
+    heard: list[tuple[int, bytes]] = field(default_factory=list)
+
+    def __call__(self, places: Places, sizes: np.ndarray, log_ns: np.ndarray) -> None:
+        """Take in messages of these sizes (bytes)."""
+        self.heard += [(int(log), places.raw(i, size)) for i, (size, log) in enumerate(zip(sizes, log_ns, strict=True))]
+
+    def changes(self) -> list[Change]:
+        """Every change of a zero, in time. What was before is told by the first message, which is latched."""
+        try:
+            store = typestore(self.topic)
+        except RecordingError:  # a bag without definitions
+            return []
+        before, out = {}, []
+        for log_ns, raw in sorted(self.heard):
+            try:
+                m = store.deserialize_cdr(raw, self.topic.kind)
+            except Exception:  # generated code meets damaged bytes
+                continue
+            if m.state == INACTIVE:
+                continue
+            at = m.header.stamp.sec * 1_000_000_000 + m.header.stamp.nanosec
+            now = {flag: (getattr(m, flag), getattr(m, count, 0)) for flag, count, *_ in TOLD}
+            changed = [words if now[flag][0] else undone for flag, _, words, undone in TOLD if before.get(flag, now[flag]) != now[flag]]
+            out += [Change(what, at, log_ns) for what in changed]
+            before = now
+        return out
+
+
+def states_beside(topics: Mapping[str, Topic], read: Sequence[Topic]) -> list[States]:
+    """The driver that speaks of the topics that are `read`: in the namespace of one of them; or the only one."""
+    known = [t for t in topics.values() if t.kind == STATE_TYPE and t.count]
+    spaces = {t.name.rpartition("/")[0] for t in read}
+    beside = [t for t in known if t.name.rpartition("/")[0] in spaces]
+    return [States(t) for t in (beside or known)] if len(beside or known) == 1 else []
+
+
+def of_one_zero(tracks: dict[str, Track], stamped: Mapping[str, bool], changes: Sequence[Change]) -> tuple[dict[str, Track], list[str]]:
+    """The tracks between two changes of a zero, and what is to be said of that: of all such parts the one in which the plunger is in the
+    skin for longest, or where that is not known, the longest. `stamped` says of every role whether its stamps are the driver's."""
+    first = next(iter(tracks))
+    t = tracks[first].t
+    inside = [c for c in changes if t.size and t[0] < c.at(stamped[first]) < t[-1]]
+    if not inside:
+        return tracks, []
+    pieces = {role: _pieces(track.t, [c.at(stamped[role]) for c in inside]) for role, track in tracks.items()}
+    touched = tracks[first].blocks[0][0] > 0.0 if first == "encoder" else np.zeros(t.size, bool)
+    best = max(range(len(inside) + 1), key=lambda i: (np.count_nonzero(touched & pieces[first][i]), np.count_nonzero(pieces[first][i])))
+    said = f"{_said(inside, [(c.at(stamped[first]) - t[0]) * 1e-9 for c in inside])}: what lies before and after are records of their own"
+    kept = (t[pieces[first][best]] - t[0]) * 1e-9
+    if kept.size < 2:
+        raise RecordingError(f"{said}, and too short; record again")
+    left = counted(t.size - kept.size, "sample")
+    note = f"{said}; kept {kept[0]:.2f} to {kept[-1]:.2f} s, left {left} out"
+    return {role: track.kept(pieces[role][best]) for role, track in tracks.items()}, [note]
+
+
+def _pieces(t: np.ndarray, edges: list[int]) -> list[np.ndarray]:
+    """Which samples (N,) lie before, between and after the edges. Those at an edge belong to none: a tare may be taken back within one."""
+    return [(t > a) & (t < b) for a, b in pairwise([-np.inf, *edges, np.inf])]
+
+
+def _said(changes: Sequence[Change], seconds: list[float]) -> str:
+    """`the depth was zeroed anew at 12.30 s and the loads were tared anew at 40.10 s`."""
+    kinds = sorted(zip((c.what for c in changes), seconds, strict=True))
+    times = {what: [f"{at:.2f}" for _, at in same] for what, same in groupby(kinds, key=lambda kind: kind[0])}
+    return " and ".join(f"{what} at {', '.join(at[:NAMED] + ['…'] * (len(at) > NAMED))} s" for what, at in times.items())
