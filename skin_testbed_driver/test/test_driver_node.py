@@ -81,6 +81,7 @@ def test_zero_and_tare_answer_when_they_are_done(graph):
     tare = graph.call(Tare, DRIVER + "tare")
     assert tare.success and abs(tare.force_offset) < 0.05 and len(tare.taxel_offset) == 1
     graph.wait(lambda: graph.states[-1].zeroed and graph.states[-1].tared, "both in the state")
+    assert (graph.states[-1].zero_count, graph.states[-1].tare_count) == (1, 1)
     assert encoder[-1].position[0] == pytest.approx(-0.002, abs=1e-5)
     assert graph.call(Trigger, DRIVER + "reset_tare").success
 
@@ -171,6 +172,15 @@ def test_without_autostart_a_manager_leads_through_the_states(graph):
         assert graph.call(ChangeState, DRIVER + "change_state", request).success, transition
     count = len(encoder)
     graph.wait(lambda: len(encoder) > count + 10, "samples")
+
+
+def test_a_driver_that_is_not_active_says_so_to_whoever_asks_for_anything(graph):
+    graph.driver()
+    inactive = ChangeState.Request(transition=Transition(id=Transition.TRANSITION_DEACTIVATE))
+    assert graph.call(ChangeState, DRIVER + "change_state", inactive).success
+    for kind, name in ((Zero, "zero"), (Tare, "tare"), *((Trigger, name) for name in ("stop", "reset", "cancel", "reset_tare"))):
+        answer = graph.call(kind, DRIVER + name)
+        assert not answer.success and "activate it first" in answer.message, name
 
 
 def test_what_makes_no_sense_is_answered_and_ends_nothing(graph):

@@ -19,6 +19,8 @@ from skin_testbed_driver.ros.driver_settings import DriverSettings
 from skin_testbed_driver.testbed import Testbed
 from skin_testbed_driver.zeroing import Outcome
 
+NOT_ACTIVE = "the driver is not active: activate it first"
+
 # Every piece of a command counts: reliable, and deeper than a commander sends in a second.
 COMMANDS = QoSProfile(depth=50, reliability=ReliabilityPolicy.RELIABLE)
 
@@ -90,33 +92,30 @@ class Requests:
 
     def _begin(self, begin: Callable[[], None], done: Callable[[Outcome], None]) -> None:
         if not self.heeded:
-            return done(Outcome("the driver is not active: activate it first"))
+            return done(Outcome(NOT_ACTIVE))
         try:
             begin()
         except SkinError as error:
             done(Outcome(str(error)))
 
     def _on_reset_tare(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._testbed.reset_tare()
-        response.success, response.message = True, "nothing is subtracted any more"
-        return response
+        return self._answer(response, self._testbed.reset_tare, "nothing is subtracted any more")
 
     def _on_stop(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._testbed.stop("the service stop was called")
-        response.success, response.message = True, "stopped: call reset to go on"
-        return response
+        return self._answer(response, lambda: self._testbed.stop("the service stop was called"), "stopped: call reset to go on")
 
     def _on_cancel(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        return _tried(self._testbed.cancel, "cancelled", response)
+        return self._answer(response, self._testbed.cancel, "cancelled")
 
     def _on_reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        return _tried(self._testbed.reset, "ready", response)
+        return self._answer(response, self._testbed.reset, "ready")
 
-
-def _tried(action: Callable[[], None], done: str, response: Trigger.Response) -> Trigger.Response:
-    try:
-        action()
-        response.success, response.message = True, done
-    except SkinError as error:
-        response.success, response.message = False, str(error)
-    return response
+    def _answer(self, response: Trigger.Response, action: Callable[[], None], done: str) -> Trigger.Response:
+        response.success, response.message = False, NOT_ACTIVE
+        if self.heeded:
+            try:
+                action()
+                response.success, response.message = True, done
+            except SkinError as error:
+                response.message = str(error)
+        return response
