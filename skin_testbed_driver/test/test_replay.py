@@ -73,13 +73,16 @@ def test_another_number_of_taxels_than_the_recording_has_is_refused(tmp_path):
         ReplayRig(table(tmp_path, TABLE), row_from_origin(3)).open(100.0)
 
 
-def bag_of(path, *forces_by_namespace):
-    """A bag with rigs in namespaces, told apart by their force."""
+def bag_of(path, *forces_by_namespace, foreign=()):
+    """A bag with rigs in namespaces, told apart by their force, and `foreign` topics of one `Float64`."""
     from geometry_msgs.msg import WrenchStamped
     from rclpy.serialization import serialize_message
     from sensor_msgs.msg import JointState
+    from std_msgs.msg import Float64
 
     bag = BagWriter(path)
+    for topic in foreign:
+        bag.write(bag.add_topic(TopicInfo(topic, "std_msgs/msg/Float64", "")), serialize_message(Float64(data=5.0)), 0, 0)
     for namespace, force in forces_by_namespace:
         encoder = bag.add_topic(TopicInfo(f"{namespace}/encoder", "sensor_msgs/msg/JointState", ""))
         cell = bag.add_topic(TopicInfo(f"{namespace}/force", "geometry_msgs/msg/WrenchStamped", ""))
@@ -106,3 +109,14 @@ def test_of_a_rig_and_a_simulation_beside_it_the_rig_is_played_and_of_two_rigs_t
     assert read_bag(two, "right")[0].force.values == pytest.approx([2.0] * 3)
     with pytest.raises(RigError, match="no topic encoder in the namespace /middle"):
         read_bag(two, "/middle")
+
+
+def test_a_topic_that_only_bears_the_name_of_one_is_passed_over_where_that_is_there(tmp_path):
+    pytest.importorskip("skin_testbed_msgs")
+    from skin_testbed_driver.ros.replayed_bag import read_bag
+
+    read, _ = read_bag(bag_of(tmp_path / "both", ("/rig", 2.0), foreign=["/arm/force"]))
+    said = "topic /arm/force has type std_msgs/msg/Float64, and force is replayed from geometry_msgs/msg/WrenchStamped"
+    assert read.force.values == pytest.approx([2.0] * 3) and f"{said}: it was passed over" in read.warnings
+    with pytest.raises(RigError, match="topic /taxels has type std_msgs/msg/Float64"):
+        read_bag(bag_of(tmp_path / "alone", ("/rig", 2.0), foreign=["/taxels"]))

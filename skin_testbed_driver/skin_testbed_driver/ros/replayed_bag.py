@@ -25,12 +25,17 @@ _TYPES = {"encoder": JointState, "force": WrenchStamped, "taxels": TaxelArray, "
 def read_bag(path: str, namespace: str = "") -> tuple[Recorded, Layout | None]:
     """The recording in a rosbag2 directory or .mcap file: its topics in `namespace`, else those in the outermost one.
 
-    Raises `RigError` when it lacks `encoder` or `force`, or holds several rigs of which none was named. Of a file that is cut off or
-    damaged, what can be read is there; the warnings say how much that is.
+    Raises `RigError` when it lacks `encoder` or `force`, has a topic of another type alone, or holds several rigs of which none was named.
+    Of a file that is cut off or damaged, what can be read is there; the warnings say how much that is.
     """
     faults: list[str] = []
-    heard = _heard(path, faults)
+    foreign: dict[str, str] = {}
+    heard = _heard(path, faults, foreign)
+    for topic, said in foreign.items():
+        if not heard[_role(topic)]:
+            raise RigError(said)
     chosen, notes = _chosen(heard, namespace)
+    notes += tuple(f"{said}: it was passed over" for said in foreign.values())
     found = {role: _samples(role, heard[role][chosen[role]]) for role in ("encoder", "force", "taxels") if role in chosen}
     for role in ("encoder", "force"):
         if not found.get(role):
@@ -43,10 +48,10 @@ def read_bag(path: str, namespace: str = "") -> tuple[Recorded, Layout | None]:
     return Recorded(*tracks.values(), warnings=tuple(f"{fault}: {_read(tracks)}" for fault in faults) + notes), layout
 
 
-def _heard(path: str, faults: list[str]) -> dict[str, dict[str, list[Any]]]:
+def _heard(path: str, faults: list[str], foreign: dict[str, str]) -> dict[str, dict[str, list[Any]]]:
     """All messages by role and topic."""
     heard: dict[str, dict[str, list[Any]]] = {role: {} for role in _TYPES}
-    for role, topic, message in _messages(path, faults):
+    for role, topic, message in _messages(path, faults, foreign):
         heard[role].setdefault(topic, []).append(message)
     return heard
 
@@ -85,18 +90,20 @@ def _read(tracks: dict[str, Track]) -> str:
     return f"{', '.join(counts)}{lacking} up to {tracks['encoder'].t[-1]:.2f} s were read; what is lost cannot be told"
 
 
-def _messages(path: str, faults: list[str]) -> Iterator[tuple[str, str, Any]]:
+def _messages(path: str, faults: list[str], foreign: dict[str, str]) -> Iterator[tuple[str, str, Any]]:
     """Messages of the topics that matter, each with the last part of its name, and all of it. What a damaged file has lost is added to
-    `faults`."""
+    `faults`; topics that only bear the name, for a bag may be anybody's, to `foreign`, with what is to be said of them."""
     for file in _files(path):
         schemas, channels = {}, {}
         for record in records(file, faults):
             if isinstance(record, Schema):
                 schemas[record.id] = record.name
             elif isinstance(record, Channel):
-                role = record.topic.rsplit("/", 1)[-1]
-                if role in _TYPES:
-                    channels[record.id] = role, record.topic, _class(record.topic, role, schemas.get(record.schema_id, "unknown"))
+                role = _role(record.topic)
+                if role in _TYPES and (said := _foreign(record.topic, role, schemas.get(record.schema_id, "unknown"))):
+                    foreign[record.topic] = said
+                elif role in _TYPES:
+                    channels[record.id] = role, record.topic, _TYPES[role]
             elif isinstance(record, Message) and record.channel_id in channels:
                 role, topic, kind = channels[record.channel_id]
                 yield role, topic, deserialize_message(record.data, kind)
@@ -112,13 +119,15 @@ def _files(path: str) -> list[Path]:
     return files
 
 
-def _class(topic: str, role: str, name: str) -> type:
-    """The type of a topic, which must be that of its role: a bag may be anybody's. Raises `RigError`."""
+def _role(topic: str) -> str:
+    return topic.rsplit("/", 1)[-1]
+
+
+def _foreign(topic: str, role: str, name: str) -> str:
+    """What is to be said of a topic of another type than its role has; empty where it is the right one."""
     kind = _TYPES[role]
     wanted = f"{kind.__module__.split('.')[0]}/msg/{kind.__name__}"
-    if name != wanted:
-        raise RigError(f"topic {topic} has type {name}, and {role} is replayed from {wanted}")
-    return kind
+    return "" if name == wanted else f"topic {topic} has type {name}, and {role} is replayed from {wanted}"
 
 
 def _nanoseconds(message: Any) -> int:
