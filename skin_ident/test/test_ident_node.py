@@ -10,6 +10,7 @@ from making import SILICONE, START_NS, recording, response, sine, write_bag, wri
 rclpy = pytest.importorskip("rclpy")
 pytest.importorskip("skin_testbed_msgs")
 
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
 from geometry_msgs.msg import WrenchStamped  # noqa: E402
 from rclpy.action import ActionClient  # noqa: E402
 from rclpy.context import Context  # noqa: E402
@@ -37,19 +38,20 @@ class Bench:
         self.node = rclpy.create_node("bench", context=self.context)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
-        self.heard, self.feedback = [], []
+        self.heard, self.feedback, self.said = [], [], []
         publisher = self.node.create_publisher
         self.encoder = publisher(JointState, "encoder", qos_profile_sensor_data)
         self.force = publisher(WrenchStamped, "force", qos_profile_sensor_data)
         self.taxels = publisher(TaxelArray, "taxels", qos_profile_sensor_data)
         self.node.create_subscription(ParameterEstimates, "estimates", self.heard.append, 10)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", lambda m: self.said.extend(s.message for s in m.status), 10)
         self.identify = ActionClient(self.node, Identify, "identify")
         self.save = self.node.create_client(Trigger, "/ident_node/save")
         self.thread = threading.Thread(target=self.executor.spin, daemon=True)
         self.thread.start()
 
-    def press(self, seconds, truth):
-        """Publish a sine at ten times its speed: 100 Hz stamps, sent at 1 kHz."""
+    def press(self, seconds, truth, silent=None):
+        """Publish a sine at ten times its speed: 100 Hz stamps, sent at 1 kHz; nothing of the topic that is `silent`."""
         xva = sine(n=int(100 * seconds), hz=0.5)
         force, taxels = response(xva, truth, (1.0, 0.3))
         rng = np.random.default_rng(0)
@@ -59,7 +61,8 @@ class Bench:
             f.wrench.force.z = -force[i] + 0.02 * rng.normal()
             for publisher, message in ((self.encoder, x), (self.force, f), (self.taxels, s)):
                 message.header.stamp.sec, message.header.stamp.nanosec = stamp["sec"], stamp["nanosec"]
-                publisher.publish(message)
+                if publisher is not silent:
+                    publisher.publish(message)
             time.sleep(0.001)
 
     def ask(self, start, timeout=20.0):
@@ -106,6 +109,16 @@ def test_live_estimates_approach_the_truth_and_can_be_saved(world):
     wait_until(lambda: next((m for m in bench.heard[-1:] if near(m) and sure(m)), None), 20.0, "a sure estimate near the truth")
     assert bench.ask(lambda: bench.save.call_async(Trigger.Request())).success
     assert load_model(folder / "live.yaml").dispersion.k1 == pytest.approx(9619, rel=0.03)
+
+
+def test_a_topic_that_falls_silent_is_named(world):
+    bench, _, _ = world
+    wait_until(lambda: bench.force.get_subscription_count() and bench.taxels.get_subscription_count(), 20.0, "the node's subscriptions")
+    bench.press(4.0, SILICONE[4])
+    bench.press(4.0, SILICONE[4], silent=bench.force)
+    said = "no complete samples since the last look: nothing came on force"
+    wait_until(lambda: said in bench.said, 10.0, "the name of the silent topic")
+    wait_until(lambda: bench.said[-1].endswith("nothing came on encoder and force and taxels"), 10.0, "all three")
 
 
 def test_the_mass_it_holds_is_that_of_fit(world):

@@ -17,7 +17,7 @@ FARTHEST, STRONGEST = 10.0, 1e5  # m, N: what exceeds these is no measurement
 @dataclass(frozen=True)
 class Health:
     """Since the last look: rate (Hz), jitter of the stamps (s, std), samples used, without a partner, not finite; pauses; taxels that send
-    no numbers. And samples used ever.
+    no numbers; topics that were learnt and sent nothing. And samples used ever.
     """
 
     rate: float = 0.0
@@ -27,6 +27,7 @@ class Health:
     invalid: int = 0
     pauses: int = 0
     silent: int = 0
+    unheard: tuple[str, ...] = ()
     used_ever: int = 0
 
 
@@ -43,6 +44,7 @@ class LiveFit:
     newest: int = 0  # ns
     health: Health = field(default_factory=Health)
     _heard: dict[str, dict[int, np.ndarray]] = field(default_factory=lambda: {"encoder": {}, "force": {}, "taxels": {}})
+    _offered: set[str] = field(default_factory=set)  # topics that sent something since the last look
     _rows: list[np.ndarray] = field(default_factory=list)
     _last: np.ndarray | None = None
     _seen: int = 0
@@ -54,6 +56,7 @@ class LiveFit:
     def offer(self, role: str, stamp_ns: int, values: np.ndarray) -> None:
         """One message of encoder (1,) m, force (1,) N or taxels (T,) N."""
         self._left_out += self.memory is not None and role not in self._roles
+        self._offered.add(role)
         waiting = self._heard[role]
         waiting[stamp_ns] = np.asarray(values, float)
         if len(waiting) > KEEP:
@@ -62,8 +65,10 @@ class LiveFit:
 
     def update(self) -> Live | None:
         """Take in what is complete; the estimate now, or None where it is too early or nothing moves."""
-        self.health = replace(self.health, rate=0.0, jitter=0.0, used=0, alone=self._dropped, invalid=0, pauses=0)
+        unheard = () if self.memory is None else tuple(role for role in self._roles if role not in self._offered)
+        self.health = replace(self.health, rate=0.0, jitter=0.0, used=0, alone=self._dropped, invalid=0, pauses=0, unheard=unheard)
         self._dropped = 0
+        self._offered.clear()
         rows = self._complete()
         if len(rows) >= 2:
             self._absorb(rows)

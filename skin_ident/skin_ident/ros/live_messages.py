@@ -77,7 +77,8 @@ def _level(fit: LiveFit) -> tuple[bytes, str]:
     if fit.memory is None:
         return DiagnosticStatus.STALE, "no encoder and force (or taxels) with common stamps yet"
     if fit.health.used == 0:
-        return DiagnosticStatus.STALE, "no complete samples since the last look"
+        why = f": nothing came on {' and '.join(fit.health.unheard)}" if fit.health.unheard else ""
+        return DiagnosticStatus.STALE, f"no complete samples since the last look{why}"
     if fit.live is None:
         return DiagnosticStatus.OK, "not enough motion in the skin yet"
     if fit.health.alone + fit.health.invalid > 0.05 * max(1, fit.health.used):
