@@ -151,6 +151,35 @@ def test_what_the_driver_says_of_its_rig_goes_into_the_recording_and_beside_it(g
         assert {a.name for a in make_reader(file).iter_attachments()} == {"rig.yaml", "calibration.yaml"}
 
 
+def in_namespace(graph, namespace, taxels):
+    """A driver in a namespace of its own."""
+    parameters, remap = {"time_scale": 1.0, "taxels": taxels}, {"__ns": namespace}
+    graph.processes.start("skin_testbed_driver", "driver_node", parameters=parameters, remap=remap).wait_for_output("sampling at", 60.0)
+
+
+def test_the_only_rig_of_the_graph_describes_itself_though_it_is_in_a_namespace(graph, tmp_path):
+    in_namespace(graph, "/left", taxels=2)
+    recorder = record(graph, tmp_path / "s")
+    files = [tmp_path / "s" / name for name in ("rig.yaml", "calibration.yaml")]
+    graph.wait(lambda: all(f.is_file() and f.stat().st_size for f in files), "both files")
+    assert recorder.end(30.0) == 0
+    assert len(yaml.safe_load(files[0].read_text())["taxel_positions_mm"]) == 2
+
+
+def test_of_two_rigs_the_recorded_one_describes_itself_and_both_are_complained_of(graph, tmp_path):
+    in_namespace(graph, "/left", taxels=2)
+    in_namespace(graph, "/right", taxels=3)
+    for side in ("left", "right"):
+        graph.wait(lambda s=side: graph.node.count_publishers(f"/{s}/calibration"), "both rigs")
+    one = record(graph, tmp_path / "one", topics=["/right/force", "/right/encoder"])
+    both = record(graph, tmp_path / "both")
+    both.wait_for_output("more than one rig describes itself .*/left, /right", 60.0)
+    rig = tmp_path / "one" / "rig.yaml"
+    graph.wait(lambda: rig.is_file() and rig.stat().st_size, "the file")
+    assert one.end(30.0) == 0 and both.end(30.0) == 0
+    assert len(yaml.safe_load(rig.read_text())["taxel_positions_mm"]) == 3 and "more than one rig" not in one.output()
+
+
 def test_a_vanished_directory_ends_with_one_sentence(graph, tmp_path):
     graph.driver()
     recorder = record(graph, tmp_path / "s")

@@ -26,9 +26,9 @@ from std_srvs.srv import Trigger
 from skin_models.errors import SkinError
 from skin_models.ros.node import end, run
 from skin_models.ros.parameters import Parameters, setting
-from skin_models.ros.qos import LATCHED
 from skin_testbed_driver.bag import BagWriter, TopicInfo
 from skin_testbed_driver.ros.definitions import DefinitionError, definition
+from skin_testbed_driver.ros.descriptions import Descriptions
 from skin_testbed_driver.ros.offered_qos import matching, offered
 
 _LOOK = 0.2  # s, between two looks at the graph
@@ -91,15 +91,16 @@ class Recorder(Node):
             self._bag.attach("rig.yaml", "application/yaml", rig, now)
         # What the driver says of itself, unless the user knows better.
         files = {"calibration": "calibration.yaml", **({} if rig else {"rig_description": "rig.yaml"})}
-        for topic, file_name in files.items():
-            self.create_subscription(String, topic, functools.partial(self._try, self._on_text, file_name), LATCHED)
+        self._descriptions = Descriptions(self, files, functools.partial(self._try, self._on_text))
 
     def _look(self) -> None:
         """Subscribe to what is new on the graph."""
-        for name, types in self.get_topic_names_and_types():
+        graph = dict(self.get_topic_names_and_types())
+        for name, types in graph.items():
             if name not in self._known and self._is_wanted(name) and self.count_publishers(name):
                 self._known.add(name)
                 self._subscribe(name, types[0])
+        self._descriptions.look(graph, self._known)
         if not self._complete and self._wanted and self._wanted <= self._matched():
             self._complete = True
             self.get_logger().info("every topic asked for is being recorded")
