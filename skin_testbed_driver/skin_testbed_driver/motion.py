@@ -15,6 +15,7 @@ import numpy as np
 from skin_testbed_driver.safety import CommandError, Limits, Stop, check_trajectory
 from skin_testbed_driver.trajectory import Trajectory, brake, quickest
 
+_ABSURD = 1e3  # m or m/s, beyond which a set point is no mistake of a user but of a program: such numbers overflow
 _AT_REST = 1e-6  # m/s, an end speed below this is a rest
 _SPLICE_DEPTH = 2e-5  # m, by how much a command may jump where it is spliced in
 _SPLICE_STEPS = 0.02  # s, and its speed by this many seconds of the greatest acceleration
@@ -164,6 +165,10 @@ def _usable(command: Trajectory) -> Trajectory:
         raise CommandError("the command needs one position per point, and one velocity per point or none at all")
     if not (np.isfinite(t).all() and np.isfinite(x).all() and np.isfinite(command.v).all()):
         raise CommandError("the command has a point that is not a finite number")
+    farthest, fastest = np.abs(x).max(), max(map(abs, command.v), default=0.0)
+    if max(farthest, fastest) > _ABSURD:
+        what = f"{farthest:.3g} m from the surface" if farthest > _ABSURD else f"passed at {fastest:.3g} m/s"
+        raise CommandError(f"the command has a point {what}, and no stage does that")
     if (np.diff(t) <= 0.0).any():
         raise CommandError("the command's points are not in order of time_from_start")
     if command.v:
