@@ -1,6 +1,8 @@
 """The installed profile server with the installed driver and its simulated rig."""
 
+import signal
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -88,3 +90,15 @@ def test_over_force_of_the_driver_in_quick_time_retracts_at_once():
     x = dict(encoder.tolist())
     at, later = x[seen], [v for t, v in x.items() if seen + 0.025 < t < seen + 0.035]
     assert later and later[0] < at  # three samples after its detection the plunger is on its way back
+
+
+@pytest.mark.parametrize("pause", [1.0, 3.0])
+def test_a_server_that_was_held_up_itself_gives_the_reason_of_the_driver(pause):
+    with Session(driver={"seed": 1}) as session:
+        goal = session.begin("{type: sine, amplitude_mm: 0.5, frequency_hz: 0.3, periods: 20}")  # half a second in hand ends with speed
+        session.until(lambda: session.encoder[-1][1] > 6e-4, "motion")
+        session.server.send(signal.SIGSTOP)
+        time.sleep(pause)
+        session.server.send(signal.SIGCONT)
+        result = session.end(goal)
+    assert result.error_code == Result.DRIVER_FAULT and "the commands ran out" in result.error_string, result.error_string

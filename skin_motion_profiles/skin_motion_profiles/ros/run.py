@@ -31,6 +31,8 @@ Result = ExecuteProfile.Result
 _AT_REST = 1e-9  # m/s
 _CLEAR = 2e-3  # m, by how much the plunger leaves what was too hard at least: it may lie above what is taken for the surface
 _LOOK = 0.02  # s between two looks at the driver; messages wake it earlier
+_HELD_UP = 0.5  # s by which a look comes late where this process itself stood still: longer than the driver has motion in hand
+_CATCH_UP = 0.3  # s, to hear then what was said meanwhile
 
 _MEETING = 5.0  # s
 
@@ -187,8 +189,11 @@ class Run:
         return True
 
     def wait(self) -> None:
-        """Until there is news of the driver, but not long."""
+        """Until there is news of the driver, but not long. Who was held up himself hears it out before he calls it silent."""
+        begin = time.monotonic()
         self.link.news.wait(_LOOK)
+        if time.monotonic() - begin > _HELD_UP:
+            time.sleep(_CATCH_UP)
         self.link.news.clear()
 
     def come_to_rest(self, code: int) -> None:
