@@ -141,7 +141,8 @@ def summary(findings: dict[str, Any]) -> str:
     lines += [f"  ({', '.join(f'{i} is {name}' for i, name in findings['taxels'].items())})"] if "taxels" in findings else []
     taxels = sum(channel.startswith("taxel") for channel in findings["baseline"].get("rmse", ()))
     for f in findings["findings"]:
-        lines += [f"\n  {_placed(f, taxels)}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
+        some = f", {f['evidence']['pattern']}" if f["evidence"].get("only_in") and f["evidence"].get("pattern") else ""
+        lines += [f"\n  {_placed(f, taxels)}{some}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
         lines += [f"    cannot be told from: {_placed(a, taxels)}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
     lines += [f"\n  in doubt: {_placed(u, taxels)}: {u['because']}" for u in _doubts(findings)]
@@ -176,6 +177,7 @@ def _sizes(f: dict[str, Any]) -> list[str]:
     """Parameters, one a line; what each session has of its own; and what telemetry saw."""
     sizes = [f"    {name} = {_size(p)}" for name, p in f["parameters"].items()]
     own = f["evidence"].get("of_each_session") or {}
+    sizes += [f"    {f['evidence']['pattern']}"] if own and f["evidence"].get("pattern") else []
     sizes += [f"    {session}: {course}" for session, course in own.items()]
     return sizes + ([f"    {f['evidence']['why']}"] if f["evidence"].get("why") and not own else [])
 

@@ -5,12 +5,14 @@ from typing import Any
 
 
 class Said(str):
-    """A text; `sizes` are its numbers: {"value", "unit"}, with "at_s" for what begins or is met at a moment. `under_way`: something changed
-    after the session had begun. `crept`: it is another at the end than at the beginning, and no moment is known at which it jumped."""
+    """A text; `sizes` are its numbers: {"value", "unit"}, with "at_s" for what begins or is met at a moment, and `whole` is what they come
+    to in the end, where they add up. `under_way`: something changed after the session had begun. `crept`: it is another at the end than at
+    the beginning, and no moment is known at which it jumped."""
 
     sizes: tuple[dict[str, Any], ...] = ()
     under_way: bool = False
     crept: bool = False
+    whole: dict[str, Any] | None = None
 
     @classmethod
     def of(
@@ -22,10 +24,12 @@ class Said(str):
         *,
         under_way: bool = False,
         crept: bool = False,
+        adds_up: bool = False,
     ) -> "Said":
-        """`values` in `unit` (SI), each at its moment, s, unless it is there all the time."""
+        """`values` in `unit` (SI), each at its moment, s, unless it is there all the time; `adds_up`: one comes on top of the other."""
         said = cls(words)
         sizes = [{"value": float(v), "unit": unit} for v in values]
         said.sizes = tuple(sizes if moments is None else ({**q, "at_s": float(m)} for q, m in zip(sizes, moments, strict=True)))
         said.under_way, said.crept = under_way, crept
+        said.whole = {"value": sum(q["value"] for q in sizes), "unit": unit} if adds_up else None
         return said

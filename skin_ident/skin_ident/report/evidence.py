@@ -15,6 +15,7 @@ from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, meaning,
 UNTOLD = (  # said elsewhere, or for programs
     "likelihood_gain", "held_out_fall_of_mean_square", "why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std",
     "sessions", "in_model", "predicts_nothing_for", "only_in", "not_in",
+    "whole", "pattern", "of_each_session",
 )  # fmt: skip
 
 
@@ -40,6 +41,7 @@ def _card(f: Finding, v: View, number: int) -> Safe:
         ("What it means", sentence(meaning(f.cause))),
         ("Seen in", ", ".join(channel(c) for c in f.channels)),
         ("Size", [el("div", line) for line in sizes(f, v, 12)]),
+        ("In each session", [el("div", f"{session}: {text(own)}") for session, own in f.each_session.items()]),
         ("Why", sentence(f.why)),
         *_gain_rows(f, v),
         ("Had been hiding in", [el("div", _bent(*pair, v)) for pair in f.hid_in]),

@@ -2,7 +2,7 @@
 
 from skin_ident.criticism.telling.telling import MOVED, SURE
 from skin_ident.report.numbers import amount, percent
-from skin_ident.report.tolerant import mapping, text
+from skin_ident.report.tolerant import text
 from skin_ident.report.view import Amount, Finding, View
 
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
@@ -49,8 +49,11 @@ def number(a: Amount, v: View, like: list | None = None) -> str:
 
 
 def _of_each_session(f: Finding) -> list[str]:
-    """What each session has of its own."""
-    return [f"{session}: {text(course)}" for session, course in mapping(dict(f.evidence).get("of_each_session")).items()]
+    """What each session has of its own; of many, how it goes from one to the next."""
+    each = f.each_session
+    if f.has_pattern or (f.goes and len(each) > MOST_AMOUNTS):
+        return [f.goes]
+    return [f"{session}: {text(course)}" for session, course in each.items()]
 
 
 def step(before: Amount, after: Amount | None) -> float | None:

@@ -132,11 +132,13 @@ def _above(v: View, begins: str) -> str:
 
 
 def _names(v: View) -> str:
-    said = [cause_at(f.cause, f.where) + ", in some sessions" * f.partly for f in v.findings]
+    said = [cause_at(f.cause, f.where) + f.in_some for f in v.findings]
     if not said:
         return "no single cause"
     if len(said) == 1 and v.findings[0].alternatives:
-        return either([cause_at(*name) for name in v.findings[0].names], MOST_NAMES) + ", in some sessions" * v.findings[0].partly
+    if len(said) == 1 and v.findings[0].each_session and v.findings[0].has_pattern and not v.findings[0].alternatives:
+        return f"{said[0]}, which {v.findings[0].goes}"
+        return either([cause_at(*name) for name in v.findings[0].names], MOST_NAMES) + v.findings[0].in_some
     if len(said) == 2 and v.findings[0].where == v.findings[1].where:
         said[0] = spoken(v.findings[0].cause)
     return said[0] if len(said) == 1 else f"{said[0]}, and {len(said) - 1} more" if len(said) > 2 else " and ".join(said)
@@ -146,7 +148,7 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     """Each finding, then what they amount to in newtons."""
     for f in v.findings:
         size = "; ".join(sizes(f, v, brief=len(v.findings) > MOST_SIZES))
-        yield Wrong(capital(cause_at(f.cause, f.where)) + ", in some sessions" * f.partly, sentence(meaning(f.cause)), size)
+        yield Wrong(capital(cause_at(f.cause, f.where)) + f.in_some, sentence(meaning(f.cause)), size)
         shown = f.alternatives[:MOST_NAMES]
         yield from (Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)), of_last=True) for cause, where, _ in shown)
         yield from (Wrong("", said, of_last=True) for said in _as_well(f))

@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from skin_ident.criticism.telling.pattern import RANGE
 from skin_ident.criticism.vocabulary import place
 from skin_ident.report.tolerant import mapping, text
 
@@ -82,6 +83,26 @@ class Finding:
     def partly(self) -> bool:
         """Whether some sessions are free of it."""
         return bool(dict(self.evidence).get("not_in"))
+
+    @property
+    def each_session(self) -> dict[str, Any]:
+        """What each session has of its own, in words, where it does."""
+        return mapping(dict(self.evidence).get("of_each_session"))
+
+    @property
+    def goes(self) -> str:
+        """How it goes from session to session, where each has its own or only some have it: `from day18 on`."""
+        return text(dict(self.evidence).get("pattern"))
+
+    @property
+    def has_pattern(self) -> bool:
+        """Whether that is more than the range of what sessions have."""
+        return bool(self.goes) and not self.goes.startswith(RANGE)
+
+    @property
+    def in_some(self) -> str:
+        """In which sessions it is, behind a comma, where some are free of it."""
+        return f", {self.goes or 'in some sessions'}" if self.partly else ""
 
     @property
     def simulated(self) -> bool:

@@ -315,7 +315,8 @@ def _said(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> S
     unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
     under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - begin) > START_S
     words, at = _words(course, moments, z), None if course.shape == CONSTANT else moments
-    return Said.of(words, values, unit, at, under_way=under_way, crept=(course.carrier, course.shape) == (ZERO, BEND))
+    crept = (course.carrier, course.shape) == (ZERO, BEND)
+    return Said.of(words, values, unit, at, under_way=under_way, crept=crept, adds_up=course.shape in (CONSTANT, STEPS))
 
 
 def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
+from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.bounds import excluded_and_untestable, place, placed
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named, NotNamed
@@ -18,6 +19,7 @@ from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of
 from skin_ident.criticism.telling.given_model import not_there, refitted
 from skin_ident.criticism.telling.leftover import Rest
+from skin_ident.criticism.telling.pattern import FEWEST, pattern, span, when
 from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key
 from skin_ident.separating.choose import Experiment
 from skin_models.model import Model
@@ -101,16 +103,33 @@ def _of_each_session(named: Named) -> dict[str, Any]:
     if not named.courses:
         return {}
     said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())
-    why = f"each session has its own ({said}), which no parameter that they share could be"
+    goes = _goes(named.courses)
+    of_many = goes if len(named.courses) >= FEWEST else {}
+    why = f"each session has its own ({of_many.get('pattern', said)}), which no parameter that they share could be"
     sizes = {session: list(course.sizes) for session, course in named.courses.items()}
-    return {"why": why, "of_each_session": named.courses, "sessions": sizes}
+    return {"why": why, "of_each_session": named.courses, "sessions": sizes, **goes}
+
+
+def _goes(courses: dict[str, Said]) -> dict[str, Any]:
+    """What each session's numbers come to, if they add up, and how that goes from session to session, or its range."""
+    whole = {session: course.whole for session, course in courses.items() if course.whole}
+    units = {q["unit"] for course in courses.values() for q in course.sizes}
+    if len(units) != 1:
+        return {}
+    unit = units.pop()
+    if len(whole) < len(courses):
+        every = [q["value"] for course in courses.values() for q in course.sizes]
+        return {"pattern": span(every, unit)}
+    values = {session: q["value"] for session, q in whole.items()}
+    return {"whole": whole, "pattern": pattern(values, unit) or span(values.values(), unit)}
 
 
 def _in_some(named: Named) -> dict[str, Any]:
     if not named.only:
         return {}
     why = f"it is in {', '.join(named.only)}, as far as each session tells, and not in {', '.join(named.free)}"
-    return {"why": why, "only_in": list(named.only), "not_in": list(named.free)}
+    goes = when(named.only, (*named.only, *named.free))
+    return {"why": why, "only_in": list(named.only), "not_in": list(named.free), "pattern": goes}
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:
