@@ -39,7 +39,7 @@ FEW = 8  # taxels that are searched together
 JOINT = 6  # of more, those that are
 GROUP = 5  # and of the others at a time
 NUMBERED = re.compile(r"\b(taxel[_ ]|share_)(\d+)\b")
-OF_SESSIONS = ("name", "session", "held_out", "tested_on")  # keys of findings.json that hold names of sessions, or no text
+OF_SESSIONS = ("name", "session", "held_out", "tested_on", "most_in")  # keys of findings.json that hold names of sessions, or no text
 
 Split = Callable[[list[Session]], tuple[list[Session], list[Session]]]
 

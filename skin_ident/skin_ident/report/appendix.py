@@ -13,6 +13,7 @@ from skin_ident.report.words import capital, effect_words, label, meaning, sente
 
 SPREAD = "Standard errors are of noise alone: what the form of a model gets wrong, as of a real skin it always does, is not in them."
 MOST_ROWS = 15  # of a table, before it is folded
+ELSEWHERE = ("by_itself", "rmse", "stands_out")  # of a recording: see `sessions`
 GIVEN = {False: "that was given", True: "that was recorded as a twin"}  # by whether it is one
 GIVEN_NUMBERS = {False: "were given", True: "are those of the recorded twin, as a model of it has them"}
 
@@ -144,7 +145,7 @@ def _recording(r, said: set[str]) -> Safe:
 
 def _facts(r: dict) -> Iterator[str]:
     """What is known of a recording, in words."""
-    known = {"name", "session", "path", "warnings", "seconds", "samples", "rate_hz", "held_out", "compared"}
+    known = {"name", "session", "path", "warnings", "seconds", "samples", "rate_hz", "held_out", "compared", *ELSEWHERE}
     if r.get("seconds") is not None:
         yield amount(r["seconds"], "s")
     if r.get("samples") is not None:

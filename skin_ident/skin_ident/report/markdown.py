@@ -1,9 +1,12 @@
 """The report as markdown: for a mail, a wiki or a pull request. Same words as the page, without the charts."""
 
+from collections.abc import Iterator
+
 from skin_ident.report.appendix import SPREAD, held_at, size_ruled_out, why_untestable
 from skin_ident.report.gains import error, fall
 from skin_ident.report.numbers import UNKNOWN, percent
 from skin_ident.report.reading import recording_name, warning_sentences
+from skin_ident.report.sessions import by_session, in_markdown
 from skin_ident.report.sizes import number
 from skin_ident.report.story import Told, Wrong
 from skin_ident.report.tolerant import named_at, text
@@ -30,6 +33,7 @@ def markdown(all_: Told, pictures: tuple[str, ...] = ()) -> str:
         ["## Rebuild a sensor?", "", f"**{told.rebuild}**, because {told.rebuild_because}."],
         ["## What to do next", "", *(f"{i}. {s}" for i, s in enumerate(told.next, 1))] if told.next else [],
         _errors(v),
+        *_sessions(v),
         _parameters(v),
         _excluded(v),
         _untestable(v),
@@ -57,6 +61,14 @@ def _errors(v: View) -> list[str]:
         return _rows("Error of every channel", ["channel", "error", "noise alone"], rows)
     rows = [[channel(e.channel), *(error(x, e, v) for x in e.pair), percent(-fall(e)), error(e.floor, e, v)] for e in v.errors]
     return _rows("Error of every channel", ["channel", "before", "after", "change", "noise alone"], rows)
+
+
+def _sessions(v: View) -> Iterator[list[str]]:
+    told = by_session(v)
+    for title, (head, rows) in zip(("Session by session", "Error of each session"), in_markdown(v), strict=False):
+        yield _rows(title, head, rows)
+    if told and told.said:
+        yield [f"- {said}" for said in told.said]
 
 
 def _parameters(v: View) -> list[str]:

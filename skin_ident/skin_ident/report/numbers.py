@@ -89,6 +89,11 @@ def amount(value: Any, unit: str, std: Any = None, like: Any = None, digits: int
     return f"{text}{_SPACE}{name}" if name else text
 
 
+def bare(value: Any, unit: str, std: Any = None, like: Any = None) -> str:
+    """The same without the unit, for a table whose head has it."""
+    return amount(value, unit, std, like).removesuffix(f"{_SPACE}{scale(like if like is not None else value, unit)[1]}")
+
+
 def _with_spread(value: float, std: float) -> str:
     """`0.800 ± 0.008`, `58 ± 4`, `9.7 ± 1.6`: as many digits (up to six) as the standard error makes worth printing."""
     if value == 0.0 or std < 1e-6 * abs(value):

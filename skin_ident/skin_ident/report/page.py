@@ -9,6 +9,7 @@ from skin_ident.report.evidence import evidence
 from skin_ident.report.focus import Focus
 from skin_ident.report.markup import Safe, el
 from skin_ident.report.reading import recording_name
+from skin_ident.report.sessions import sessions
 from skin_ident.report.story import Story, Told, Wrong
 from skin_ident.report.view import View
 from skin_ident.report.words import capital, sentence, short
@@ -23,6 +24,7 @@ def page(told: Told) -> str:
         sections.measured(outcome, v, seen),
         sections.left(outcome, v, seen),
         evidence(outcome, v),
+        sessions(v),
         appendix.parameters(v),
         appendix.excluded(v),
         appendix.untestable(v),
@@ -110,8 +112,9 @@ def _picture(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
 def _contents(parts: list[Safe]) -> Safe:
     """Links to the sections that are there."""
     names = {
-        "measured": "Measured against simulated", "left": "What is left", "evidence": "Evidence", "parameters": "Parameters",
-        "excluded": "Ruled out", "untestable": "Not tested", "recordings": "Recordings", "reading": "How to read this",
+        "measured": "Measured against simulated", "left": "What is left", "evidence": "Evidence", "sessions": "Session by session",
+        "parameters": "Parameters", "excluded": "Ruled out", "untestable": "Not tested", "recordings": "Recordings",
+        "reading": "How to read this",
     }  # fmt: skip
     return el(
         "nav", [el("a", name, href=f"#{key}") for key, name in names.items() if any(p.startswith(f'<section id="{key}"') for p in parts)]

@@ -54,6 +54,7 @@ def view(findings: dict[str, Any]) -> View:
         held=tuple(_held(str(name), mapping(h)) for name, h in mapping(baseline.get("held")).items()),
         above=above_noise(findings),
         given=baseline.get("given") is True,
+        most_left=mapping(findings.get("systematic_rest")),
     )
 
 

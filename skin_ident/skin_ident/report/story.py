@@ -13,6 +13,7 @@ from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, percent, plain
 from skin_ident.report.reading import LONE, view
+from skin_ident.report.sessions import most_left
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import named_at, text
@@ -135,9 +136,9 @@ def _names(v: View) -> str:
     said = [cause_at(f.cause, f.where) + f.in_some for f in v.findings]
     if not said:
         return "no single cause"
-    if len(said) == 1 and v.findings[0].alternatives:
     if len(said) == 1 and v.findings[0].each_session and v.findings[0].has_pattern and not v.findings[0].alternatives:
         return f"{said[0]}, which {v.findings[0].goes}"
+    if len(said) == 1 and v.findings[0].alternatives:
         return either([cause_at(*name) for name in v.findings[0].names], MOST_NAMES) + v.findings[0].in_some
     if len(said) == 2 and v.findings[0].where == v.findings[1].where:
         said[0] = spoken(v.findings[0].cause)
@@ -160,6 +161,8 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         yield Wrong("", "Nothing that these data can show. What was ruled out, and what could not be tested, is listed below.")
     elif not v.findings:
         yield Wrong("", "No departure from the model could be named with confidence.")
+    if v.verdict in (PARTLY, UNEXPLAINED) and (most := most_left(v)):
+        yield Wrong("", most)
     yield from (Wrong("Not settled", sentence(said)) for said in _unsettled(v))
 
 

@@ -1,7 +1,7 @@
 """findings.json as the report needs it: typed and complete."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from skin_ident.criticism.telling.pattern import RANGE
@@ -170,6 +170,7 @@ class View:
     held: tuple[tuple[Amount, str], ...] = ()  # parameters that were not fitted, and where their values are from
     above: tuple[str, float] | None = None  # the channel whose error is clearly above its noise, and how many times
     given: bool = False  # the model before was given, not fitted
+    most_left: dict[str, Any] = field(default_factory=dict)  # in which sessions, as `systematic_rest` has it
 
     @property
     def loudest(self) -> list[float]:

@@ -17,6 +17,7 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of
+from skin_ident.criticism.telling.by_session import by_session, most_left
 from skin_ident.criticism.telling.given_model import not_there, refitted
 from skin_ident.criticism.telling.leftover import Rest
 from skin_ident.criticism.telling.pattern import FEWEST, pattern, span, when
@@ -230,6 +231,7 @@ def as_findings(
     entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments, had) for n in c.named]
     named = {(e["cause"], e["where"]) for one in entries for e in (one, *one["alternatives"])}
     known = telemetry_words(recordings, given)
+    each = by_session(c, [*train, *held])
     rounds, seen_there = [s for s, _ in c.rounds], _not_findings(c, recordings, named)
     excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there)
     return {
@@ -242,6 +244,7 @@ def as_findings(
                 "rate_hz": float(1.0 / r.dt),
                 "held_out": any(r.name == s.name for s in held),
                 "warnings": list(r.warnings),
+                **each.get(r.name, {}),
             }
             for r in recordings
         ],
@@ -256,6 +259,7 @@ def as_findings(
             "rmse_before": rest.before,
             "rmse_after": rest.after,
             "unit": "N",
+            **most_left(each),
         },
         "verdict": verdict,
         "warnings": _warnings(recordings),

@@ -1,0 +1,175 @@
+"""What every session says by itself, so that what changed from one day to another is seen where it did.
+
+To one session alone the model is fitted once more: its stiffnesses, its dampings and its shares, beside causes as they were named and
+without what belongs to this session (a gain, a zero, a skin of its own). Zeros of all channels are fitted with them: with the tangents J of
+the model, a column of ones for each channel in Z, and what the model leaves r,
+
+    [dp, z] = argmin |W (r - J dp - Z z)|^2,    covariance s^2 ([J Z]' W' W [J Z])^-1
+
+in the noise of the search. Numbers of one session are held against those of the others by their median and its scatter, which one odd
+session does not move (F. R. Hampel, J. Am. Stat. Assoc. 69 (1974) 383-393).
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.stats import t as student
+
+from skin_ident.criticism.baseline.fitting import tangents
+from skin_ident.criticism.baseline.residual import damping, placed, residual, rmse, stiffness
+from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values, with_values
+from skin_ident.criticism.noise.whitening import Whitener, stack
+from skin_ident.criticism.search.named import Criticism
+from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, with_reference
+from skin_ident.estimators.scale import normal_scale
+from skin_models.model import Model
+
+TURNS = 2  # of Gauss and Newton: but for the shares the model is linear in its numbers
+STEP = 1e-4  # of a scaled unknown, for the differences
+TELLS = 0.3  # of a number, up to which its standard error may be if it is to be said
+MOST = 0.3  # of a session, that a channel must be believed for
+TINY = 1e-9  # N
+FEWEST = 4  # sessions of which one may stand out
+CHANCE = 1e-3  # that a number of a sound session does
+LEAST = {"stiffness": 0.005, "recovery": 0.05, "zero": 0.0}  # relative, by which a number must differ to stand out
+ALIKE = 0.1  # relative, what errors of sessions of one kind differ by
+MOST_OF_IT = 1.6  # times what is left in any other session, from which on most of it is in one, or in some
+
+
+Number = tuple[float, float]  # a value, and its standard error
+_Alone = dict[str, dict[str, Number]]  # by kind and channel, what a session says by itself
+
+UNITS = {"stiffness": "N/m", "recovery": "s", "zero": "N"}
+
+
+def by_session(c: Criticism, plain: list[Session]) -> dict[str, dict[str, Any]]:
+    """By name of a session what it says by itself, as an entry of `recordings` in findings.json holds it: `by_itself`, `rmse` of baseline
+    and extended model, and what of it `stands_out`. `plain` are the sessions in the order of `c.train` and `c.held`, without what was found
+    to be their own. {} for a lone session, which was criticised in two parts."""
+    sessions = [*c.train, *c.held]
+    if any(s.name.endswith((FITTED, KEPT)) for s in sessions):
+        return {}
+    bare = [with_reference([replace(s, beyond=p.beyond, skin={}, reference=None)])[0] for s, p in zip(sessions, plain, strict=True)]
+    own = [_alone(c.extended.model, s, c.last.noise) for s in bare]
+    before = [rmse([residual(c.baseline.model, replace(s, beyond=p.beyond))], [s]) for s, p in zip(sessions, plain, strict=True)]
+    after = [rmse([residual(c.extended.model, s)], [s]) for s in sessions]
+    errors = [
+        {ch: {"baseline": b[ch], "extended": a[ch], "unit": "N"} for ch in s.channels if s.weight[s.channels.index(ch)].any()}
+        for s, b, a in zip(sessions, before, after, strict=True)
+    ]
+    odd = list(_odd(own, errors))
+    return {
+        s.name: {"by_itself": _quantities(o), "rmse": e, "stands_out": [what for what, sessions in odd if i in sessions]}
+        for i, (s, o, e) in enumerate(zip(sessions, own, errors, strict=True))
+    }
+
+
+def most_left(told: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """In which sessions (`most_in`) of those that `by_session` told most is left, of which `channel`, and how many times as much as in the
+    others (`times`): of the channel in which that is most. {} where none stand out."""
+    channels = dict.fromkeys(channel for e in told.values() for channel in e["rmse"])
+    of_each = {c: {n: e["rmse"][c]["extended"] for n, e in told.items() if c in e["rmse"]} for c in channels}
+    found = [{"most_in": names, "channel": c, "times": times} for c, left in of_each.items() for names, times in louder_than_others(left)]
+    return max(found, key=lambda m: m["times"], default={})
+
+
+def louder_than_others(left: Mapping[str, float]) -> Iterator[tuple[list[str], float]]:
+    """The sessions of which clearly more is left than of any other, and how many times as much (RMS) as of these, if there are any."""
+    names = sorted(left, key=lambda n: -left[n])
+    rms = np.array([max(left[n], TINY) for n in names])
+    gaps = rms[:-1] / rms[1:]
+    if len(names) >= FEWEST and gaps[: len(names) - 2].max() > MOST_OF_IT:
+        k = int(np.argmax(gaps[: len(names) - 2])) + 1
+        yield [n for n in left if n in names[:k]], float(np.sqrt(np.mean(rms[:k] ** 2) / np.mean(rms[k:] ** 2)))
+
+
+def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
+    """What a session says, by its channels that may be believed."""
+    strongest = f"taxel_{int(np.argmax(placed(model, s).shares))}" if model.shares else ""
+    heard = _heard(s)
+    which = tuple(u for u in unknowns(model, s) if _told(u, heard, strongest))
+    mask = np.array([channel in heard for channel in s.channels])[:, None]
+    s = replace(s, weight=np.where(mask, s.weight, 1.0))  # of what is not heard nothing is asked, and it silences no other channel
+    ones = np.eye(len(s.channels))[:, :, None] * np.ones(s.t.size)
+    for _ in range(TURNS):
+        J = stack([np.concatenate([tangents(model, [s], which)[0], ones]) * mask], [s], noise)
+        r = noise.apply(residual(model, s) * mask, s).ravel()
+        found = np.linalg.lstsq(J, r, rcond=None)[0]
+        model = with_values(model, which, values(model, which) + found[: len(which)] * scales(model, which))
+    left, free = r - J @ found, int(np.count_nonzero(r)) - len(found)
+    covariance = np.linalg.pinv(J.T @ J) * float(left @ left) / max(free, 1)
+    pressing = ["force"] if "force" in heard or s.drive is not None else []
+    told = [*pressing, *(channel for channel in (strongest,) if channel in heard)]
+
+    def number(of: Callable[[Model, str], float], channel: str) -> Number:
+        return _with_error(lambda m: of(placed(m, s), channel), model, which, covariance)
+
+    stiff = {} if s.drive is not None else {channel: number(stiffness, channel) for channel in told}
+    slow = {channel: number(recovery, channel) for channel in told}
+    zeros = zip(s.channels, found[len(which) :], np.sqrt(np.diag(covariance)[len(which) :]), strict=True)
+    return {
+        "stiffness": {channel: q for channel, q in stiff.items() if 0.0 < q[1] < TELLS * abs(q[0])},
+        "recovery": {channel: q for channel, q in slow.items() if 0.0 < q[1] < max(TELLS * abs(q[0]), s.period)},
+        "zero": {channel: (float(z), float(std)) for channel, z, std in zeros if channel in heard and std > 0.0},
+    }
+
+
+def _heard(s: Session) -> list[str]:
+    """The channels that may be believed for most of a session."""
+    return [c for c, w in zip(s.channels, s.weight, strict=True) if np.mean(w > 0.0) > MOST and c not in s.stuck]
+
+
+def _told(u: Unknown, heard: list[str], strongest: str) -> bool:
+    """Whether channels that are `heard` tell an unknown of the plain model. Where the taxel whose share is 1 is not among them, shares stay
+    as they are, and the other taxels tell what is under it."""
+    if u.part == "shares":
+        return strongest in heard and f"taxel_{u.parameter.name}" in heard
+    sensed = u.label in ("b1", "k1") and any(channel != "force" for channel in heard)
+    return u.part == "dispersion" and (sensed or u.label in ("b2", "k2"))
+
+
+def recovery(model: Model, channel: str) -> float:
+    """How long a channel takes to follow, b / k, s."""
+    return damping(model, channel) / stiffness(model, channel)
+
+
+def _with_error(of: Callable[[Model], float], model: Model, which: tuple[Unknown, ...], covariance: np.ndarray) -> Number:
+    """A number of the model, and its standard error by the covariance of its scaled unknowns, which come first in it."""
+    theta, scale, here = values(model, which), scales(model, which), of(model)
+    moved = [of(with_values(model, which, theta + STEP * scale * row)) for row in np.eye(theta.size)]
+    slopes = (np.array(moved) - here) / STEP
+    return float(here), float(np.sqrt(max(slopes @ covariance[: theta.size, : theta.size] @ slopes, 0.0)))
+
+
+def _quantities(own: _Alone) -> dict[str, Any]:
+    return {
+        kind: {channel: {"value": value, "unit": UNITS[kind], "std": std} for channel, (value, std) in of.items()}
+        for kind, of in own.items()
+    }
+
+
+def _odd(own: list[_Alone], errors: list[dict[str, Any]]) -> Iterator[tuple[str, set[int]]]:
+    """Of every number that sessions have, `kind.channel`, the sessions in which it stands out."""
+    for kind in UNITS:
+        for channel in dict.fromkeys(channel for o in own for channel in o[kind]):
+            told = {i: o[kind][channel] for i, o in enumerate(own) if channel in o[kind]}
+            y, std = np.array([*told.values()]).T
+            yield f"{kind}.{channel}", {i for i, out in zip(told, standing_out(y, std, LEAST[kind]), strict=True) if out}
+    for channel in dict.fromkeys(channel for e in errors for channel in e):
+        told = {i: np.log(max(e[channel]["extended"], TINY)) for i, e in enumerate(errors) if channel in e}
+        y = np.array([*told.values()])
+        out = standing_out(y, np.full(y.size, ALIKE)) & (y > np.median(y) + np.log(MOST_OF_IT))
+        yield f"rmse.{channel}", {i for i, o in zip(told, out, strict=True) if o}
+
+
+def standing_out(y: np.ndarray, std: np.ndarray, least: float = 0.0) -> np.ndarray:
+    """Which of some numbers (S,) with standard errors are further from their median than their scatter about it accounts for, and by more
+    than the share `least` of it."""
+    if y.size < FEWEST:
+        return np.zeros(y.size, bool)
+    middle = float(np.median(y))
+    scatter = np.hypot(np.hypot(normal_scale(y - middle), np.median(std)), std)
+    limit = float(student.isf(0.5 * CHANCE, y.size - 2))
+    return np.abs(y - middle) > np.maximum(limit * scatter, least * abs(middle))

@@ -1,0 +1,182 @@
+"""Session by session: what each says by itself, what is left of it, and how that goes from one to the next."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skin_ident.criticism.telling.by_session import LEAST
+from skin_ident.criticism.telling.pattern import in_order, pattern, when
+from skin_ident.criticism.vocabulary import spoken
+from skin_ident.report.markup import Safe, el, section, table
+from skin_ident.report.numbers import UNKNOWN, bare, finite, plain, scale
+from skin_ident.report.reading import recording_name
+from skin_ident.report.tolerant import mapping, sequence, text
+from skin_ident.report.view import View
+from skin_ident.report.words import sentence, short, signal
+
+KINDS = ("stiffness", "recovery", "zero")
+MOST_ZEROS, MOST_ERRORS = 5, 8  # channels in a table
+CLEARLY = 6.0  # standard errors, by which numbers must differ before it is said how they go
+NOTE = (
+    "The plain numbers of the model, beside the causes named here, fitted to each session alone together with a zero of every channel, and "
+    "without what was found to be that session's own. Recovery is damping over stiffness. Standard errors are of noise alone. What stands "
+    "out from the other sessions by more than their scatter is marked."
+)
+ERRORS = "Typical error of each session; what stands out is marked."
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of numbers: its head, and the cells by session, with those that stand out."""
+
+    head: str
+    cells: dict[str, str]
+    odd: frozenset[str]
+
+
+@dataclass(frozen=True)
+class BySession:
+    """Both tables, the sessions in their order, those that were held out, and sentences on how numbers go."""
+
+    names: tuple[str, ...]
+    held: frozenset[str]
+    own: tuple[Column, ...]
+    errors: tuple[Column, ...]
+    said: tuple[str, ...]
+    hidden: int  # channels that are in findings.json alone
+
+
+def by_session(v: View) -> BySession | None:
+    """What findings.json knows of sessions by themselves; None where it does not."""
+    told = {recording_name(r): mapping(r) for r in v.recordings if mapping(r).get("by_itself")}
+    if len(told) < 2:
+        return None
+    names = tuple(in_order(told))
+    channels = list(dict.fromkeys(c for n in names for c in mapping(told[n].get("rmse"))))
+    odd = {n: frozenset(map(text, sequence(told[n].get("stands_out")))) for n in names}
+    zeros, errors = (_most_telling(channels, kind, most, odd) for kind, most in (("zero", MOST_ZEROS), ("rmse", MOST_ERRORS)))
+    own = [_own(kind, c, names, told, odd) for kind in KINDS for c in _of(kind, names, told) if kind != "zero" or c in zeros]
+    return BySession(
+        names,
+        frozenset(n for n in names if told[n].get("held_out") is True),
+        tuple(own),
+        tuple(_errors(c, names, told, odd, v) for c in errors),
+        tuple(said for kind in KINDS for c in _of(kind, names, told) for said in _goes(kind, c, names, told)),
+        len(channels) - min(len(zeros), len(errors)),
+    )
+
+
+def _of(kind: str, names: tuple[str, ...], told: dict[str, dict]) -> list[str]:
+    """The channels of which sessions have numbers of a kind."""
+    return list(dict.fromkeys(c for n in names for c in mapping(mapping(told[n]["by_itself"]).get(kind))))
+
+
+def _most_telling(channels: list[str], kind: str, most: int, odd: dict[str, frozenset[str]]) -> list[str]:
+    """So many channels, in their order: those first in which sessions stand out."""
+    ranked = sorted(channels, key=lambda c: not any(f"{kind}.{c}" in each for each in odd.values()))
+    return [c for c in channels if c in ranked[:most]]
+
+
+def _numbers(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict]) -> dict[str, tuple[float, float, str]]:
+    """Value, standard error and unit by session."""
+    each = {n: mapping(mapping(mapping(told[n]["by_itself"]).get(kind)).get(channel)) for n in names}
+    return {
+        n: (q["value"], finite(q.get("std")) or 0.0, text(q.get("unit"))) for n, q in each.items() if finite(q.get("value")) is not None
+    }
+
+
+def _own(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict], odd: dict[str, frozenset[str]]) -> Column:
+    numbers = _numbers(kind, channel, names, told)
+    like, unit = [value for value, _, _ in numbers.values()], next(iter(numbers.values()))[2]
+    cells = {n: bare(value, unit, std, like) for n, (value, std, _) in numbers.items()}
+    return Column(f"{kind} of {_at(channel)}, {scale(like, unit)[1]}", cells, frozenset(n for n in names if f"{kind}.{channel}" in odd[n]))
+
+
+def _errors(channel: str, names: tuple[str, ...], told: dict[str, dict], odd: dict[str, frozenset[str]], v: View) -> Column:
+    """Before and after, of each session."""
+    pairs = {n: [finite(mapping(mapping(told[n]["rmse"]).get(channel)).get(k)) for k in ("baseline", "extended")] for n in names}
+    pairs = {n: pair if v.findings else pair[1:] for n, pair in pairs.items() if None not in pair}
+    like = v.loudest or [x for pair in pairs.values() for x in pair]
+    cells = {n: " → ".join(bare(x, "N", None, like) for x in pair) for n, pair in pairs.items()}
+    return Column(f"{spoken(channel)}, {scale(like, 'N')[1]}", cells, frozenset(n for n in names if f"rmse.{channel}" in odd[n]))
+
+
+def _at(channel: str) -> str:
+    return "the force" if channel == "force" else spoken(channel)
+
+
+def _goes(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict]) -> Iterator[str]:
+    """How a number goes from session to session, where it clearly does."""
+    numbers = _numbers(kind, channel, names, told)
+    y, std = np.array([[value, std] for value, std, _ in numbers.values()]).T
+    middle, least = float(np.median(y)), LEAST[kind] * abs(float(np.median(y)))
+    if np.ptp(y) <= max(CLEARLY * float(np.median(std)), least):
+        return
+    shares, unit = (y / middle - 1.0, "1") if kind != "zero" and middle else (y, "N")
+    if goes := pattern(dict(zip(numbers, shares.tolist(), strict=True)), unit):
+        beside = " of its median" if unit == "1" else ""
+        yield sentence(f"the {kind} of {_at(channel)} {goes}{beside}")
+
+
+def most_left(v: View) -> str:
+    """In which sessions most is left, as a sentence; empty where none stand out."""
+    m = v.most_left
+    some, times = [text(n) for n in sequence(m.get("most_in"))], finite(m.get("times"))
+    if not some or times is None:
+        return ""
+    where = when(some, [recording_name(r) for r in v.recordings]).removesuffix(" alone")
+    what = f"most of what is left of the {signal(text(m.get('channel')))} is {where}"
+    return sentence(f"{what}: {plain(times, 2)} times as much as in the other sessions")
+
+
+def sessions(v: View) -> Safe | None:
+    """The section of the page."""
+    told = by_session(v)
+    if told is None:
+        return None
+    more = f"{told.hidden} more channels are in findings.json."
+    return section(
+        "sessions",
+        "Session by session",
+        el("p", NOTE, class_="note"),
+        _table(told, told.own),
+        el("ul", [el("li", said) for said in told.said]) if told.said else None,
+        el("h3", "Error of each session"),
+        el("p", f"{ERRORS}{' Before → after.' if v.findings else ''}", class_="note"),
+        _table(told, told.errors),
+        el("p", more, class_="note") if told.hidden else None,
+    )
+
+
+def _table(told: BySession, columns: tuple[Column, ...]) -> Safe:
+    rows = [[_name(n, told), *(_cell(n, c) for c in columns)] for n in told.names]
+    return table(["session", *(c.head for c in columns)], rows, numeric=tuple(range(1, len(columns) + 1)), class_="by-session")
+
+
+def _name(n: str, told: BySession) -> list:
+    return [short(n), el("span", " held out", class_="aside") if n in told.held else None]
+
+
+def _cell(n: str, c: Column) -> Any:
+    cell = c.cells.get(n, UNKNOWN)
+    return el("b", cell, class_="odd") if n in c.odd else cell
+
+
+def in_markdown(v: View) -> list[tuple[list[str], list[list[str]]]]:
+    """Head and rows of both tables as text."""
+    told = by_session(v)
+    if told is None:
+        return []
+    return [
+        (
+            ["session", *(c.head for c in columns)],
+            [[n + " (held out)" * (n in told.held), *(_bold(n, c) for c in columns)] for n in told.names],
+        )
+        for columns in (told.own, told.errors)
+    ]
+
+
+def _bold(n: str, c: Column) -> str:
+    return f"**{c.cells[n]}**" if n in c.odd and n in c.cells else c.cells.get(n, UNKNOWN)

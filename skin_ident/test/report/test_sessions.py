@@ -1,0 +1,89 @@
+"""Sessions are told from each other: a table of what each says by itself, what stands out, and where most is left."""
+
+import numpy as np
+import pytest
+import report_examples as examples
+from test_faults import session
+
+from skin_ident.criticism.diagnose import diagnose
+from skin_ident.criticism.telling.by_session import louder_than_others, most_left, standing_out
+from skin_ident.report.markdown import markdown
+from skin_ident.report.page import page
+from skin_ident.report.sessions import by_session
+from skin_ident.report.story import tell
+
+NAMES = ("day10.csv", "day2.csv", "day5.csv", "day7.csv", "day12.csv")
+
+
+def entry(k: float, error: float, *, held=False, out=()) -> dict:
+    own = {"stiffness": {"force": {"value": k, "unit": "N/m", "std": 2.0}}, "recovery": {}, "zero": {"force": q(1e-3)}}
+    return {
+        "samples": 10, "held_out": held, "by_itself": own, "rmse": {"force": {"baseline": 0.05, "extended": error, "unit": "N"}},
+        "stands_out": list(out),
+    }  # fmt: skip
+
+
+def q(value: float) -> dict:
+    return {"value": value, "unit": "N", "std": 5e-4}
+
+
+def told(verdict: str, rows: list[dict]):
+    outcome = examples.unexplained()
+    rows = [{"name": n, **r} for n, r in zip(NAMES, rows, strict=True)]
+    rest = {"systematic_rest": most_left({r["name"]: r for r in rows if "rmse" in r}), "verdict": verdict}
+    return tell(examples.replace(outcome, findings={**outcome.findings, "recordings": rows, **rest}))
+
+
+def test_sessions_stand_in_their_order_and_what_stands_out_is_marked():
+    rows = [entry(5000.0, 0.002), entry(5001.0, 0.002), entry(5000.0, 0.002, out=["stiffness.force"]), entry(4999.0, 0.002)]
+    all_ = told("nothing_wrong", [*rows, entry(5000.0, 0.002, held=True)])
+    table = by_session(all_.view)
+    assert table.names == ("day2.csv", "day5.csv", "day7.csv", "day10.csv", "day12.csv") and not table.said
+    html, text = page(all_), markdown(all_)
+    assert '<section id="sessions">' in html and '<b class="odd">5000' in html and "| day12.csv (held out) |" in text
+    assert "by itself" not in html.lower() and "Most of what is left" not in text  # nor among what else a recording is said to have
+
+
+def test_how_a_number_goes_from_session_to_session_is_said_below_the_table():
+    rows = [entry(k, 0.002) for k in (5100.0, 5000.0, 5001.0, 5100.0, 5101.0)]
+    said = by_session(told("explained", rows).view).said
+    assert said == ("The stiffness of the force steps by +2.0 % at day7, from −2.0 % to +0.0 % of its median.",)
+
+
+@pytest.mark.parametrize("verdict", ["unexplained", "partly_explained", "explained"])
+def test_the_first_screen_names_the_sessions_in_which_most_is_left(verdict):
+    rows = [entry(5000.0, error) for error in (0.0095, 0.003, 0.003, 0.003, 0.003)]
+    said = " ".join(w.means for w in told(verdict, rows).story.wrong)
+    what = "Most of what is left of the force is in day10: 3.2 times as much as in the other sessions."
+    assert (what in said) == (verdict != "explained")
+
+
+def test_without_numbers_of_sessions_nothing_is_said_of_them():
+    all_ = told("unexplained", [{"samples": 10}] * 5)
+    assert by_session(all_.view) is None and '<section id="sessions">' not in page(all_)
+
+
+def test_one_odd_number_stands_out_and_two_levels_do_not():
+    std = np.full(6, 0.5)
+    assert standing_out(np.array([100.0, 101.0, 99.0, 100.5, 120.0, 99.5]), std).tolist() == [False] * 4 + [True, False]
+    assert not standing_out(np.array([100.0, 101.0, 99.0, 120.5, 120.0, 119.5]), std).any()
+    assert not standing_out(np.array([100.0, 100.0, 120.0]), std[:3]).any()
+    assert not standing_out(np.array([100.0, 100.1, 100.0, 100.0, 100.3, 100.0]), 0.01 * std, 0.005).any()
+
+
+def test_most_is_left_in_some_sessions_only_where_clearly_more_is():
+    assert list(louder_than_others({"a": 1.0, "b": 1.2, "c": 1.1, "d": 1.4})) == []
+    ((names, times),) = louder_than_others({"a": 1.0, "b": 4.0, "c": 1.0, "d": 3.0})
+    assert names == ["b", "d"] and times == pytest.approx(3.54, abs=0.01)
+
+
+def test_taxels_that_read_more_on_one_day_are_seen_in_what_it_says_by_itself():
+    made = [session(i, lambda y, rng, i=i: y * (1.03 if i == 2 else 1.0)) for i in range(5)]
+    told_ = {r["name"]: r for r in diagnose(made[:4], made[4:]).findings["recordings"]}
+    stiff = {n: r["by_itself"]["stiffness"] for n, r in told_.items()}
+    (taxel,) = (channel for channel in stiff["session_0"] if channel != "force")
+    for channel, factor in (("force", 1.0), (taxel, 1.03)):
+        others = [stiff[f"session_{i}"][channel]["value"] for i in (0, 1, 3, 4)]
+        assert stiff["session_2"][channel]["value"] == pytest.approx(factor * np.median(others), rel=5e-3)
+    assert [n for n, r in told_.items() if f"stiffness.{taxel}" in r["stands_out"]] == ["session_2"]
+    assert all(abs(z["value"]) < 6.0 * z["std"] + 1e-3 for r in told_.values() for z in r["by_itself"]["zero"].values())
