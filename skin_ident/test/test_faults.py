@@ -11,7 +11,7 @@ from skin_ident.criticism.record import inspect
 from skin_ident.criticism.telemetry.faults import effect_of
 from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
-from skin_ident.criticism.telling.alike import in_all_taxels
+from skin_ident.criticism.telling.alike import in_all_taxels, one_each
 from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -230,3 +230,29 @@ def test_what_some_taxels_have_or_each_in_another_way_is_told_of_each():
     (one,) = in_all_taxels(alike, 3)
     assert (one["where"], one["channels"]) == ("taxel", ["taxel_0", "taxel_1", "taxel_2"])
     assert one["parameters"]["amplitude"]["value"] == 0.02 and set(one["evidence"]["of_each_taxel"]) == set(one["channels"])
+
+
+def test_columns_that_are_exchanged_in_several_sessions_are_one_finding():
+    def entry(session, channels=("taxel_0", "taxel_2")):
+        pieces = [{"session": session, "start": 0.0, "seconds": 12.0}]
+        evidence = {"why": "", "kind": "exchanged columns", "pieces": pieces}
+        return {"cause": "data_error", "where": "taxel", "channels": list(channels), "parameters": {}, "evidence": evidence}
+
+    days = [f"day{i}" for i in (1, 4, 9, 12)]
+    both, other = one_each([entry("day9"), entry("day12"), entry("day4", ("taxel_0", "taxel_1"))], days)
+    assert both["evidence"]["pattern"] == "from day9 on" and both["parameters"]["lasts"]["value"] == 24.0
+    assert [p["session"] for p in both["evidence"]["pieces"]] == ["day9", "day12"] and "in day9 from 0.0 s" in both["evidence"]["why"]
+    assert other["evidence"]["only_in"] == ["day4"] and other["evidence"]["not_in"] == ["day1", "day9", "day12"]
+    assert "only_in" not in one_each([entry("day1")], ["day1"])[0]["evidence"]
+
+
+def test_a_unit_that_its_steps_show_as_well_is_one_finding():
+    def entry(kind, factor, why, **more):
+        numbers = {"factor": {"value": factor, "unit": "1"}}
+        return {"cause": "data_error", "channels": ["force"], "parameters": numbers, "evidence": {"why": why, "kind": kind, **more}}
+
+    odd = entry("unit factor", 1 / 4.44822, "", session="b")
+    steps = entry("unit change", 4.44822, "", session="b")
+    assert [e["evidence"]["kind"] for e in one_each([odd, steps], ["a", "b"])] == ["unit factor"]
+    later = entry("unit change", 4.44822, "")
+    assert len(one_each([odd, later], ["a", "b"])) == len(one_each([odd, {**steps, "channels": ["taxel_0"]}], ["a", "b"])) == 2

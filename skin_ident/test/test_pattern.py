@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from skin_ident.criticism.telling.pattern import in_order, pattern, shown, when
+from skin_ident.criticism.pattern import in_order, pattern, shown, when
 
 DAYS = [f"day{n:02d}_{who}.csv" for n, who in zip((3, 5, 9, 12, 14, 18, 22, 31), ("ben", "dora") * 4, strict=True)]
 RNG = np.random.default_rng(0)

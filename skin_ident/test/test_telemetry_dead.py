@@ -207,6 +207,11 @@ def test_one_that_is_open_throughout_a_session_is_dead_there_too(since, elsewher
     made = [session("a", 1.0, 1.0), session("b", living, 1.0), session("c", 0.0, 2.0 if elsewhere else 1.0)]
     found = {name: float(m.mean()) for s in find_dead_taxels(made) for (name, _), m in s.bad.items()}
     assert found == pytest.approx(({"c": 1.0} if not elsewhere else {}) | ({"b": 0.5} if since < 1.0 else {}), abs=0.02)
+    if since < 1.0 and not elsewhere:
+        (symptom,) = find_dead_taxels(made)
+        assert "up to 7.5 s of b and not at all from there to the end, nor anywhere in c" in symptom.evidence["why"]
+        assert symptom.evidence["only_in"] == ["b", "c"] and symptom.evidence["pattern"] == "from b on"
+        assert symptom.evidence["dead_from_s"] == pytest.approx({"b": 7.5, "c": 0.0}, abs=0.2)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from skin_ident.criticism.vocabulary import cause_at, place
+from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.numbers import percent
 from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
@@ -163,7 +163,7 @@ def _advice(v: View) -> Iterator[str]:
     order = ["yes", "perhaps", "cannot say", "no"]
     clear = [f for f in v.findings if f.act and not f.alternatives]
     ranked = sorted(clear, key=lambda f: (order.index(rebuild(f.cause, f.where).answer), f.where == "skin"))
-    yield from dict.fromkeys(sentence(f"{place(f.where)}: {f.act}") for f in ranked[:MOST_ADVICE])
+    yield from dict.fromkeys(sentence(f"{f.lies}: {f.act}") for f in ranked[:MOST_ADVICE])
     if len(ranked) > MOST_ADVICE:
         yield f"For the other {len(ranked) - MOST_ADVICE}, see the cards under Evidence."
 

@@ -15,7 +15,7 @@ from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, meaning,
 UNTOLD = (  # said elsewhere, or for programs
     "likelihood_gain", "held_out_fall_of_mean_square", "why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std",
     "sessions", "in_model", "predicts_nothing_for", "only_in", "not_in",
-    "whole", "pattern", "of_each_session",
+    "whole", "pattern", "of_each_session", "dead_from_s",
 )  # fmt: skip
 
 
@@ -51,7 +51,7 @@ def _card(f: Finding, v: View, number: int) -> Safe:
         ("What to do", sentence(f.act)),
     ]
     entries = [[el("dt", k), el("dd", value)] for k, value in rows if value]
-    return el("article", el("h3", f"{number}. {capital(cause_at(f.cause, f.where))}"), el("dl", entries), class_="card")
+    return el("article", el("h3", f"{number}. {capital(f.called)}{f.in_some}"), el("dl", entries), class_="card")
 
 
 def _bent(before: Amount, after: Amount, v: View) -> str:

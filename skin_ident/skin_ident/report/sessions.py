@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.pattern import in_order, pattern, when
 from skin_ident.criticism.telling.by_session import LEAST
-from skin_ident.criticism.telling.pattern import in_order, pattern, when
 from skin_ident.criticism.vocabulary import spoken
 from skin_ident.report.markup import Safe, el, section, table
 from skin_ident.report.numbers import UNKNOWN, bare, finite, plain, scale

@@ -1,8 +1,9 @@
 """How large what was found is, in words: the parameters of a finding, and given numbers beside those that are right."""
 
+from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telling.telling import MOVED, SURE
-from skin_ident.report.numbers import amount, percent
-from skin_ident.report.tolerant import text
+from skin_ident.report.numbers import amount, finite, percent
+from skin_ident.report.tolerant import mapping, text
 from skin_ident.report.view import Amount, Finding, View
 
 MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
@@ -14,7 +15,7 @@ GIVEN, MEASURED = 4, 3  # digits of a number without an error
 def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) -> list[str]:
     """The sizes of a finding, `relaxation time 0.800 s`, that which matters most first; parameters that are zero, or may be, are left
     out. With `brief` only what says how large it is, and that there are more is not said."""
-    said = put_right(v) if f.cause == "parameters" and v.given else []
+    said = put_right(v) if f.cause == "parameters" and v.given else _silent(f)
     told = [a for a in f.amounts if _tells(a)] or f.amounts
     said = said or [f"{a.words} {amount(a.value, a.unit, a.std)}" for a in told if a.value] or _of_each_session(f)
     more = [] if brief or len(said) <= most else [f"and {len(said) - most} more"]
@@ -46,6 +47,14 @@ def number(a: Amount, v: View, like: list | None = None) -> str:
     """A parameter of the model; one that somebody gave with a digit more: it has no error that would say how many count."""
     given = v.given and any(b.name == a.name for b in v.before)
     return amount(a.value, a.unit, a.std, like, GIVEN if given else MEASURED)
+
+
+def _silent(f: Finding) -> list[str]:
+    """Of a taxel that is dead in some sessions, since when in which."""
+    since = {n: finite(s) or 0.0 for n, s in mapping(dict(f.evidence).get("dead_from_s")).items()} if f.partly else {}
+    dying = [f"silent in {n} from {amount(s, 's')} on" for n, s in since.items() if s > 0.0]
+    dead = [n for n, s in since.items() if s == 0.0]
+    return dying + ([f"throughout {listed(dead)}" if dying else f"silent throughout {listed(dead)}"] if dead else [])
 
 
 def _of_each_session(f: Finding) -> list[str]:

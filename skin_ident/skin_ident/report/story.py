@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace, Trace
 from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, next_steps, rebuild_answer, sure
@@ -18,7 +19,7 @@ from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import DIRECT, Finding, View, unit_of
-from skin_ident.report.words import capital, either, listed, meaning, sentence, signal
+from skin_ident.report.words import capital, either, meaning, sentence, signal
 
 CLEARLY = 0.9  # of what the simulation strays by without what is named, which must be more than with it to speak for it
 ROUNDING = 1e-9  # of what the best cause explains, to which another explains nothing
@@ -133,14 +134,14 @@ def _above(v: View, begins: str) -> str:
 
 
 def _names(v: View) -> str:
-    said = [cause_at(f.cause, f.where) + f.in_some for f in v.findings]
+    said = [f.called + f.in_some for f in v.findings]
     if not said:
         return "no single cause"
     if len(said) == 1 and v.findings[0].each_session and v.findings[0].has_pattern and not v.findings[0].alternatives:
         return f"{said[0]}, which {v.findings[0].goes}"
     if len(said) == 1 and v.findings[0].alternatives:
         return either([cause_at(*name) for name in v.findings[0].names], MOST_NAMES) + v.findings[0].in_some
-    if len(said) == 2 and v.findings[0].where == v.findings[1].where:
+    if len(said) == 2 and v.findings[0].where == v.findings[1].where and not v.findings[0].in_some:
         said[0] = spoken(v.findings[0].cause)
     return said[0] if len(said) == 1 else f"{said[0]}, and {len(said) - 1} more" if len(said) > 2 else " and ".join(said)
 
@@ -149,7 +150,7 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     """Each finding, then what they amount to in newtons."""
     for f in v.findings:
         size = "; ".join(sizes(f, v, brief=len(v.findings) > MOST_SIZES))
-        yield Wrong(capital(cause_at(f.cause, f.where)) + f.in_some, sentence(meaning(f.cause)), size)
+        yield Wrong(capital(f.called) + f.in_some, sentence(meaning(f.cause)), size)
         shown = f.alternatives[:MOST_NAMES]
         yield from (Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)), of_last=True) for cause, where, _ in shown)
         yield from (Wrong("", said, of_last=True) for said in _as_well(f))

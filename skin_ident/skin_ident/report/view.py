@@ -4,8 +4,8 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-from skin_ident.criticism.telling.pattern import RANGE
-from skin_ident.criticism.vocabulary import place
+from skin_ident.criticism.pattern import RANGE, listed
+from skin_ident.criticism.vocabulary import cause_at, place, spoken
 from skin_ident.report.tolerant import mapping, text
 
 SCAN = "static spread scan"  # the kind of its recordings
@@ -83,6 +83,23 @@ class Finding:
     def partly(self) -> bool:
         """Whether some sessions are free of it."""
         return bool(dict(self.evidence).get("not_in"))
+
+    @property
+    def called(self) -> str:
+        """Its cause and place, in words; of columns that are exchanged, which these are."""
+        if self.exchanged:
+            return f"exchanged columns of {listed([spoken(c) for c in self.channels])}"
+        return cause_at(self.cause, self.where)
+
+    @property
+    def lies(self) -> str:
+        """Its place in words, for whoever is to look there."""
+        return listed([spoken(c) for c in self.channels]) if self.exchanged else place(self.where)
+
+    @property
+    def exchanged(self) -> bool:
+        """Whether some columns of the record are one another's."""
+        return text(dict(self.evidence).get("kind")) in ("exchanged columns", "swapped columns") and len(self.channels) > 1
 
     @property
     def each_session(self) -> dict[str, Any]:

@@ -39,11 +39,6 @@ def advice(cause: str) -> str:
 _NAME = re.compile(r"[\w-]+[._/\\]\w")
 
 
-def listed(names: list[str]) -> str:
-    """`a, b and c`."""
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
-
-
 def either(names: list[str], most: int = 9) -> str:
     """`a, b or c`; of more than `most` the first, and how many others there are."""
     shown = names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} others"]

@@ -6,6 +6,7 @@ one, its place must promise it a reading (see `promise`).
 
 import numpy as np
 
+from skin_ident.criticism.pattern import in_sessions, listed
 from skin_ident.criticism.telemetry.loose import contact_of
 from skin_ident.criticism.telemetry.promise import promised
 from skin_ident.criticism.telemetry.still import is_still
@@ -82,8 +83,10 @@ def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
     share = float(np.mean(np.concatenate(found.lost)))
     since = next(np.argmax(m) * r.dt for r, m in zip(recordings, found.lost, strict=True) if m.any())
     jumps = f"{name} jumps {found.jumps} times between following the load and {found.level:.3g} N, without a jump of the load"
-    why = f"{jumps}; it is silent in {100 * share:.0f} % of the samples, in {len(bad)} of {len(recordings)} sessions"
-    return [_symptom(name, n, since, why, "intermittent", found.level, bad)]
+    where = in_sessions({r for r, _ in bad}, [r.name for r in recordings])
+    beside = f", {where['pattern']}" if where else ""
+    why = f"{jumps}; it is silent in {100 * share:.0f} % of the samples{beside}"
+    return [_symptom(name, n, since, why, "intermittent", found.level, bad, where)]
 
 
 def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
@@ -99,8 +102,22 @@ def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
     lived = [(r, _usual(r, i)) for r in recordings if (r.name, name) in bad]
     rest = [r for r in recordings if (r.name, name) not in bad]
     bad |= {(r.name, name): np.ones(len(r), bool) for r in rest if np.ptp(r.taxels[i]) == 0.0 or _is_open(r, i, lived)}
-    why = f"{name} follows the load up to {when[0]:.1f} s and not at all from there to the end, in {len(bad)} of {len(recordings)} sessions"
-    return [_symptom(name, n, when[0], why, "dies", 0.0, bad)]
+    where = _silent_since(name, recordings, bad)
+    follows = f"{name} follows the load {_while_it_lived(where['dead_from_s'])}"
+    return [_symptom(name, n, when[0], follows, "dies", 0.0, bad, where)]
+
+
+def _silent_since(name: str, recordings: list, bad: dict) -> dict:
+    """As evidence of a finding: in which sessions it is silent, and from when on in each, s."""
+    since = {r.name: float(np.argmax(mask) * r.dt) for r in recordings if (mask := bad.get((r.name, name))) is not None}
+    return {"dead_from_s": since, **in_sessions(since, [r.name for r in recordings])}
+
+
+def _while_it_lived(since: dict[str, float]) -> str:
+    """Session by session, in words that follow what a taxel did."""
+    dying = listed([f"up to {s:.1f} s of {session}" for session, s in since.items() if s > 0.0])
+    dead = listed([session for session, s in since.items() if s == 0.0])
+    return f"{dying} and not at all from there to the end{f', nor anywhere in {dead}' if dead else ''}"
 
 
 def _standing(recordings: list, i: int, n: int) -> list[Symptom]:
@@ -119,9 +136,11 @@ def _standing(recordings: list, i: int, n: int) -> list[Symptom]:
     fades = {r.name: _fading(r, i, usual) for r, usual in living if r.taxels[i][-1] == level}
     bad |= {(r.name, name): np.arange(len(r)) >= fades[r.name] for r, _ in living if r.name in fades}
     reads = "holds" if np.ptp(dead[0].taxels[i]) == 0.0 else "reads noise about"
-    elsewhere = f"{reads} {level:.3g} N throughout {len(dead)} of {len(recordings)} sessions that press as hard at the same place"
+    press = f"which press{'es' * (len(dead) == 1)} as hard at the same place"
+    elsewhere = f"{reads} {level:.3g} N throughout {listed([r.name for r in dead])}, {press}"
     since = min((fades[r.name] * r.dt for r, _ in living if r.name in fades), default=0.0)
-    return [_symptom(name, n, since, f"{name} follows the load in {living[0][0].name}, and {elsewhere}", "dies", level, bad)]
+    where = _silent_since(name, recordings, bad)
+    return [_symptom(name, n, since, f"{name} follows the load in {living[0][0].name}, and {elsewhere}", "dies", level, bad, where)]
 
 
 def _is_open(recording, i: int, living: list) -> bool:
@@ -213,9 +232,12 @@ def _last_sign_of_life(row: np.ndarray, load: np.ndarray, pieces: list, last: in
     return a + int(np.argmin(np.concatenate([[0.0], np.cumsum(live - still)])))
 
 
-def _symptom(name: str, n: int, since: float, why: str, kind: str, level: float, bad: dict | None = None) -> Symptom:
+def _symptom(
+    name: str, n: int, since: float, why: str, kind: str, level: float, bad: dict | None = None, where: dict | None = None
+) -> Symptom:
     parameters = {"since": quantity(since, "s"), "lost": quantity(1.0, "1"), "level": quantity(level, "N")}
-    return Symptom("dead_taxel", place_of(name, n), (name,), parameters, {"why": why, "kind": kind, "stuck": kind == "stuck"}, bad or {})
+    evidence = {"why": why, "kind": kind, "stuck": kind == "stuck", **(where or {})}
+    return Symptom("dead_taxel", place_of(name, n), (name,), parameters, evidence, bad or {})
 
 
 def _load(recording) -> np.ndarray | None:

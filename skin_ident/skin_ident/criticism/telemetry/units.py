@@ -3,8 +3,11 @@
 The converter's grid proves it where the steps are declared (see `grid`); the slope against depth betrays it where they are not.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telemetry.grid import factor_of, sits_on
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 
@@ -65,9 +68,14 @@ def by_grid(recordings: list, channel: str) -> list[Symptom]:
             f"the levels of {channel} are {factor:.5g} times as far apart as declared, in all {len(recordings)} sessions: a factor of units"
         )
         return [_unit(recordings, channel, factor, why, UNIT_FACTOR)]
-    at = k * len(r) / PIECES * r.dt
-    why = f"from about {at:.1f} s on in {r.name} the levels of {channel} are {factor:.5g} times as far apart as before: its unit changed"
-    return [_unit(recordings, channel, factor, why, "unit change")]
+    whole = [r.name for r in recordings if all(f == factor for q, _, f in known if q is r) and any(q is r for q, _, _ in known)]
+    if {q.name for q, _, _ in wrong} <= set(whole):
+        apart = f"the levels of {channel} are {factor:.5g} times as far apart as in the other sessions"
+        why = f"throughout {listed(whole)} {apart}: its unit is another there"
+    else:
+        since = f"from about {k * len(r) / PIECES * r.dt:.1f} s on in {r.name}"
+        why, whole = f"{since} the levels of {channel} are {factor:.5g} times as far apart as before: its unit changed", []
+    return [_unit(recordings, channel, factor, why, "unit change", whole)]
 
 
 def _by_slope(recordings: list, channel: str) -> list[Symptom]:
@@ -81,12 +89,14 @@ def _by_slope(recordings: list, channel: str) -> list[Symptom]:
         factor = next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR), None)
         if factor:
             why = f"{channel} of {r.name} is {ratio:.4g} times what the other sessions say: a factor of units"
-            return [_unit(recordings, channel, factor, why, UNIT_FACTOR)]
+            return [_unit(recordings, channel, factor, why, UNIT_FACTOR, [r.name])]
     return []
 
 
-def _unit(recordings: list, channel: str, factor: float, why: str, kind: str) -> Symptom:
-    return Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(factor, "1")}, {"why": why, "kind": kind})
+def _unit(recordings: list, channel: str, factor: float, why: str, kind: str, sessions: Sequence[str] = ()) -> Symptom:
+    """`sessions` are those that have it throughout, where others do not."""
+    evidence = {"why": why, "kind": kind, **({"session": sessions[0]} if len(sessions) == 1 else {})}
+    return Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(factor, "1")}, evidence)
 
 
 def _upside_down(recordings: list, channel: str) -> list[Symptom]:

@@ -1,11 +1,57 @@
-"""One fault that all taxels have alike is one finding: what they share (a supply, a converter, an amplifier) has it, and no taxel."""
+"""Entries of findings.json that are one finding.
+
+One fault that all taxels have alike is one: what they share (a supply, a converter, an amplifier) has it, and no taxel. So are two columns
+that are exchanged in one session after the other, and a unit that shows in a session's slope and in its converter's steps.
+"""
 
 from typing import Any
 
 import numpy as np
 
+from skin_ident.criticism.pattern import in_sessions, listed
+
+EXCHANGED = "exchanged columns"  # a kind of fault
 ALIKE = {"interference": "frequency", "quantization": "step"}  # the number that must be the same
 NEARLY = 0.02  # relative
+
+
+def one_each(entries: list[dict[str, Any]], sessions: list[str]) -> list[dict[str, Any]]:
+    """The entries of faults that were seen in `sessions`, each of them once, with the sessions that have it."""
+    entries = [e for i, e in enumerate(entries) if not any(_same_unit(e, other) for other in entries[:i])]
+    exchanged: dict[tuple[str, ...], list[dict[str, Any]]] = {}
+    for e in entries:
+        if e["evidence"].get("kind") == EXCHANGED and e["evidence"].get("pieces"):
+            exchanged.setdefault(tuple(e["channels"]), []).append(e)
+    for own in exchanged.values():
+        entries = [_in_turn(own) if e is own[0] else e for e in entries if not any(e is o for o in own[1:])]
+    return [{**e, "evidence": {**e["evidence"], **in_sessions(_sessions_of(e), sessions)}} for e in entries]
+
+
+def _same_unit(e: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Whether a change of unit is nothing but the unit of one session that was put right: its converter's steps are further apart by what
+    its readings were too small."""
+    kinds = [x["evidence"].get("kind") for x in (other, e)]
+    first, second = ((x["channels"], x["evidence"].get("session")) for x in (other, e))
+    if kinds != ["unit factor", "unit change"] or first != second:
+        return False
+    return abs(np.prod([x["parameters"]["factor"]["value"] for x in (other, e)]) - 1.0) < NEARLY
+
+
+def _in_turn(own: list[dict[str, Any]]) -> dict[str, Any]:
+    """One entry in the place of those of two columns that are exchanged in several sessions."""
+    pieces = [p for e in own for p in e["evidence"]["pieces"]]
+    where = listed([f"in {p['session']} from {p['start']:.1f} s on for {p['seconds']:.3g} s" for p in pieces])
+    stays = "each follows there what the model says of the other, and no other channel leaves it"
+    why = f"{listed(own[0]['channels'])} are exchanged {where}: {stays}"
+    lasts = {"lasts": {"value": sum(p["seconds"] for p in pieces), "unit": "s"}}
+    return {**own[0], "parameters": lasts, "evidence": {**own[0]["evidence"], "why": why, "pieces": pieces}}
+
+
+def _sessions_of(e: dict[str, Any]) -> set[str]:
+    """The sessions that an entry of a fault of the record names, if it does."""
+    pieces = e["evidence"].get("pieces")
+    named = [p["session"] for p in pieces] if isinstance(pieces, list) else [e["evidence"].get("session")]
+    return {n for n in named if n} if e["cause"] == "data_error" else set()
 
 
 def in_all_taxels(entries: list[dict[str, Any]], taxels: int) -> list[dict[str, Any]]:

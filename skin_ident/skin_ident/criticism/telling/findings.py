@@ -8,6 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
+from skin_ident.criticism.pattern import FEWEST, in_sessions, pattern, span
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.bounds import excluded_and_untestable, place, placed
 from skin_ident.criticism.search.growing import instances
@@ -129,8 +130,7 @@ def _in_some(named: Named) -> dict[str, Any]:
     if not named.only:
         return {}
     why = f"it is in {', '.join(named.only)}, as far as each session tells, and not in {', '.join(named.free)}"
-    goes = when(named.only, (*named.only, *named.free))
-    return {"why": why, "only_in": list(named.only), "not_in": list(named.free), "pattern": goes}
+    return {"why": why, "only_in": list(named.only), "not_in": list(named.free), **in_sessions(named.only, (*named.only, *named.free))}
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:

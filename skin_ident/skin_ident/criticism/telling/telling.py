@@ -11,6 +11,7 @@ from skin_ident.criticism.search.named import Criticism, Named
 from skin_ident.criticism.sessions.session import FITTED, KEPT
 from skin_ident.criticism.telemetry.faults import PREDICTS, UNLIKE, effect_of
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.telling.alike import one_each
 from skin_ident.criticism.telling.floor import beyond_noise, floor_of_all, left_beside, noise_floor
 from skin_ident.criticism.telling.judging import Judged
 from skin_ident.criticism.vocabulary import BY_NAME, revised
@@ -41,7 +42,8 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):
         entry["hid_in"] = {} if given else hid_in(named, c)
         entry["gain"] = gain_at_the_end(named, judged) or entry["gain"]
-    entries = _once_each(entries, len(symptoms))
+    seen = one_each(entries[: len(symptoms)], [r["name"] for r in findings["recordings"]])
+    entries = _once_each([*seen, *entries[len(symptoms) :]], len(seen))
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
     warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above), *_never_loaded(certain, left)]

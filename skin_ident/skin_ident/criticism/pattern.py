@@ -6,6 +6,7 @@ line rise or fall. Of the two that is said which leaves less of them. For the re
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -57,9 +58,16 @@ def when(some: Collection[str], every: Collection[str]) -> str:
     return f"in {listed(named)}" if len(at) <= LISTED else f"in {len(at)} of {len(order)} sessions"
 
 
+def in_sessions(some: Collection[str], every: Collection[str]) -> dict[str, Any]:
+    """The same as evidence of a finding: `only_in`, `not_in` and `pattern`; {} where it is so in every session."""
+    free = [n for n in every if n not in some]
+    has = [n for n in every if n in some]
+    return {"only_in": has, "not_in": free, "pattern": when(some, every)} if has and free else {}
+
+
 def listed(names: Sequence[str]) -> str:
     """`a, b and c`."""
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
 def pattern(values: Mapping[str, float], unit: str) -> str:
