@@ -14,6 +14,7 @@ from skin_ident.report.words import capital, effect_words, label, meaning, sente
 SPREAD = "Standard errors are of noise alone: what the form of a model gets wrong, as of a real skin it always does, is not in them."
 MOST_ROWS = 15  # of a table, before it is folded
 ELSEWHERE = ("by_itself", "rmse", "stands_out")  # of a recording: see `sessions`
+FORMS = {"step": "a step within a session"}  # in words, where the name of a form does not say which it is
 GIVEN = {False: "that was given", True: "that was recorded as a twin"}  # by whether it is one
 GIVEN_NUMBERS = {False: "were given", True: "are those of the recorded twin, as a model of it has them"}
 
@@ -90,7 +91,7 @@ def bound(e: dict) -> str:
     labels = effect_words(cause, where, (name, *at))
     words = labels.get(name) or label(name)
     shape = ", ".join(f"{labels.get(k) or label(k)} {amount(q.get('value'), text(q.get('unit')))}" for k, q in at.items())
-    form = f" ({spoken(text(e.get('form')))})" if e.get("form") else ""
+    form = f" ({FORMS.get(text(e['form']), spoken(text(e['form'])))})" if e.get("form") else ""
     size = amount(e.get("below"), text(e.get("unit"))) + form
     return size + (f" – {words}{', at ' + shape if shape else ''}" if words else "")
 

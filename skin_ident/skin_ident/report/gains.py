@@ -10,6 +10,7 @@ from skin_ident.report.view import IN_TURN, ChannelError, View
 from skin_ident.report.words import capital, signal
 
 ALIKE = 1.02  # times the floor: the same number to a reader
+ANY_SCALE = "at any scale"  # what a finding that was judged so says it was tested on
 LEAST = 0.05  # relative fall of a channel's error that is worth saying
 
 
@@ -92,12 +93,14 @@ def _floor(e: ChannelError, v: View) -> str:
 
 def _gain(e: ChannelError, v: View) -> Figure:
     before, after = _tested_pair(e, v)
-    share = 1.0 - after / before
+    share, scaled = 1.0 - after / before, at_any_scale(e, v)
     together = "" if len(v.findings) == 1 else " with everything named here together"
-    caption = f"{'less' if share >= 0 else 'more'} error in the {signal(e.channel)}{together}, on {TESTED[v.tested]}"
+    scale = ", each session at a scale of its own" if scaled else ""
+    caption = f"{'less' if share >= 0 else 'more'} error in the {signal(e.channel)}{together}, on {TESTED[v.tested]}{scale}"
     said = [
         f"Typical error: {error(before, e, v)} before, {error(after, e, v)} after.",
         _interval(v, e),
+        _as_it_is(e, v) if scaled else "",
         _where_it_lies(e, v),
         _bound(e, after, v),
     ]
@@ -107,11 +110,28 @@ def _gain(e: ChannelError, v: View) -> Figure:
 def _tested_pair(e: ChannelError, v: View) -> tuple[float, float]:
     """Error before and after on data that test it. With sessions held out in turn, only the findings carry it."""
     steps = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.before and f.gain.after is not None]
-    return (steps[0].before, steps[-1].after) if v.tested == IN_TURN and not v.in_turn and steps else e.pair
+    by_finding = (v.tested == IN_TURN and not v.in_turn) or at_any_scale(e, v)
+    return (steps[0].before, steps[-1].after) if by_finding and steps else e.pair
+
+
+def at_any_scale(e: ChannelError, v: View) -> bool:
+    """Whether the gain in a channel is only seen where each session has a scale of its own: findings were judged so, and the plain error
+    does not surely fall."""
+    own = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.before and f.gain.after is not None]
+    plainly = e.interval is not None and e.interval[0] > 0.0
+    return bool(own) and not plainly and all(g.held_out.endswith(ANY_SCALE) for g in own)
+
+
+def _as_it_is(e: ChannelError, v: View) -> str:
+    before, after = (error(x, e, v) for x in e.pair)
+    return (
+        f"As it is, the error there is {before} before and {after} after: these sessions differ from those fitted by a factor, which is no "
+        "part of what is named; see what each session says by itself."
+    )
 
 
 def _interval(v: View, e: ChannelError) -> str:
-    if e.interval:
+    if e.interval and not at_any_scale(e, v):
         return f"The fall is {span(*e.interval, e.unit, instead=v.loudest)} with 95 % confidence."
     gains = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
     if not gains:

@@ -7,6 +7,7 @@ from skin_ident.report.bars import error_table
 from skin_ident.report.charts import against_frequency, against_motion, below_band, key, key_left, overlay, scan_left, scan_panels
 from skin_ident.report.counsel import TESTED
 from skin_ident.report.focus import Focus, by_fall
+from skin_ident.report.gains import at_any_scale
 from skin_ident.report.markup import Safe, el, section
 from skin_ident.report.numbers import plain
 from skin_ident.report.view import IN_TURN, UNTESTED, View
@@ -36,6 +37,8 @@ def _error_note(v: View) -> str:
     where = TESTED[UNTESTED if _told_on_cards(v) else v.tested]
     turn = " Each session was held out in turn to judge the causes; those errors are on the cards below." if _told_on_cards(v) else ""
     error = f"Typical error (root mean square of measured minus simulated{below_band(v)}) on {where}."
+    scaled = any(at_any_scale(e, v) for e in v.errors)
+    turn += " Causes were judged with each session at a scale of its own; those errors are on the cards below." if scaled else ""
     return f"{error} The tick on the bars is what noise alone leaves; no model can do better.{turn}"
 
 

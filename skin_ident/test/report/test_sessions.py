@@ -7,6 +7,7 @@ from test_faults import session
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telling.by_session import louder_than_others, most_left, standing_out
+from skin_ident.report.appendix import bound
 from skin_ident.report.markdown import markdown
 from skin_ident.report.page import page
 from skin_ident.report.sessions import by_session
@@ -61,6 +62,34 @@ def test_the_first_screen_names_the_sessions_in_which_most_is_left(verdict):
 def test_without_numbers_of_sessions_nothing_is_said_of_them():
     all_ = told("unexplained", [{"samples": 10}] * 5)
     assert by_session(all_.view) is None and '<section id="sessions">' not in page(all_)
+
+
+def test_a_gain_that_is_seen_at_any_scale_is_told_with_its_own_numbers():
+    """Held-out sessions are stiffer by a factor: their plain error rises with the cause in the model, and falls at any scale."""
+    outcome = examples.explained()
+    content = outcome.findings
+    finding = {**content["findings"][0], "evidence": {"held_out": "battery_3, at any scale"}}
+    finding["gain"] = {
+        "held_out_rmse_before": 0.6, "held_out_rmse_after": 0.06, "ci95": [0.5, 0.58], "channel": "force", "unit": "N",
+    }  # fmt: skip
+    raw = {"held_out_rmse_before": 0.62, "held_out_rmse_after": 0.99, "ci95": [-0.5, -0.2], "channel": "force", "unit": "N"}
+    rmse = {"force": {"train": 0.6, "held_out": 0.62, "unit": "N"}}, {"force": {"train": 0.06, "held_out": 0.99, "unit": "N"}}
+    models = {k: {**content[k], "rmse": r} for k, r in zip(("baseline", "extended"), rmse, strict=True)}
+    content = {**content, "findings": [finding], **models, "gain_by_channel": {"force": {**raw, "tested_on": "battery_3"}}}
+    all_ = tell(examples.replace(outcome, findings=content))
+    told_ = all_.story.better
+    assert told_.number == "90\u00a0%" and told_.caption.startswith("less error") and told_.caption.endswith("at a scale of its own")
+    assert "0.50 to 0.58" in told_.sentences[1] and "0.990\u00a0N after" in told_.sentences[2]
+    assert "at a scale of its own; those errors" in page(all_)
+    plainly = {**raw, "held_out_rmse_after": 0.2, "ci95": [0.3, 0.5]}
+    content["gain_by_channel"] = {"force": {**plainly, "tested_on": "battery_3"}}
+    content["extended"]["rmse"] = {"force": {"train": 0.06, "held_out": 0.2, "unit": "N"}}
+    assert "scale" not in tell(examples.replace(outcome, findings=content)).story.better.caption
+
+
+def test_a_step_that_was_ruled_out_is_one_within_a_session():
+    step = {"cause": "gain_error", "where": "load_cell", "parameter": "gain", "below": 0.0048, "unit": "1", "form": "step"}
+    assert bound(step).startswith("0.00480 (a step within a session)") and "(leaky)" in bound({**step, "form": "leaky"})
 
 
 def test_one_odd_number_stands_out_and_two_levels_do_not():
