@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 FEWEST = 4  # sessions that make a pattern
-APART, OF_FEW = 8.0, 6.0  # standard deviations within two levels, by which these are apart, and how much more is asked of few sessions
+APART, STEP = 8.0, 6.0  # standard deviations within two levels, by which these are apart, and where they follow one another
+OF_FEW = 6.0  # over the squared degrees of freedom: how much more is asked of few sessions
 STRAIGHT = 0.92  # of the variance, that a straight line explains where numbers rise steadily
 IN_ORDER = 0.9  # rank correlation of numbers that rise on the whole
 LISTED = 3  # sessions that are named one by one
@@ -106,7 +107,8 @@ def _upper_level(y: np.ndarray) -> np.ndarray | None:
     best = min(cuts, key=lambda upper: _left(y, upper))
     free = len(y) - 2
     within = np.sqrt(_left(y, best) / free)
-    return best if y[best].mean() - y[~best].mean() > APART * (1.0 + OF_FEW / free**2) * within else None
+    apart = STEP if np.count_nonzero(best[1:] != best[:-1]) == 1 else APART
+    return best if y[best].mean() - y[~best].mean() > apart * (1.0 + OF_FEW / free**2) * within else None
 
 
 def _left(y: np.ndarray, upper: np.ndarray) -> float:

@@ -16,7 +16,8 @@ from skin_ident.report.tolerant import mapping, sequence, text
 from skin_ident.report.view import View
 from skin_ident.report.words import sentence, short, signal
 
-KINDS = ("stiffness", "recovery", "zero")
+KINDS = ("stiffness", "ratio", "recovery", "zero")
+WORTH_SAYING = 0.01  # of a number, that it changes by from session to session, on the first screen
 MOST_ZEROS, MOST_ERRORS = 5, 8  # channels in a table
 CLEARLY = 6.0  # standard errors, by which numbers must differ before it is said how they go
 NOTE = (
@@ -24,6 +25,7 @@ NOTE = (
     "without what was found to be that session's own. Recovery is damping over stiffness. Standard errors are of noise alone. What stands "
     "out from the other sessions by more than their scatter is marked."
 )
+NO_GAIN = "The taxel does as well, so that it is the skin, or its place, and no gain."
 ERRORS = "Typical error of each session; what stands out is marked."
 
 
@@ -91,7 +93,7 @@ def _own(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict],
     numbers = _numbers(kind, channel, names, told)
     like, unit = [value for value, _, _ in numbers.values()], next(iter(numbers.values()))[2]
     cells = {n: bare(value, unit, std, like) for n, (value, std, _) in numbers.items()}
-    return Column(f"{kind} of {_at(channel)}, {scale(like, unit)[1]}", cells, frozenset(n for n in names if f"{kind}.{channel}" in odd[n]))
+    return Column(_head(kind, channel, scale(like, unit)[1]), cells, frozenset(n for n in names if f"{kind}.{channel}" in odd[n]))
 
 
 def _errors(channel: str, names: tuple[str, ...], told: dict[str, dict], odd: dict[str, frozenset[str]], v: View) -> Column:
@@ -103,21 +105,44 @@ def _errors(channel: str, names: tuple[str, ...], told: dict[str, dict], odd: di
     return Column(f"{spoken(channel)}, {scale(like, 'N')[1]}", cells, frozenset(n for n in names if f"rmse.{channel}" in odd[n]))
 
 
+def _head(kind: str, channel: str, unit: str) -> str:
+    return f"{_what(kind, channel)}{', ' * bool(unit)}{unit}"
+
+
+def _what(kind: str, channel: str) -> str:
+    """What a number is: `stiffness of the force`, `force over taxel 1`."""
+    return f"force over {spoken(channel)}" if kind == "ratio" else f"{kind} of {_at(channel)}"
+
+
 def _at(channel: str) -> str:
     return "the force" if channel == "force" else spoken(channel)
 
 
-def _goes(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict]) -> Iterator[str]:
+def _goes(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict], least: float = 0.0) -> Iterator[str]:
     """How a number goes from session to session, where it clearly does."""
     numbers = _numbers(kind, channel, names, told)
     y, std = np.array([[value, std] for value, std, _ in numbers.values()]).T
-    middle, least = float(np.median(y)), LEAST[kind] * abs(float(np.median(y)))
-    if np.ptp(y) <= max(CLEARLY * float(np.median(std)), least):
+    middle = float(np.median(y))
+    if np.ptp(y) <= max(CLEARLY * float(np.median(std)), max(LEAST[kind], least) * abs(middle)):
         return
     shares, unit = (y / middle - 1.0, "1") if kind != "zero" and middle else (y, "N")
     if goes := pattern(dict(zip(numbers, shares.tolist(), strict=True)), unit):
         beside = " of its median" if unit == "1" else ""
-        yield sentence(f"the {kind} of {_at(channel)} {goes}{beside}")
+        yield sentence(f"the {_what(kind, channel)} {goes}{beside}")
+
+
+def goes_on_from_day_to_day(v: View) -> str:
+    """How the stiffest of these numbers go, for the first screen, where no finding says it: what the taxel says beside the force tells
+    whether a sensor or the skin changes."""
+    told = {recording_name(r): mapping(r) for r in v.recordings if mapping(r).get("by_itself")}
+    names = tuple(in_order(told))
+    if len(told) < 2 or any(f.each_session or f.partly for f in v.findings):
+        return ""
+    gains = [s for c in _of("ratio", names, told) for s in _goes("ratio", c, names, told, WORTH_SAYING)]
+    if gains:
+        return f"{gains[0]} A skin that is stiffer as a whole does not do that: the gain of one of the two may have changed."
+    stiffer = [s for c in _of("stiffness", names, told) for s in _goes("stiffness", c, names, told, WORTH_SAYING)]
+    return f"{stiffer[0]} {NO_GAIN}" if len(stiffer) > 1 else stiffer[0] if stiffer else ""
 
 
 def most_left(v: View) -> str:

@@ -14,7 +14,7 @@ from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, percent, plain
 from skin_ident.report.reading import LONE, view
-from skin_ident.report.sessions import most_left
+from skin_ident.report.sessions import goes_on_from_day_to_day, most_left
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import named_at, text
@@ -103,6 +103,8 @@ def _headline(v: View) -> Headline:
     names = _names(v)
     if v.verdict == NOTHING:
         down = "No cause could be named beyond doubt." if v.doubts else "The simulation matches these measurements down to their noise."
+        if goes_on_from_day_to_day(v):
+            down = "The simulation matches each session down to its noise, but what they say changes from one to another."
         return Headline("good", "Nothing wrong found", _above(v, "No cause could be named") or down)
     if v.verdict == EXPLAINED and not v.judged:
         return Headline("found", f"Explained: {names}", _in_the_record(v))
@@ -159,11 +161,13 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     elif v.verdict == UNEXPLAINED and seen is not None:
         yield Wrong("", _stray(seen, v))
     elif not v.findings and v.verdict == NOTHING:
-        yield Wrong("", "Nothing that these data can show. What was ruled out, and what could not be tested, is listed below.")
+        yield Wrong("", f"Nothing{' else' * bool(goes_on_from_day_to_day(v))} that these data can show. What was ruled out, and what could not be tested, is listed below.")
     elif not v.findings:
         yield Wrong("", "No departure from the model could be named with confidence.")
     if v.verdict in (PARTLY, UNEXPLAINED) and (most := most_left(v)):
         yield Wrong("", most)
+    if changes := goes_on_from_day_to_day(v):
+        yield Wrong("From session to session", changes)
     yield from (Wrong("Not settled", sentence(said)) for said in _unsettled(v))
 
 

@@ -51,6 +51,30 @@ def test_how_a_number_goes_from_session_to_session_is_said_below_the_table():
     assert said == ("The stiffness of the force steps by +2.0 % at day7, from −2.0 % to +0.0 % of its median.",)
 
 
+def both(k: float, taxel: float) -> dict:
+    """A session in which force and taxel are so stiff, N/m."""
+    row = entry(k, 0.002)
+    numbers = {"force": k, "taxel_0": taxel}
+    row["by_itself"]["stiffness"] = {c: {"value": x, "unit": "N/m", "std": 1.0} for c, x in numbers.items()}
+    return {**row, "by_itself": {**row["by_itself"], "ratio": {"taxel_0": {"value": k / taxel, "unit": "1", "std": 1e-3}}}}
+
+
+def test_what_changes_from_session_to_session_is_on_the_first_screen_where_no_finding_says_it():
+    """A force that is read too large is told from a skin that is stiffer."""
+
+    def said(rows) -> str:
+        return " ".join(w.means for w in told("nothing_wrong", rows).story.wrong if w.name == "From session to session")
+
+    days = (1.03, 1.0, 1.0, 1.03, 1.03)
+    gain = said([both(5000.0 * x, 2500.0) for x in days])
+    assert gain.startswith("The force over taxel 0 steps by +2.9 % at day7") and "the gain of one of the two" in gain
+    skin = said([both(5000.0 * x, 2500.0 * x) for x in days])
+    assert skin.startswith("The stiffness of the force steps by +2.9 % at day7") and "no gain" in skin
+    assert said([both(5000.0, 2500.0 + x) for x in days]) == ""
+    story = told("nothing_wrong", [both(5000.0 * x, 2500.0) for x in days]).story
+    assert "changes from one to another" in story.headline.line and "Nothing else" in story.wrong[-2].means
+
+
 @pytest.mark.parametrize("verdict", ["unexplained", "partly_explained", "explained"])
 def test_the_first_screen_names_the_sessions_in_which_most_is_left(verdict):
     rows = [entry(5000.0, error) for error in (0.0095, 0.003, 0.003, 0.003, 0.003)]

@@ -33,7 +33,7 @@ MOST = 0.3  # of a session, that a channel must be believed for
 TINY = 1e-9  # N
 FEWEST = 4  # sessions of which one may stand out
 CHANCE = 1e-3  # that a number of a sound session does
-LEAST = {"stiffness": 0.005, "recovery": 0.05, "zero": 0.0}  # relative, by which a number must differ to stand out
+LEAST = {"stiffness": 0.005, "ratio": 0.005, "recovery": 0.05, "zero": 0.0}  # relative, by which a number must differ to stand out
 ALIKE = 0.1  # relative, what errors of sessions of one kind differ by
 MOST_OF_IT = 1.6  # times what is left in any other session, from which on most of it is in one, or in some
 
@@ -41,7 +41,7 @@ MOST_OF_IT = 1.6  # times what is left in any other session, from which on most 
 Number = tuple[float, float]  # a value, and its standard error
 _Alone = dict[str, dict[str, Number]]  # by kind and channel, what a session says by itself
 
-UNITS = {"stiffness": "N/m", "recovery": "s", "zero": "N"}
+UNITS = {"stiffness": "N/m", "ratio": "1", "recovery": "s", "zero": "N"}
 
 
 def by_session(c: Criticism, plain: list[Session]) -> dict[str, dict[str, Any]]:
@@ -107,10 +107,12 @@ def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
         return _with_error(lambda m: of(placed(m, s), channel), model, which, covariance)
 
     stiff = {} if s.drive is not None else {channel: number(stiffness, channel) for channel in told}
+    ratio = {strongest: number(force_over, strongest)} if {"force", strongest} <= set(stiff) else {}
     slow = {channel: number(recovery, channel) for channel in told}
     zeros = zip(s.channels, found[len(which) :], np.sqrt(np.diag(covariance)[len(which) :]), strict=True)
     return {
         "stiffness": {channel: q for channel, q in stiff.items() if 0.0 < q[1] < TELLS * abs(q[0])},
+        "ratio": {channel: q for channel, q in ratio.items() if 0.0 < q[1] < TELLS * abs(q[0])},
         "recovery": {channel: q for channel, q in slow.items() if 0.0 < q[1] < max(TELLS * abs(q[0]), s.period)},
         "zero": {channel: (float(z), float(std)) for channel, z, std in zeros if channel in heard and std > 0.0},
     }
@@ -128,6 +130,11 @@ def _told(u: Unknown, heard: list[str], strongest: str) -> bool:
         return strongest in heard and f"taxel_{u.parameter.name}" in heard
     sensed = u.label in ("b1", "k1") and any(channel != "force" for channel in heard)
     return u.part == "dispersion" and (sensed or u.label in ("b2", "k2"))
+
+
+def force_over(model: Model, channel: str) -> float:
+    """How many times as stiff as a channel the force is: what no skin that is stiffer as a whole changes, but a gain does."""
+    return stiffness(model, "force") / stiffness(model, channel)
 
 
 def recovery(model: Model, channel: str) -> float:
