@@ -13,6 +13,8 @@ from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import Amount, View
 from skin_ident.report.words import capital, channel, sentence
 
+TABLES = ("Session by session", "Zero of each session", "Error of each session")
+
 
 def markdown(all_: Told, pictures: tuple[str, ...] = ()) -> str:
     """The whole text; `pictures` are file names beside it."""
@@ -65,8 +67,8 @@ def _errors(v: View) -> list[str]:
 
 def _sessions(v: View) -> Iterator[list[str]]:
     told = by_session(v)
-    for title, (head, rows) in zip(("Session by session", "Error of each session"), in_markdown(v), strict=False):
-        yield _rows(title, head, rows)
+    for title, (head, rows) in zip(TABLES, in_markdown(v), strict=False):
+        yield _rows(title, head, rows) if len(head) > 1 else []
     if told and told.said:
         yield [f"- {said}" for said in told.said]
 

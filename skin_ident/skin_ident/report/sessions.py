@@ -16,9 +16,10 @@ from skin_ident.report.tolerant import mapping, sequence, text
 from skin_ident.report.view import View
 from skin_ident.report.words import sentence, short, signal
 
-KINDS = ("stiffness", "ratio", "recovery", "zero")
+ZERO = "zero"
+KINDS = ("stiffness", "ratio", "recovery", ZERO)
 WORTH_SAYING = 0.01  # of a number, that it changes by from session to session, on the first screen
-MOST_ZEROS, MOST_ERRORS = 5, 8  # channels in a table
+MOST_ZEROS, MOST_ERRORS = 6, 6  # channels in a table
 CLEARLY = 6.0  # standard errors, by which numbers must differ before it is said how they go
 NOTE = (
     "The plain numbers of the model, beside the causes named here, fitted to each session alone together with a zero of every channel, and "
@@ -40,11 +41,12 @@ class Column:
 
 @dataclass(frozen=True)
 class BySession:
-    """Both tables, the sessions in their order, those that were held out, and sentences on how numbers go."""
+    """The tables, the sessions in their order, those that were held out, and sentences on how numbers go."""
 
     names: tuple[str, ...]
     held: frozenset[str]
     own: tuple[Column, ...]
+    zeros: tuple[Column, ...]
     errors: tuple[Column, ...]
     said: tuple[str, ...]
     hidden: int  # channels that are in findings.json alone
@@ -58,12 +60,13 @@ def by_session(v: View) -> BySession | None:
     names = tuple(in_order(told))
     channels = list(dict.fromkeys(c for n in names for c in mapping(told[n].get("rmse"))))
     odd = {n: frozenset(map(text, sequence(told[n].get("stands_out")))) for n in names}
-    zeros, errors = (_most_telling(channels, kind, most, odd) for kind, most in (("zero", MOST_ZEROS), ("rmse", MOST_ERRORS)))
-    own = [_own(kind, c, names, told, odd) for kind in KINDS for c in _of(kind, names, told) if kind != "zero" or c in zeros]
+    zeros, errors = (_most_telling(channels, kind, most, odd) for kind, most in ((ZERO, MOST_ZEROS), ("rmse", MOST_ERRORS)))
+    own = {kind: [_own(kind, c, names, told, odd) for c in _of(kind, names, told) if kind != ZERO or c in zeros] for kind in KINDS}
     return BySession(
         names,
         frozenset(n for n in names if told[n].get("held_out") is True),
-        tuple(own),
+        tuple(column for kind in KINDS if kind != ZERO for column in own[kind]),
+        tuple(own[ZERO]),
         tuple(_errors(c, names, told, odd, v) for c in errors),
         tuple(said for kind in KINDS for c in _of(kind, names, told) for said in _goes(kind, c, names, told)),
         len(channels) - min(len(zeros), len(errors)),
@@ -125,7 +128,7 @@ def _goes(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict]
     middle = float(np.median(y))
     if np.ptp(y) <= max(CLEARLY * float(np.median(std)), max(LEAST[kind], least) * abs(middle)):
         return
-    shares, unit = (y / middle - 1.0, "1") if kind != "zero" and middle else (y, "N")
+    shares, unit = (y / middle - 1.0, "1") if kind != ZERO and middle else (y, "N")
     if goes := pattern(dict(zip(numbers, shares.tolist(), strict=True)), unit):
         beside = " of its median" if unit == "1" else ""
         yield sentence(f"the {_what(kind, channel)} {goes}{beside}")
@@ -166,8 +169,9 @@ def sessions(v: View) -> Safe | None:
         "sessions",
         "Session by session",
         el("p", NOTE, class_="note"),
-        _table(told, told.own),
+        _table(told, told.own) if told.own else None,
         el("ul", [el("li", said) for said in told.said]) if told.said else None,
+        [el("h3", "Zero of each session"), _table(told, told.zeros)] if told.zeros else None,
         el("h3", "Error of each session"),
         el("p", f"{ERRORS}{' Before → after.' if v.findings else ''}", class_="note"),
         _table(told, told.errors),
@@ -190,7 +194,7 @@ def _cell(n: str, c: Column) -> Any:
 
 
 def in_markdown(v: View) -> list[tuple[list[str], list[list[str]]]]:
-    """Head and rows of both tables as text."""
+    """Head and rows of the tables as text."""
     told = by_session(v)
     if told is None:
         return []
@@ -199,7 +203,7 @@ def in_markdown(v: View) -> list[tuple[list[str], list[list[str]]]]:
             ["session", *(c.head for c in columns)],
             [[n + " (held out)" * (n in told.held), *(_bold(n, c) for c in columns)] for n in told.names],
         )
-        for columns in (told.own, told.errors)
+        for columns in (told.own, told.zeros, told.errors)
     ]
 
 

@@ -140,7 +140,7 @@ def _names(v: View) -> str:
     if not said:
         return "no single cause"
     if len(said) == 1 and v.findings[0].each_session and v.findings[0].has_pattern and not v.findings[0].alternatives:
-        return f"{said[0]}, which {v.findings[0].goes}"
+        return f"{said[0]}, which {v.findings[0].goes.partition(', from ')[0]}"
     if len(said) == 1 and v.findings[0].alternatives:
         return either([cause_at(*name) for name in v.findings[0].names], MOST_NAMES) + v.findings[0].in_some
     if len(said) == 2 and v.findings[0].where == v.findings[1].where and not v.findings[0].in_some:
@@ -161,7 +161,8 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     elif v.verdict == UNEXPLAINED and seen is not None:
         yield Wrong("", _stray(seen, v))
     elif not v.findings and v.verdict == NOTHING:
-        yield Wrong("", f"Nothing{' else' * bool(goes_on_from_day_to_day(v))} that these data can show. What was ruled out, and what could not be tested, is listed below.")
+        nothing = "Nothing else" if goes_on_from_day_to_day(v) else "Nothing"
+        yield Wrong("", f"{nothing} that these data can show. What was ruled out, and what could not be tested, is listed below.")
     elif not v.findings:
         yield Wrong("", "No departure from the model could be named with confidence.")
     if v.verdict in (PARTLY, UNEXPLAINED) and (most := most_left(v)):
