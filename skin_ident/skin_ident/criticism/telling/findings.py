@@ -21,7 +21,6 @@ from skin_ident.criticism.telemetry.symptom import Symptom, place_of
 from skin_ident.criticism.telling.by_session import by_session, most_left
 from skin_ident.criticism.telling.given_model import not_there, refitted
 from skin_ident.criticism.telling.leftover import Rest
-from skin_ident.criticism.telling.pattern import FEWEST, pattern, span, when
 from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key
 from skin_ident.separating.choose import Experiment
 from skin_models.model import Model
