@@ -10,7 +10,7 @@ from skin_ident.report.numbers import amount, percent, span
 from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
-from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, meaning, sentence, signal
+from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, sentence, signal
 
 UNTOLD = (  # said elsewhere, or for programs
     "likelihood_gain", "held_out_fall_of_mean_square", "why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std",
@@ -38,7 +38,7 @@ def evidence(outcome: Outcome, v: View) -> Safe | None:
 
 def _card(f: Finding, v: View, number: int) -> Safe:
     rows = [
-        ("What it means", sentence(meaning(f.cause))),
+        ("What it means", sentence(f.means)),
         ("Seen in", ", ".join(channel(c) for c in f.channels)),
         ("Size", [el("div", line) for line in sizes(f, v, 12)]),
         ("In each session", [el("div", f"{session}: {text(own)}") for session, own in f.each_session.items()]),

@@ -9,7 +9,7 @@ from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.numbers import finite, percent
 from skin_ident.report.tolerant import mapping, place_in, sequence, text
 from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
-from skin_ident.report.words import advice, declared, effect_words, label, sentence
+from skin_ident.report.words import advice, declared, effect_words, label, meaning, sentence
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
 PLACED = ("findings", "excluded", "untestable")
@@ -130,6 +130,7 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         text(f.get("battery")),
         "separating_evidence" in f and not f.get("battery"),
         text(f.get("advice")) or advice(cause),
+        text(f.get("means")) or meaning(cause),
         tuple(_behind(a, mapping(f.get("evidence"))) for a in sequence(f.get("alternatives"))),
     )
 

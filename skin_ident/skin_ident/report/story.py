@@ -152,7 +152,7 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     """Each finding, then what they amount to in newtons."""
     for f in v.findings:
         size = "; ".join(sizes(f, v, brief=len(v.findings) > MOST_SIZES))
-        yield Wrong(capital(f.called) + f.in_some, sentence(meaning(f.cause)), size)
+        yield Wrong(capital(f.called) + f.in_some, sentence(f.means), size)
         shown = f.alternatives[:MOST_NAMES]
         yield from (Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)), of_last=True) for cause, where, _ in shown)
         yield from (Wrong("", said, of_last=True) for said in _as_well(f))

@@ -61,6 +61,7 @@ class Finding:
     battery: str = ""  # file of the experiment that `separating` speaks of, where one was computed
     by_hand: bool = False  # experiments were computed, and none of them is of help
     act: str = ""  # what to do about it, where the finding says more than its cause does
+    means: str = ""  # what it means, where the finding says it in other words than its cause
     behind: tuple[float | None, ...] = ()  # of the alternatives: the share by which each explains less, clearly and yet too little
 
     @property

@@ -18,7 +18,7 @@ from scipy.linalg import block_diag
 from skin_ident.criticism.baseline.fitting import cost_of, fit, tangents, whitened
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values
-from skin_ident.criticism.courses.course import basis
+from skin_ident.criticism.courses.course import added, basis
 from skin_ident.criticism.courses.run import LEAST, Run
 from skin_ident.criticism.gates.gate import gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
@@ -34,6 +34,7 @@ STIFFNESSES = ("k1", "k2")
 NUMBERS = (*STIFFNESSES, "b1", "b2")
 STRAYS = 0.03  # of every number, from session to session
 FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
+AHEAD = 1.1  # times what a course explains, which other numbers must to go before it
 NATURAL = 0.03  # that a stiffness may be off, as that of any specimen is; what differs by more is told
 TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, until they move by less
 WORTH_SAYING = 0.002
@@ -48,9 +49,10 @@ def explained_by_own_skin(search: Search) -> float:
     return explained * (np.abs(theta).max() <= FARTHEST)
 
 
-def take_own_skin(search: Search, explained: float, best: float) -> bool:
-    """Whether numbers of each session's own have `explained` more than the `best` cause, or course of theirs, and were taken."""
-    if explained <= max(LEAST, best):
+def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]) -> bool:
+    """Whether numbers of each session's own have `explained` more than the `best` cause, and clearly more than the `runs` of one sensor or
+    clock, and were taken: two numbers of a skin may be a gain."""
+    if explained <= max(LEAST, best, AHEAD * max((r.score for r in runs), default=0.0)):
         return False
     search.progress("letting the skin differ from session to session")
     search.own_skin = True
@@ -64,8 +66,14 @@ def take_own_skin_of_held(search: Search, runs: list[Run]) -> bool:
         return False
     each = [_of_one(search, s) for s in search.held]
     explained = sum(x for _, x in each) * all(np.abs(theta).max() <= FARTHEST for theta, _ in each)
-    other = max((r.score for r in runs), default=0.0) > explained_by_own_skin(search)
-    return not (runs and other) and take_own_skin(search, explained, max((r.score for r in courses_alone(search)), default=0.0))
+    if runs and AHEAD * runs[0].score > explained_by_own_skin(search):
+        return False
+    courses = [added(search.held, r.values) for r in courses_alone(search)[:1]]
+    own = [_with(s, search, theta) for s, (theta, _) in zip(search.held, each, strict=True)]
+    falls = [
+        cost_of(search.present.model, search.held, search.noise) - cost_of(search.present.model, s, search.noise) for s in (own, *courses)
+    ]
+    return falls[0] > AHEAD * max(falls[1:], default=0.0) and take_own_skin(search, explained, 0.0, [])
 
 
 def _asked(search: Search) -> bool:

@@ -44,7 +44,7 @@ def _round(search: Search) -> bool:
     if take_partly(search, last, max(best, of_skin)):
         search.end_round(last, search.named[-1].cause)
         return True
-    if take_own_skin(search, of_skin, best):
+    if take_own_skin(search, of_skin, best, runs):
         return True
     own, shared = choose(search, trials, runs)
     if own and not take_tare(search, own[1]):

@@ -97,7 +97,7 @@ def advice_on(named: Named) -> str:
 
 
 def _is_skin_of_sessions(named: Named) -> bool:
-    return named.key == PARAMETERS and bool(named.courses)
+    return named.cause == PARAMETERS[0] and bool(named.courses)
 
 
 def _of_each_session(named: Named) -> dict[str, Any]:
