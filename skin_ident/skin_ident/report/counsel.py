@@ -127,7 +127,8 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
     yield from _advice(v)
     if any(f.carried for f in v.findings):
         lies = f"in {folder}" if folder else "beside this report"
-        yield f"Load model.yaml, {lies}, into the simulated skin: {_carried(v)} named here is in it."
+        as_some = ", and all the time: for the other sessions take out what they are free of" * any(f.partly for f in v.findings)
+        yield f"Load model.yaml, {lies}, into the simulated skin: {_carried(v)} named here is in it{as_some}."
     if v.verdict in (PARTLY, UNEXPLAINED):
         yield "See below which way the remaining error leans, and record what the untested causes need."
     if v.errors and v.tested in (UNTESTED, STRETCHES):
