@@ -46,6 +46,17 @@ def test_skin_that_is_a_hundredth_stiffer_or_softer_every_day_is_no_finding(tmp_
     assert findings["findings"] == [] and findings["verdict"] == "nothing_wrong", findings["findings"]
 
 
+@pytest.mark.parametrize("seed", rows([5, 7], 1))
+def test_skin_that_differs_by_more_than_specimens_do_is_a_finding_with_the_numbers_of_each_session(tmp_path, seed):
+    sessions, _ = make_sessions([], seed=seed, protocol="full", between=0.06, n_sessions=4)
+    write_case(sessions, tmp_path)
+    every = load(tmp_path)
+    findings = diagnose(every[:3], every[3:]).findings
+    (found,) = findings["findings"]
+    assert (found["cause"], found["where"], findings["verdict"]) == ("parameters", "skin", "explained")
+    assert set(found["evidence"]["of_each_session"]) == {r.name for r in every} and "session to session" in found["means"]
+
+
 def test_what_all_sessions_have_is_found_beside_skin_that_differs(tmp_path):
     sessions, _ = make_sessions([Hide("lag", "taxel", "one_pole", 1.5)], seed=11, protocol="full", between=0.01, n_taxels=2)
     write_case(sessions, tmp_path)

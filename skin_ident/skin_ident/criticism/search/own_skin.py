@@ -16,11 +16,11 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from skin_ident.criticism.baseline.fitting import cost_of, fit, tangents, whitened
-from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.baseline.residual import placed, residual, stiffness
 from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values
 from skin_ident.criticism.courses.course import added, basis
 from skin_ident.criticism.courses.run import LEAST, Run
-from skin_ident.criticism.gates.gate import gain_of_residuals
+from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.hardware import specimens_do
@@ -29,9 +29,9 @@ from skin_ident.criticism.search.own import courses_alone
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS
+from skin_models.model import Model
 
-STIFFNESSES = ("k1", "k2")
-NUMBERS = (*STIFFNESSES, "b1", "b2")
+NUMBERS = ("k1", "b1", "k2", "b2")
 STRAYS = 0.03  # of every number, from session to session
 FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
 AHEAD = 1.1  # times what a course explains, which other numbers must to go before it
@@ -90,23 +90,38 @@ def settle_skin(search: Search) -> None:
 
 
 def tell_of_skin(search: Search) -> None:
-    """Say how far the skin of sessions differs, where it was let, or name it where that is more than the skin of any specimen does."""
+    """Say how far the skin of sessions differs, where it was let, or name it where a stiffness differs by more than that of any specimen
+    does, or than an encoder reads."""
     sessions = [s for s in (*search.train, *search.held) if s.skin]
-    largest = {u.label: max(abs(s.skin[u.label] - 1.0) for s in sessions) for u in _which(search)} if sessions else {}
-    if max((largest[k] for k in STIFFNESSES if k in largest), default=0.0) > NATURAL:
-        _name(search, sessions)
-    elif max(largest.values(), default=0.0) > WORTH_SAYING:
+    if not sessions:
+        return
+    deepest = max(float(s.motion.x.max()) for s in sessions)
+    far = max(_off(search.present.model, s) for s in sessions) > max(NATURAL, search.encoder_step / deepest)
+    gain = _gain(search)
+    largest = {u.label: max(abs(s.skin[u.label] - 1.0) for s in sessions) for u in _which(search)}
+    if far and gain.passed:
+        explained = cost_of(search.present.model, _bare(search.train), search.noise) - search.present.cost
+        search.named.append(Named(*PARAMETERS, gain, explained, (), courses={s.name: _said(s) for s in sessions}))
+        search.progress("named another skin in every session")
+    elif max(largest.values()) > WORTH_SAYING:
         search.tared[PARAMETERS] = specimens_do(largest)
 
 
-def _name(search: Search, sessions: list[Session]) -> None:
-    model, tested = search.present.model, search.held or search.train
-    before, after = ([residual(model, s) for s in each] for each in ([replace(s, skin={}) for s in tested], tested))
-    said = f"{', '.join(s.name for s in tested)}, with numbers of their own"
-    gain = gain_of_residuals(before, after, tested, search.noise, said)
-    explained = cost_of(model, [replace(s, skin={}) for s in search.train], search.noise) - search.present.cost
-    search.named.append(Named(*PARAMETERS, gain, explained, (), courses={s.name: _said(s) for s in sessions}))
-    search.progress("named another skin in every session")
+def _off(model: Model, s: Session) -> float:
+    """By how much the load cell or the taxels are stiffer or softer in a session than in all, as a share."""
+    own = placed(model, replace(s, spread=None))
+    return max(abs(stiffness(own, c) / stiffness(model, c) - 1.0) for c in s.channels if stiffness(model, c) > 0.0)
+
+
+def _gain(search: Search) -> Gain:
+    """What numbers of their own gain in held-out sessions, or in those that were fitted where none are."""
+    tested = search.held or search.train
+    before, after = ([residual(search.present.model, s) for s in sessions] for sessions in (_bare(tested), tested))
+    return gain_of_residuals(before, after, tested, search.noise, f"{', '.join(s.name for s in tested)}, with numbers of their own")
+
+
+def _bare(sessions: list[Session]) -> list[Session]:
+    return [replace(s, skin={}) for s in sessions]
 
 
 def _said(s: Session) -> Said:
