@@ -61,10 +61,14 @@ def criticise(
         check_numbers(search, given)
         baseline = fit(given, train, noise, 0)
     else:
-        weighted = replace(start, effects=search.hanging)
-        baseline = fit(weighted, weighed(train, search.train[0].heaviest), noise) if search.train[0].free_mass else search.baseline
+        baseline = search.baseline
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
-    return Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
+    c = Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
+    plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, search.train, strict=True)]
+    if given or not (search.train[0].free_mass or any(s.skin for s in plain)):
+        return c
+    weighted = replace(start, effects=search.hanging)
+    return replace(c, baseline=fit(weighted, weighed(plain, search.train[0].heaviest), noise))
 
 
 def _resumed(search: Search) -> bool:
