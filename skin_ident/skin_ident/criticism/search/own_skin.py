@@ -56,18 +56,18 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
     if explained <= max(LEAST, best, AHEAD * max((r.score for r in runs), default=0.0)):
         return False
     search.progress("letting the skin differ from session to session")
-    search.own_skin = True
-    settle_skin(search)
+    search.own_skin = True  # they are fitted where the next round begins
     return True
 
 
-def take_own_skin_of_held(search: Search, runs: list[Run]) -> bool:
-    """The same of what is left in held-out sessions alone, unless `runs` of those that were fitted explain more of these."""
+def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> bool:
+    """The same of what is left in held-out sessions alone, unless `runs` of those that were fitted explain more of these than the numbers
+    do, `of_train`."""
     if not _asked(search) or not search.held:
         return False
     each = [_of_one(search, s) for s in search.held]
     explained = sum(x for _, x in each) * all(np.abs(theta).max() <= FARTHEST for theta, _ in each)
-    if runs and AHEAD * runs[0].score > explained_by_own_skin(search):
+    if runs and AHEAD * runs[0].score > of_train:
         return False
     courses = [added(search.held, r.values) for r in courses_alone(search)[:1]]
     own = [_with(s, search, theta) for s, (theta, _) in zip(search.held, each, strict=True)]

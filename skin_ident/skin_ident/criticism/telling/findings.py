@@ -54,7 +54,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments, had: int = 0) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for; the first so many effects that a given model `had` are none."""
     effects = instances(replace(model, effects=model.effects[had:]), *named.key)
-    parameters: dict[str, Any] = refitted(named, model, std) if named.cause == "parameters" and not named.courses else {}
+    parameters: dict[str, Any] = refitted(named, model, std) if named.cause == PARAMETERS[0] and not _is_skin_of_sessions(named) else {}
     for i, e in enumerate(model.effects):
         for p in parameters_of(e) if i >= had and e in effects else ():
             label = model.listed_as(i, p.name)
@@ -129,7 +129,7 @@ def _in_some(named: Named) -> dict[str, Any]:
     if not named.only:
         return {}
     why = f"it is in {', '.join(named.only)}, as far as each session tells, and not in {', '.join(named.free)}"
-    return {"why": why, "only_in": list(named.only), "not_in": list(named.free), **in_sessions(named.only, (*named.only, *named.free))}
+    return {"why": why, **in_sessions(named.only, (*named.only, *named.free))}
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:
