@@ -10,9 +10,9 @@ import yaml
 
 from skin_ident.cli.identify import _account, main
 from skin_ident.separating import loop
-from skin_ident.separating.candidates import random_motion
+from skin_ident.separating.candidates import random_motion, redrawn
 from skin_ident.separating.path import planned
-from skin_motion_profiles.profile_file import entry_from_text
+from skin_motion_profiles.profile_file import entry_from_text, entry_from_words
 
 TRIANGLES = (
     "{type: battery, profiles: [{type: free_air, duration_s: 1}, "
@@ -44,6 +44,7 @@ def course(monkeypatch, *outcomes, first="first"):
     """The loop on criticisms that come out like this, one after the other, the last again and again."""
     each = chain(outcomes, repeat(outcomes[-1]))
     monkeypatch.setattr(loop, "diagnose", lambda *arguments: next(each))
+    monkeypatch.setattr(loop, "redrawn", lambda battery: battery)  # these batteries are words that stand for any
     deeper = count()
 
     def record(battery, name):
@@ -93,6 +94,14 @@ def test_random_motion_is_a_battery_that_the_server_reads():
     motion, kinds = planned(entry_from_text(RANDOM), 0.01), ["free_air", "constant_rate_loops", "multisine", "random_ramps", "free_air"]
     assert 20.0 < motion.t[-1] < 40.0 and 0.95e-3 < motion.x.max() < 1.001e-3
     assert [p["type"] for p in yaml.safe_load(RANDOM)["profiles"]] == kinds
+
+
+@pytest.mark.parametrize("battery", ["full", RANDOM])
+def test_what_shall_be_predicted_is_another_draw_of_the_same_motions(battery):
+    first, again = (planned(entry_from_words(b), 0.01) for b in (battery, redrawn(battery)))
+    shared = min(first.x.size, again.x.size)
+    assert abs(first.x.size / again.x.size - 1.0) < 0.2 and np.sqrt(np.mean((first.x[:shared] - again.x[:shared]) ** 2)) > 0.05 * first.x.max()
+    assert redrawn(redrawn(battery)) != redrawn(battery) and redrawn(TRIANGLES) == TRIANGLES
 
 
 @pytest.mark.parametrize(("seconds", "longer"), [(174.0, True), (40.0, False)])

@@ -15,13 +15,14 @@ from skin_models.signals import Motion
 from skin_motion_profiles.battery_file import battery_names
 from skin_motion_profiles.catalogue import entry_from_dict
 from skin_motion_profiles.errors import ProfileError
-from skin_motion_profiles.profile_file import entry_to_text
+from skin_motion_profiles.profile_file import entry_from_words, entry_to_text
 
 LONGEST = 120.0  # s
 BRISK = 500.0  # mm/s^2
 GENTLE = 1.0  # mm/s, up to which loops cross the surface: a jump of the force at contact is taken for a spike, or left out
 BATTERIES = ("demo", "full", "hysteresis_and_rate", "relaxation", "stiffness", "sinusoidal_identification", "pseudo_random_validation")
 AIR = {"type": "free_air", "duration_s": 1.5}
+SECOND_DRAW = 1000  # added to the seeds of a battery that is recorded again: beyond those of any candidate
 RICH = ("demo", "full", "pseudo_random_validation")
 
 
@@ -63,6 +64,20 @@ def random_motion(deepest: float) -> str:
     d = _rounded(deepest * 1e3)
     profiles = [AIR, _quick_loops(d), _multisine(d, 0.4, 0) | {"periods": 1}, _random_ramps(d, 8, 0), dict(AIR)]
     return yaml.safe_dump({"type": "battery", "name": "random motion", "profiles": profiles}, sort_keys=False, width=140)
+
+
+def redrawn(battery: str) -> str:
+    """A battery, as YAML or by name, with other draws of what is random in it, as YAML; one without anything random is given back as it is.
+    Raises `ProfileError`."""
+    content = yaml.safe_load(entry_to_text(entry_from_words(battery)))
+    other = _reseeded(content)
+    return battery if other == content else yaml.safe_dump(other, sort_keys=False, allow_unicode=True, width=140)
+
+
+def _reseeded(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: v + SECOND_DRAW if key == "seed" else _reseeded(v) for key, v in value.items()}
+    return [_reseeded(v) for v in value] if isinstance(value, list) else value
 
 
 def _rounded(d: float) -> float:

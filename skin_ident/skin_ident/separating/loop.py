@@ -1,6 +1,7 @@
 """The closed loop: record, criticise, record what would separate the rivals that are left, and so on until one name is left.
 
-Every experiment is recorded twice, once to fit and once to be predicted, and everything recorded so far is criticised together.
+Every experiment is recorded twice, once to fit and once to be predicted, by another draw of what is random in its motion; everything
+recorded so far is criticised together.
 """
 
 from collections.abc import Callable
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.recordings.recording import Recording
-from skin_ident.separating.candidates import random_motion
+from skin_ident.separating.candidates import random_motion, redrawn
 
 Record = Callable[[str, str], Recording]  # words or YAML of a battery, and a name for the session
 Progress = Callable[[str], None]
@@ -61,7 +62,7 @@ def until_named(record: Record, first: str, rich: str, budget: float, progress: 
     while battery:
         progress(f"experiment {len(steps) + 1}: recording twice")
         train.append(record(battery, f"experiment_{len(steps) + 1}"))
-        held.append(record(battery, f"experiment_{len(steps) + 1}_again"))
+        held.append(record(redrawn(battery), f"experiment_{len(steps) + 1}_again"))
         outcome = diagnose(train, held, None, progress)
         steps.append(
             Step(battery, sum(float(r.t[-1] - r.t[0]) for r in (train[-1], held[-1])), _left(outcome), outcome.findings["verdict"])
