@@ -9,7 +9,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.noise.whitening import Whitener, stack
-from skin_ident.criticism.sessions.read_again import read_again
+from skin_ident.criticism.sessions.read_again import with_noise_again
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -28,5 +28,7 @@ def blurred(before: Model, after: Model, sessions: list[Session], noise: Whitene
 
 def _changed(before: Model, after: Model, s: Session, rng: np.random.Generator) -> np.ndarray:
     """By how much what `after` adds to `before` is another (C, n), N, where the depth is read with its noise once more."""
-    first, second = (simulated(after, each) - simulated(before, each) for each in (s, read_again(s, s.depth_noise, rng)))
+    first, second = (
+        simulated(after, each) - simulated(before, each) for each in (s, with_noise_again(s, rng.standard_normal(len(s.motion))))
+    )
     return s.band.thin(second - first)

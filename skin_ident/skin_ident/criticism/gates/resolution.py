@@ -9,7 +9,9 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.gates.feigned import feigned
 from skin_ident.criticism.gates.gate import MUCH, Gain
+from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import dilution
 from skin_ident.criticism.sessions.session import Session
@@ -19,6 +21,7 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 PASSING = 0.5  # of what steps leave open at rest, which a fall where the stage moves must exceed: it comes from rest and goes to it
+STEPS_ALONE = 0.95  # of what an encoder leaves open, above which its steps are nearly all of that, and its noise need not be asked
 OPEN = 2.0  # times the mean square that steps leave open on average: at few depths chance makes it so much
 # The same of what is left when a cause has been taken, or none: at a few depths each may be half a step off, which is three times, and the
 # model that was fitted to few others as far the other way.
@@ -48,25 +51,50 @@ def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
     return cause in OF_READING and gain.squares <= (INTEGRAL * converter_step(train, gain.channel)) ** 2
 
 
-def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float, strict: bool = False) -> bool:
-    """Whether the gain is more than what steps leave open, in all or where the stage moves. Those of the encoder leave a force, the same
-    one wherever the plunger comes back to, so that held-out sessions repeat it, and a zero of depth, which bends what a free stiffness is
-    fitted to; those of the converter are uneven where noise does not carry the readings across them. And damping feels speeds that nobody
-    reads: what depends on speed, or smooths the depth, must exceed what steps beat against samples in any session, and those speeds, too,
-    unless the likelihood gains much by it and nobody is `strict`. A stage that trembles at rest does so no more while it moves: a fall
-    there may be smaller. White noise of the encoder averages out within the band; what smooths the depth, or leaves some of the damping to
-    something else, spares the forces what is left of it, and explains no more than that. An error of the depth shows in every channel:
+def resolved(
+    gain: Gain, cause: str, before: Model, after: Model, train: list[Session], noise: Whitener, encoder_step: float, strict: bool = False
+) -> bool:
+    """Whether the gain is more than what encoder and converters leave open. White noise of the encoder averages out within the band; what
+    smooths the depth, or leaves some of the damping to something else, spares the forces what is left of it, and explains no more than
+    that. Where a gain is less than that, it is asked how much of it the noise feigns."""
+    exceeds = partial(_exceeds, gain, cause, before, after, train, encoder_step, strict)
+    drag = _drag(cause, before, after, gain.channel)
+    spared = OPEN * _trembling(train, stiffness(before, gain.channel), drag if cause in SMOOTHING else 0.0) ** 2
+    if cause in SMOOTHING:  # spares the fit what noise of the depth has made of damping
+        spared += (drag * dilution(train) * _speed_rms(train)) ** 2
+    if exceeds(spared, encoder_step):
+        return True
+    steps = _without_noise(encoder_step, train)
+    if train[0].drive is not None or steps > STEPS_ALONE * encoder_step:
+        return False
+    return exceeds(OPEN * feigned(before, after, train, noise, gain.channel), steps)
+
+
+def _exceeds(
+    gain: Gain,
+    cause: str,
+    before: Model,
+    after: Model,
+    train: list[Session],
+    encoder_step: float,
+    strict: bool,
+    spared: float,
+    rounding: float,
+) -> bool:
+    """Whether the gain is more than steps leave open beside what noise of the encoder has `spared`, N^2, in all or where the stage moves.
+
+    Those of the encoder leave a force, the same one wherever the plunger comes back to, so that held-out sessions repeat it, and a zero of
+    depth, which bends what a free stiffness is fitted to; those of the converter are uneven where noise does not carry the readings across
+    them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed what steps beat against
+    samples in any session, and what `rounding`, m, does to speeds, too, unless the likelihood gains much by it and nobody is `strict`. A
+    stage that trembles at rest does so no more while it moves: a fall there may be smaller. An error of the depth shows in every channel:
     where a gain is of one alone, and another is left with less than it would be, there is none so large; at a few depths the other's own
     stiffness may have taken it."""
-    k, b = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2
-    drag = max(damping(m, gain.channel) for m in ((before, after) if cause in SMOOTHING else (before,)))
+    k, b, drag = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2, _drag(cause, before, after, gain.channel)
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     moves, step = partial(_moves, encoder_step), _without_noise(encoder_step, train)
     chance = AT_FEW_DEPTHS if held_depths(train, step) < FEW else OPEN
     unzeroed = UNZEROED * step if cause in OF_READING else 0.0
-    trembling = OPEN * _trembling(train, k, drag if cause in SMOOTHING else 0.0) ** 2
-    if cause in SMOOTHING:  # spares the fit what noise of the depth has made of damping
-        trembling += (drag * dilution(train) * _speed_rms(train)) ** 2
     alone = chance == OPEN and len(gain.carried) == 1 and train[0].drive is None
     left = [(s, residual(before, s)) for s in train] if alone else []
 
@@ -74,16 +102,21 @@ def resolved(gain: Gain, cause: str, before: Model, after: Model, train: list[Se
         """Of the depth, m^2."""
         return min(chance * unread_depth(train, step, part) ** 2 + unzeroed**2, _shared_depth(before, gain.channel, left, part) ** 2)
 
-    still, moving = (k**2 * unread(part) + uneven + trembling for part in (None, moves))
+    still, moving = (k**2 * unread(part) + uneven + spared for part in (None, moves))
     if cause in OF_SPEED:
         beats = OPEN * max((drag * _beat([s], step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
         if strict or gain.relative < MUCH:
-            resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
+            resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, rounding))
             still, moving = still + max(resting, passing), moving + passing
     if gain.squares > still:
         return True
     return bool(encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still))
+
+
+def _drag(cause: str, before: Model, after: Model, channel: str) -> float:
+    """The damping of a channel, N s/m, which what smooths the depth may have left to itself."""
+    return max(damping(m, channel) for m in ((before, after) if cause in SMOOTHING else (before,)))
 
 
 def of_the_drive(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> bool:

@@ -120,7 +120,7 @@ def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
 def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[Key, NotNamed]:
     """What the steps of an encoder do in place of a trial: all of it, or of those that explain as much a zero of depth that they hide."""
     models = search.present.model, trial.fit.model
-    encoder = encoder_does(trial.key, gain, *models, search.train, search.encoder_step)
+    encoder = encoder_does(trial.key, gain, *models, search.train, search.noise, search.encoder_step)
     if encoder:
         return {trial.key: encoder}
     as_good = [t for t in rivals if t.score > trial.score - CHANCE and t.key[0] == SHIFT]

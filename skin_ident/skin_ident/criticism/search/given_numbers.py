@@ -48,7 +48,7 @@ def _wrong(search: Search, given: Model, before: Fit, after: Fit, refit_before: 
         return False, None
     # Noise of the depth, or of a force that drives the test, does as much to damping.
     as_if = DAMPING if _but_for_damping(given, after.model) else PARAMETERS
-    why = encoder_does(as_if, gain, before.model, after.model, search.train, search.encoder_step)
+    why = encoder_does(as_if, gain, before.model, after.model, search.train, search.noise, search.encoder_step)
     return why is None, why
 
 

@@ -9,6 +9,7 @@ from skin_ident.criticism.courses.left_by_tare import Tare
 from skin_ident.criticism.courses.run import AT_REST, Run, least_depth
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
+from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.sessions.session import Session
@@ -40,14 +41,14 @@ def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
 
 
 def encoder_does(
-    key: Key, gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float
+    key: Key, gain: Gain, before: Model, after: Model, train: list[Session], noise: Whitener, encoder_step: float
 ) -> NotNamed | None:
     """Why a cause and place that `after` gains by over `before` are no finding, where noise of what drives the test does as much, the
     encoder could not tell, or steps leave as much open."""
     if of_the_drive(gain, key[0], before, after, train):
         why = f"it would {_worth(gain)}, mostly while the driving force rests or little of what there is: the noise of that force may do it"
         return _usual(why, "a depth beside the force, or a load cell with less noise")
-    return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, encoder_step)
+    return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, noise, encoder_step)
 
 
 def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
@@ -57,9 +58,11 @@ def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
     return _usual(why, FINER) if length else None
 
 
-def steps_do(cause: str, gain: Gain, before: Model, after: Model, train: list[Session], encoder_step: float) -> NotNamed | None:
+def steps_do(
+    cause: str, gain: Gain, before: Model, after: Model, train: list[Session], noise: Whitener, encoder_step: float
+) -> NotNamed | None:
     """Why a cause that gains is no finding, where steps of encoder and converters may leave as much open."""
-    if resolved(gain, cause, before, after, train, encoder_step):
+    if resolved(gain, cause, before, after, train, noise, encoder_step):
         return None
     if not encoder_step:
         return _usual(f"it would {_worth(gain)}, which the converters may leave open", "converters with finer steps")

@@ -46,7 +46,9 @@ def _no_steps(search: Search, after: Model, both: Gain, causes: set[str]) -> boo
     """Whether two causes gain more than the steps of an encoder leave open, and much where one of them may smooth those."""
     steps = search.encoder_step
     much = both.relative > MUCH or not (steps and causes & set(FILTERS))
-    return much and all(resolved(both, cause, search.present.model, after, search.train, steps, strict=True) for cause in causes)
+    return much and all(
+        resolved(both, cause, search.present.model, after, search.train, search.noise, steps, strict=True) for cause in causes
+    )
 
 
 def _explained(pair: Pair) -> float:
@@ -74,5 +76,5 @@ def beside(ahead: Search, key: Key, after: Model) -> tuple[Model, Gain | None]:
     without = fit(lacking(after, *key), ahead.train, ahead.noise).model
     gain = ahead.gain(without, after, key[1])
     told = gain.passed and gain.shows_at(key[1])
-    encoder = encoder_does(key, gain, without, after, ahead.train, ahead.encoder_step) if told else None
+    encoder = encoder_does(key, gain, without, after, ahead.train, ahead.noise, ahead.encoder_step) if told else None
     return without, gain if told and encoder is None else None

@@ -7,9 +7,14 @@ import numpy as np
 from skin_ident.criticism.sessions.session import Session
 
 
-def read_again(s: Session, noise: float, rng: np.random.Generator) -> Session:
-    """The session with a further draw of white noise in what a simulation is driven by: the depth, m rms, or the force, N rms."""
-    read = noise * rng.standard_normal(len(s.motion))
+def read_again(s: Session, read: np.ndarray) -> Session:
+    """The session with further noise `read` (N,) in what a simulation is driven by: the depth, m, or the force, N."""
     if s.drive is not None:
         return replace(s, drive=s.drive + s.band.smooth(read))
     return replace(s, motion=replace(s.motion, x=s.motion.x + s.band.smooth(read), v=s.motion.v + s.band.speed(read)))
+
+
+def with_noise_again(s: Session, draw: np.ndarray) -> Session:
+    """The session, driven by a depth, with one more `draw` (N,) of its encoder's white noise, of 1 rms; of fewer samples than were recorded
+    each holds less."""
+    return read_again(s, s.depth_noise * replace(s.band, dt=s.period).passes / s.band.passes * draw)

@@ -70,7 +70,7 @@ def by_drive(
     masks (N,): the difference that a further draw of its noise and steps makes, or more, where `residuals` (C, N) of several channels share
     more in that proportion."""
     rng, step = np.random.default_rng(SEED), _encoder_step(recordings[0]) / np.sqrt(12.0)
-    again = [read_again(s, _unread(s, step), rng) for s in sessions]
+    again = [read_again(s, _unread(s, step) * rng.standard_normal(len(s.motion))) for s in sessions]
     changes = [(simulated(model, b) - simulated(model, a))[:, calm] for a, b, calm in zip(sessions, again, believed, strict=True)]
     unread = np.array([_spread(row) if row.size else 0.0 for row in np.concatenate(changes, axis=1)])
     rows = [np.array([_quick(row, r.dt)[calm] for row in e]) for e, r, calm in zip(residuals, recordings, believed, strict=True)]
