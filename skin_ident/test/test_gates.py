@@ -342,7 +342,10 @@ def test_a_zero_of_depth_that_nobody_reads_may_bend_a_force_but_relaxes_nothing(
     both = prepare(recorded(PLAIN))
     train, squares = [prepare(replace(recorded(PLAIN), taxels=np.empty((0, T.size)), taxel_names=(), taxel_units=()))], 0.04**2
     gain = replace(QUICK, before=float(np.sqrt(0.005**2 + squares)), after=0.005)
-    assert resolved(gain, cause, PLAIN, PLAIN, train, WHITE, 10e-6) is enough and resolved(gain, cause, PLAIN, PLAIN, [both], WHITE, 10e-6)
+    of_force = replace(PLAIN, shares=())
+    noise = fit_whitener([residual(of_force, s) for s in train], train)
+    assert resolved(gain, cause, of_force, of_force, train, noise, 10e-6) is enough
+    assert resolved(gain, cause, PLAIN, PLAIN, [both], WHITE, 10e-6)
 
 
 def test_a_session_is_as_long_as_it_may_be_believed():

@@ -21,7 +21,6 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 PASSING = 0.5  # of what steps leave open at rest, which a fall where the stage moves must exceed: it comes from rest and goes to it
-STEPS_ALONE = 0.95  # of what an encoder leaves open, above which its steps are nearly all of that, and its noise need not be asked
 OPEN = 2.0  # times the mean square that steps leave open on average: at few depths chance makes it so much
 # The same of what is left when a cause has been taken, or none: at a few depths each may be half a step off, which is three times, and the
 # model that was fitted to few others as far the other way.
@@ -64,10 +63,10 @@ def resolved(
         spared += (drag * dilution(train) * _speed_rms(train)) ** 2
     if exceeds(spared, encoder_step):
         return True
-    steps = _without_noise(encoder_step, train)
-    if train[0].drive is not None or steps > STEPS_ALONE * encoder_step:
+    if train[0].drive is not None or not encoder_step:
         return False
-    return exceeds(OPEN * feigned(before, after, train, noise, gain.channel), steps)
+    steps = without_noise(encoder_step, train)
+    return exceeds(OPEN * feigned(before, after, train, noise, gain.channel, steps), 0.0)
 
 
 def _exceeds(
@@ -92,7 +91,7 @@ def _exceeds(
     stiffness may have taken it."""
     k, b, drag = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2, _drag(cause, before, after, gain.channel)
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
-    moves, step = partial(_moves, encoder_step), _without_noise(encoder_step, train)
+    moves, step = partial(_moves, encoder_step), without_noise(encoder_step, train)
     chance = AT_FEW_DEPTHS if held_depths(train, step) < FEW else OPEN
     unzeroed = UNZEROED * step if cause in OF_READING else 0.0
     alone = chance == OPEN and len(gain.carried) == 1 and train[0].drive is None
@@ -176,13 +175,13 @@ def held_depths(sessions: list[Session], encoder_step: float) -> float:
 def unread_force(model: Model, channel: str, sessions: list[Session], encoder_step: float) -> float:
     """What nobody reads of what drives a test leaves open of a channel, N rms: stiffness times what steps and noise leave of the depth, and
     damping times what they leave of its speed; of a force that drives, its noise, as much as the channel takes of one that is held."""
-    step, (k, b) = _without_noise(encoder_step, sessions), (of(model, channel) for of in (stiffness, damping))
+    step, (k, b) = without_noise(encoder_step, sessions), (of(model, channel) for of in (stiffness, damping))
     steps = np.hypot(k * unread_depth(sessions, step), b * _beat(sessions, step))
     driving = k / max(stiffness(model, "force"), 1e-9) * max(s.drive_noise for s in sessions)
     return float(np.linalg.norm([steps, _trembling(sessions, k, b), driving]))
 
 
-def _without_noise(encoder_step: float, sessions: list[Session]) -> float:
+def without_noise(encoder_step: float, sessions: list[Session]) -> float:
     """The steps of an encoder, m, of what would be as loud as they and its white noise together."""
     return float(np.sqrt(max(encoder_step**2 - 12.0 * max(s.depth_noise for s in sessions) ** 2, 0.0)))
 
