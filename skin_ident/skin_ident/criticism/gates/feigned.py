@@ -19,15 +19,15 @@ from skin_models.model import Model
 SEED = 0  # any: the same record is told the same
 
 
-def feigned(before: Model, after: Model, train: list[Session], noise: Whitener, channel: str, step: float = 0.0) -> float:
+def feigned(before: Model, after: Model, train: list[Session], noise: Whitener, channel: str) -> float:
     """By how much the mean square in `channel`, N^2, falls more from `before` to `after` where both are fitted to a depth with twice the
-    variance of white noise; at least nothing. Rounding to steps of `step` m counts as noise of as much. A draw and its opposite are taken,
-    so that products with what is left anyway cancel."""
+    variance of white noise; at least nothing. A draw and its opposite are taken, so that products with what is left anyway cancel. Of
+    rounding to steps nothing is told so: its errors are the same wherever the plunger comes back to, and a cause is fitted to these."""
     rng = np.random.default_rng(SEED)
     draws = [rng.standard_normal(len(s.motion)) for s in train]
     noisier = [
         _fall(*(fit(m, again, noise).model for m in (before, after)), again, channel)
-        for again in ([with_noise_again(s, sign * z, step) for s, z in zip(train, draws, strict=True)] for sign in (1.0, -1.0))
+        for again in ([with_noise_again(s, sign * z) for s, z in zip(train, draws, strict=True)] for sign in (1.0, -1.0))
     ]
     return max(float(np.mean(noisier)) - _fall(before, after, train, channel), 0.0)
 

@@ -21,6 +21,7 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 PASSING = 0.5  # of what steps leave open at rest, which a fall where the stage moves must exceed: it comes from rest and goes to it
+STEPS_ALONE = 0.95  # of what an encoder leaves open, above which its steps are nearly all of that, and its noise need not be asked
 OPEN = 2.0  # times the mean square that steps leave open on average: at few depths chance makes it so much
 # The same of what is left when a cause has been taken, or none: at a few depths each may be half a step off, which is three times, and the
 # model that was fitted to few others as far the other way.
@@ -53,23 +54,36 @@ def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
 def resolved(
     gain: Gain, cause: str, before: Model, after: Model, train: list[Session], noise: Whitener, encoder_step: float, strict: bool = False
 ) -> bool:
-    """Whether the gain is more than what encoder and converters leave open. White noise of the encoder averages out within the band; what
-    smooths the depth, or leaves some of the damping to something else, spares the forces what is left of it, and explains no more than
-    that. Where a gain is less than that, it is asked how much of it the noise feigns."""
-    exceeds = partial(_exceeds, gain, cause, before, after, train, encoder_step, strict)
-    drag = _drag(cause, before, after, gain.channel)
-    spared = OPEN * _trembling(train, stiffness(before, gain.channel), drag if cause in SMOOTHING else 0.0) ** 2
-    if cause in SMOOTHING:  # spares the fit what noise of the depth has made of damping
-        spared += (drag * dilution(train) * _speed_rms(train)) ** 2
-    if exceeds(spared, encoder_step):
+    """Whether the gain is more than encoder and converters leave open, in all or where the stage moves: one that trembles at rest does so
+    no more while it moves. What white noise of the encoder does at most may be far more than it does, and is asked where all hangs on
+    it."""
+
+    def exceeds(still: float, moving: float) -> bool:
+        if gain.squares > still:
+            return True
+        moves = partial(_moves, encoder_step)
+        return bool(encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still))
+
+    left_open = partial(_left_open, gain, cause, before, after, train, encoder_step, strict)
+    if exceeds(*left_open(_noise_at_most(gain, cause, before, after, train), encoder_step)):
         return True
-    if train[0].drive is not None or not encoder_step:
-        return False
     steps = without_noise(encoder_step, train)
-    return exceeds(OPEN * feigned(before, after, train, noise, gain.channel, steps), 0.0)
+    if train[0].drive is not None or steps > STEPS_ALONE * encoder_step:
+        return False
+    return exceeds(*left_open(OPEN * feigned(before, after, train, noise, gain.channel), steps))
 
 
-def _exceeds(
+def _noise_at_most(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> float:
+    """What white noise of the encoder explains at most, N^2: it averages out within the band, and what smooths the depth, or leaves some of
+    the damping to something else, spares the forces what is left of it."""
+    k, drag = stiffness(before, gain.channel), _drag(cause, before, after, gain.channel)
+    if cause not in SMOOTHING:
+        return OPEN * _trembling(train, k, 0.0) ** 2
+    # Such a cause also spares the fit what noise of the depth has made of damping.
+    return OPEN * _trembling(train, k, drag) ** 2 + (drag * dilution(train) * _speed_rms(train)) ** 2
+
+
+def _left_open(
     gain: Gain,
     cause: str,
     before: Model,
@@ -77,18 +91,17 @@ def _exceeds(
     train: list[Session],
     encoder_step: float,
     strict: bool,
-    spared: float,
+    by_noise: float,
     rounding: float,
-) -> bool:
-    """Whether the gain is more than steps leave open beside what noise of the encoder has `spared`, N^2, in all or where the stage moves.
+) -> tuple[float, float]:
+    """What steps leave open of a channel beside what is `by_noise`, N^2, in all and where the stage moves.
 
     Those of the encoder leave a force, the same one wherever the plunger comes back to, so that held-out sessions repeat it, and a zero of
     depth, which bends what a free stiffness is fitted to; those of the converter are uneven where noise does not carry the readings across
     them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed what steps beat against
-    samples in any session, and what `rounding`, m, does to speeds, too, unless the likelihood gains much by it and nobody is `strict`. A
-    stage that trembles at rest does so no more while it moves: a fall there may be smaller. An error of the depth shows in every channel:
-    where a gain is of one alone, and another is left with less than it would be, there is none so large; at a few depths the other's own
-    stiffness may have taken it."""
+    samples in any session, and what `rounding` to so many m does to speeds, too, unless the likelihood gains much by it and nobody is
+    `strict`. An error of the depth shows in every channel: where a gain is of one alone, and another is left with less than it would be,
+    there is none so large; at a few depths the other's own stiffness may have taken it."""
     k, b, drag = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2, _drag(cause, before, after, gain.channel)
     uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
     moves, step = partial(_moves, encoder_step), without_noise(encoder_step, train)
@@ -101,16 +114,14 @@ def _exceeds(
         """Of the depth, m^2."""
         return min(chance * unread_depth(train, step, part) ** 2 + unzeroed**2, _shared_depth(before, gain.channel, left, part) ** 2)
 
-    still, moving = (k**2 * unread(part) + uneven + spared for part in (None, moves))
+    still, moving = (k**2 * unread(part) + uneven + by_noise for part in (None, moves))
     if cause in OF_SPEED:
         beats = OPEN * max((drag * _beat([s], step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
         if strict or gain.relative < MUCH:
             resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, rounding))
             still, moving = still + max(resting, passing), moving + passing
-    if gain.squares > still:
-        return True
-    return bool(encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still))
+    return still, moving
 
 
 def _drag(cause: str, before: Model, after: Model, channel: str) -> float:

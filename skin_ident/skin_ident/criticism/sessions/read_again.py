@@ -14,8 +14,7 @@ def read_again(s: Session, read: np.ndarray) -> Session:
     return replace(s, motion=replace(s.motion, x=s.motion.x + s.band.smooth(read), v=s.motion.v + s.band.speed(read)))
 
 
-def with_noise_again(s: Session, draw: np.ndarray, step: float = 0.0) -> Session:
-    """The session, driven by a depth, with one more `draw` (N,) of white noise, of 1 rms, times that of its encoder and of rounding to
-    steps of `step` m; of fewer samples than were recorded each holds less."""
-    rms = np.hypot(s.depth_noise, step / np.sqrt(12.0)) * replace(s.band, dt=s.period).passes / s.band.passes
-    return read_again(s, rms * draw)
+def with_noise_again(s: Session, draw: np.ndarray) -> Session:
+    """The session, driven by a depth, with one more `draw` (N,) of its encoder's white noise, of 1 rms; of fewer samples than were recorded
+    each holds less."""
+    return read_again(s, s.depth_noise * replace(s.band, dt=s.period).passes / s.band.passes * draw)
