@@ -53,17 +53,20 @@ def _round(search: Search) -> bool:
     elif shared and not (take_tare(search, shared[1]) or unstuck(search, *shared)):
         search.end_round(last, shared[1].cause)
         search.accept(*shared)
-    return bool(own or shared) or _believing_none(search, last, trials, runs, of_skin, last_resort)
+    return bool(own or shared) or _believing_none(search, last, trials, runs, best, of_skin, last_resort)
 
 
-def _believing_none(search: Search, last: Survey, trials: list[Trial], runs: list[Run], of_skin: float, mass: Fit | None) -> bool:
+def _believing_none(
+    search: Search, last: Survey, trials: list[Trial], runs: list[Run], best: float, of_skin: float, mass: Fit | None
+) -> bool:
     """Take what else may be there where no cause is believed, the plainest first: zeros as tares leave them, if it is not hardware or doubt
-    that keeps a cause from being named; skin that is another in held-out sessions; what else is wrong in these alone; another `mass`; two
-    causes that hide each other; a wave. `of_skin` is what other numbers explain of those that were fitted. Return whether to look again."""
+    that keeps a cause from being named; skin that is another in every session, or in held-out ones; what else is wrong in these alone;
+    another `mass`; two causes that hide each other; a wave. `best` is what any cause explains of what was fitted, `of_skin` what other
+    numbers do. Return whether to look again."""
     if not (search.zeroed or search.doubts or search.hardware) and take_zeros(search):
         search.zeroed = True
         return True
-    if take_own_skin_of_held(search, of_skin, runs):
+    if take_own_skin(search, of_skin, best, []) or take_own_skin_of_held(search, of_skin, runs):
         return True
     if take_alone(search):
         search.end_round(last, search.named[-1].cause)
