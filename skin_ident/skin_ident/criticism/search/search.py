@@ -10,7 +10,7 @@ from skin_ident.criticism.search.partly import take_partly
 from skin_ident.criticism.search.several import in_order
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
-from skin_ident.criticism.search.tared import take_tare, take_zeros
+from skin_ident.criticism.search.tared import beside_zeros, take_tare, take_zeros
 from skin_ident.criticism.search.together import two_at_once
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.search.unstuck import unstuck
@@ -52,7 +52,8 @@ def _round(search: Search) -> bool:
         take_course(search, *own)
     elif shared and not (take_tare(search, shared[1]) or unstuck(search, *shared)):
         search.end_round(last, shared[1].cause)
-        search.accept(*shared)
+        after, finding = shared
+        search.accept(after, beside_zeros(search, finding))
     return bool(own or shared) or _believing_none(search, last, trials, runs, best, of_skin, last_resort)
 
 

@@ -22,14 +22,13 @@ from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import SENSORS, Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 
 MOST_FINDINGS = 5
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
-SENSORS = ("taxel", "load_cell")
 LASTS_S = 30.0  # of training together: of less, two bent causes fit whatever is there
 
 Progress = Callable[[str], None]
@@ -66,6 +65,8 @@ class Search:
     stage: dict[Key, NotNamed] = field(default_factory=dict)  # courses that explain something, and are such as a good stage does
     hardware: dict[Key, NotNamed] = field(default_factory=dict)  # it would have been named, and is such as good hardware does
     tared: dict[Key, NotNamed] = field(default_factory=dict)  # zeros of sessions that were taken into the baseline
+
+    yielded: list[Named] = field(default_factory=list)  # findings in whose place zeros were taken
 
     # What is not asked again, or otherwise from now on.
     suspected: set[Key] = field(default_factory=set)  # causes that the record itself has shown

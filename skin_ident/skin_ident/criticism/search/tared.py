@@ -1,5 +1,7 @@
 """Zeros that tares leave, where they explain what was about to be named: they belong to the baseline."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import fit
@@ -13,9 +15,11 @@ from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.hardware import tare_does, zeros_do
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import place_of
+from skin_ident.criticism.vocabulary import SENSORS
 from skin_models.model import Model
 
 WORTH_SAYING = 0.2  # of what a tare leaves
@@ -31,7 +35,16 @@ def take_tare(search: Search, finding: Named) -> bool:
     found = shared or _instead(search, search.train, finding.explained, free=True)
     if found:
         _take(search, found, shared)
+        search.yielded.append(finding)
     return bool(found)
+
+
+def beside_zeros(search: Search, finding: Named) -> Named:
+    """The finding, with what zeros were taken for in the same sensor among its alternatives: what they left of that may pass for it."""
+    had = {finding.key, *(a.key for a in finding.alternatives)}
+    same = [y for y in search.yielded if y.where == finding.where and y.where.startswith(SENSORS) and y.explained > finding.explained]
+    left = {y.key: Rival(*y.key, 0.0) for y in same if y.key not in had and not _is_zero(y.cause)}
+    return replace(finding, alternatives=(*finding.alternatives, *left.values()))
 
 
 def take_zeros(search: Search) -> bool:

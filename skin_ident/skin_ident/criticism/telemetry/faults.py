@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.vocabulary import SENSORS
 from skin_models.effect import Effect
 from skin_models.effects.adhesion import Adhesion
 from skin_models.effects.dead_taxel import DeadTaxel
@@ -23,7 +24,6 @@ from skin_models.model import Model
 from skin_models.parameter import clipped
 
 PREDICTS = ("saturation", "quantization", "dead_taxel")
-SENSORS = ("load_cell", "taxel")
 UNLIKE = "unlike_simulated"  # evidence that the catalogue's effect would take the simulation further from the record
 
 
