@@ -7,6 +7,7 @@ from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.own import take_alone, take_course
 from skin_ident.criticism.search.own_skin import explained_by_own_skin, settle_skin, take_own_skin, take_own_skin_of_held
 from skin_ident.criticism.search.partly import take_partly
+from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.several import in_order
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
@@ -75,7 +76,8 @@ def _believing_none(
     if mass and not search.named:
         weigh(search, mass)
         return True
-    pair = () if search.named or search.stage or search.hardware else two_at_once(search, trials, runs)
+    by_hardware = any(t.key in search.hardware and t.score > reach(best) for t in trials)
+    pair = () if search.named or search.stage or by_hardware else two_at_once(search, trials, runs)
     if pair:
         search.end_round(last, pair[0][1].cause)
         for after, finding in pair:
