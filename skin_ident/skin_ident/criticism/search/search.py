@@ -45,6 +45,8 @@ def _round(search: Search) -> bool:
     if take_partly(search, last, max(best, of_skin)):
         search.end_round(last, search.named[-1].cause)
         return True
+    if of_skin > best and take_zeros(search, of_skin):  # one number of a session is plainer than four
+        return True
     if take_own_skin(search, of_skin, best, runs):
         return True
     own, shared = choose(search, trials, runs)
@@ -65,8 +67,7 @@ def _believing_none(
     that keeps a cause from being named; skin that is another in every session, or in held-out ones; what else is wrong in these alone;
     another `mass`; two causes that hide each other; a wave. `best` is what any cause explains of what was fitted, `of_skin` what other
     numbers do. Return whether to look again."""
-    if not (search.zeroed or search.doubts or search.hardware) and take_zeros(search):
-        search.zeroed = True
+    if not (search.doubts or search.hardware) and take_zeros(search):
         return True
     if take_own_skin(search, of_skin, best, []) or take_own_skin_of_held(search, of_skin, runs):
         return True

@@ -76,7 +76,7 @@ class Search:
     doubting: bool = False  # held-out sessions alone decide, for a cause was taken for granted
     alone: bool = False  # what is wrong in the held-out sessions alone was looked for, and found
     own_skin: bool = False  # the skin may differ from session to session
-    zeroed: bool = False  # zeros as good hardware leaves them were taken where no cause was believed
+    zeroed: bool = False  # zeros as good hardware leaves them were taken: they are taken once
     refused: float = 0.0  # what the best cause would explain that was not believed in the last round
     wandering: float = 0.0  # the most that a course explained of training which then predicted nothing
     hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what is felt of it without its weight

@@ -47,13 +47,17 @@ def beside_zeros(search: Search, finding: Named) -> Named:
     return replace(finding, alternatives=(*finding.alternatives, *left.values()))
 
 
-def take_zeros(search: Search) -> bool:
-    """Whether zeros as good hardware leaves them explain something where no cause is believed, and were taken: they would be a riddle."""
+def take_zeros(search: Search, least: float = 0.0) -> bool:
+    """Whether zeros as good hardware leaves them explain more than the `least`, and were taken: where no cause is believed they would be a
+    riddle. They are taken once."""
+    if search.zeroed:
+        return False
     found, fall = zeros(search.present.model, search.train, search.noise, search.encoder_step, free=True)
     free = sum(np.count_nonzero(z) for z in found.values())
-    if fall < max(LEAST, free * np.log(max(search.present.count, 2))):
+    if fall < max(LEAST, least, free * np.log(max(search.present.count, 2))):
         return False
     _take(search, found, {})
+    search.zeroed = True
     return True
 
 
