@@ -23,6 +23,9 @@ from skin_models.parameter import check_parameters, quantity
 from skin_models.signals import GRAVITY, Motion, Sample
 
 
+SOON, PIECE = 8, 256  # samples that are looked at one by one, and at once
+
+
 @dataclass(frozen=True)
 class Surface:
     """Where the skin's surface is under the plunger (m), and whether the plunger touches it; arrays for several plungers."""
@@ -108,28 +111,44 @@ class Dispersion:
 
     def _surface(self, s: Motion) -> Surface:
         presses = self._presses(s)
-        touched, depth, leaves = presses.copy(), np.maximum(s.x, 0.0), np.flatnonzero(~presses)
         rate = s.dt / self.recovery if self.recovery else np.inf
-        i = 0
-        while (ahead := np.searchsorted(leaves, i)) < leaves.size:
-            i = int(leaves[ahead])
-            surface = max(s.x[i - 1] if i else s.x[0], 0.0)
-            apart = _until_met(s.x[i:], presses[i:], surface, rate)
-            touched[i : i + apart] = False
-            depth[i : i + apart] = surface * np.exp(-rate * np.arange(1, apart + 1)) if surface else 0.0
-            i += apart
-        return Surface(depth, touched)
+        changes = np.flatnonzero(presses[1:] != presses[:-1]) + 1
+        ends = [0, *changes.tolist(), presses.size]
+        flights, met = [], 0  # from where to where it is in the air, and how deep the surface was
+        for left, pressed in zip(ends[bool(presses[0]) :: 2], ends[1 + bool(presses[0]) :: 2], strict=False):
+            if pressed > met:  # or it has not come back to the surface meanwhile
+                left = max(left, met)
+                surface = max(float(s.x[left - 1] if left else s.x[0]), 0.0)
+                met = _met(s.x, presses, left, pressed, surface, rate)
+                flights.append((left, met, surface))
+        return _recovering(s.x, flights, rate)
 
     def _presses(self, s: Motion | Sample):
         return (s.x > 0.0) & (s.x + self.recovery * s.v > 0.0)
 
 
-def _until_met(x: np.ndarray, presses: np.ndarray, surface: float, rate: float, piece: int = 256) -> int:
-    """How many samples pass until a plunger at depths `x` meets a surface recovering from `surface` by `rate` per sample; at least 1."""
-    for start in range(0, x.size, piece):
-        ahead = slice(start, min(start + piece, x.size))
-        left = surface * np.exp(-rate * np.arange(start + 1, ahead.stop + 1)) if surface else 0.0
-        met = np.flatnonzero((x[ahead] > left) & presses[ahead])
+def _met(x: np.ndarray, presses: np.ndarray, left: int, pressed: int, surface: float, rate: float) -> int:
+    """The sample at which a plunger at depths `x` meets a surface again that has recovered by `rate` per sample since it was `left`: nearly
+    always soon after it is `pressed` again."""
+    soon = min(pressed + SOON, x.size)
+    for n in range(pressed, soon):
+        if presses[n] and x[n] > (surface and surface * math.exp(-rate * (n - left + 1))):
+            return n
+    for start in range(soon, x.size, PIECE):
+        ahead = np.arange(start, min(start + PIECE, x.size))
+        met = ahead[(x[ahead] > surface * np.exp(-rate * (ahead - left + 1))) & presses[ahead]]
         if met.size:
-            return start + int(met[0])
+            return int(met[0])
     return x.size
+
+
+def _recovering(x: np.ndarray, flights: list[tuple[int, int, float]], rate: float) -> Surface:
+    """A surface that is where the plunger is, at depths `x`, and comes back by `rate` per sample while that is in the air."""
+    touched, depth = np.ones(x.size, bool), np.maximum(x, 0.0)
+    if flights:
+        left, met, surface = np.array(flights).T
+        long = (met - left).astype(int)
+        air = np.arange(long.sum()) + np.repeat(left - np.cumsum(long) + long, long).astype(int)
+        touched[air] = False
+        depth[air] = np.repeat(surface, long) * np.exp(-rate * (air + 1 - np.repeat(left, long)))
+    return Surface(depth, touched)
