@@ -103,11 +103,7 @@ class Dispersion:
 
     def surface(self, s: Motion) -> Surface:
         """Where the surface is, (N,): `meet` over a whole recording. Depends on the time constant alone."""
-        key = ("surface", self.recovery)
-        if key not in s.memory:
-            s.memory.clear()  # one answer is enough: it is asked for again and again while the effects change
-            s.memory[key] = self._surface(s)
-        return s.memory[key]
+        return s.once("surface", self.recovery, lambda: self._surface(s))
 
     def _surface(self, s: Motion) -> Surface:
         presses = self._presses(s)

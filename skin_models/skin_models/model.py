@@ -94,6 +94,8 @@ class Model:
 
     def simulate(self, s: Motion, seed: int | None = None) -> Response:
         """The response to a measured or planned depth. `seed` drives the effects that are random; None leaves those out."""
+        if seed is None:
+            return self.trace(s).response
         rngs = {id(e): rng for e, rng in zip(self.effects, self._generators(seed), strict=True)}
         return self._run(s, lambda e, y, context: e.batch(y, context, rngs[id(e)]), Motion.at_depth, self.dispersion.surface).response
 
@@ -118,7 +120,15 @@ class Model:
 
     def trace(self, s: Motion) -> "Run":
         """A simulation with the signals between its places, for `bent`."""
-        return self._run(s, _in_batch, Motion.at_depth, self.dispersion.surface)
+        s = self._laid(s)
+        tip = self._tip(s)
+        signals = s.once("run", (self, id(self.notes)), lambda: self._from_tip(s, tip, _in_batch, self.dispersion.surface).signals)
+        return Run(s, tip, *signals)
+
+    def _tip(self, s: Motion) -> Motion:
+        """The motion of the tip: one and the same for all models of these effects of the depth, so that it remembers, too."""
+        bends = self.at(Place.DEPTH)
+        return s.once("tip", bends, lambda: s.at_depth(self._through(Place.DEPTH, s.x, s, _in_batch))) if bends else s
 
     def bent(self, run: "Run", e: Effect) -> Response:
         """What `extended(e).simulate` would give, at the cost of what lies behind the place of `e` alone."""
@@ -158,7 +168,9 @@ class Model:
         `act(effect, y, s)` applies an effect, `moved(s, x)` is `s` at depth `x`, `met(s)` is the contact rule.
         """
         s = self._laid(s)
-        tip = moved(s, self._through(Place.DEPTH, s.x, s, act))
+        return self._from_tip(s, moved(s, self._through(Place.DEPTH, s.x, s, act)), act, met)
+
+    def _from_tip(self, s: Any, tip: Any, act: Callable, met: Callable) -> "Run":
         skin = self._through(Place.SKIN, self.dispersion.branches(tip), tip, act)
         return self._from_skin(Run(s, tip, _PRESSED if _pressed(tip) else met(tip)), skin, act)
 
@@ -262,6 +274,11 @@ class Run:
     surface: Any = None
     shares: Any = None
     response: Response | None = None
+
+    @property
+    def signals(self) -> tuple[Any, ...]:
+        """All but the motion, of which it may be remembered."""
+        return self.contact, self.skin, self.surface, self.shares, self.response
 
 
 @dataclass(frozen=True)

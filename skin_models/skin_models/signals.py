@@ -1,5 +1,6 @@
 """What an effect may look at: time and the motion of the plunger, sampled at one rate."""
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Optional
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.80665  # m/s^2, standard acceleration of free fall
 DEEPEST = 0.1  # m; no skin is as thick, so a greater depth is most likely one in mm
+KEPT, ROOM = 12, 400_000  # answers of a kind that are kept, at most; and samples of them together
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class Motion:
     pressed: bool = False
     lateral: np.ndarray | None = None
     footprint: Optional["Footprint"] = None
-    memory: dict = field(init=False, repr=False, compare=False, default_factory=dict)  # what was worked out from these samples before
+    memory: dict[str, dict[Hashable, Any]] = field(init=False, repr=False, compare=False, default_factory=dict)  # see `once`
 
     def __len__(self) -> int:
         return self.t.size
@@ -55,6 +57,15 @@ class Motion:
     def __getitem__(self, i: int) -> Sample:
         lateral = None if self.lateral is None else self.lateral[:, i]
         return Sample(self.t[i], self.x[i], self.v[i], self.a[i], lateral, self.footprint and self.footprint.at(i))
+
+    def once(self, kind: str, key: Hashable, work: Callable[[], Any]) -> Any:
+        """What `work` gives for these samples, worked out once: the answers of each kind that were asked for last are kept by their `key`.
+        A fit asks for the same again and again while other numbers change. Nobody may change an answer in place."""
+        known = self.memory.setdefault(kind, {})
+        known[key] = answer = known.pop(key) if key in known else work()
+        if len(known) > max(1, min(KEPT, ROOM // len(self))):
+            del known[next(iter(known))]
+        return answer
 
     def at_depth(self, x: np.ndarray) -> "Motion":
         """The same instants at another depth. The speed changes by the backward difference of the shift, as it does sample by sample."""

@@ -111,5 +111,8 @@ class Fatigue(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same with the play operator over the whole recording."""
+        return y * left(self.loss, s.once("path", None, lambda: self._path(s)), self.length)
+
+    def _path(self, s: Motion) -> np.ndarray:
         moved = np.abs(np.diff(play(depth_in_contact(s.x), FLICKER), axis=-1))
-        return y * left(self.loss, np.concatenate([np.zeros_like(moved[..., :1]), np.cumsum(moved, axis=-1)], axis=-1), self.length)
+        return np.concatenate([np.zeros_like(moved[..., :1]), np.cumsum(moved, axis=-1)], axis=-1)

@@ -64,9 +64,13 @@ class EyringRelaxation(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same maps in log2(N) passes over the whole recording."""
+        stretched = s.once("Eyring", (self.stretch, self.flow_time), lambda: self._stretched(s))
+        return y + branches(self.k_sensed, self.k_dispersed, stretched, s.x)
+
+    def _stretched(self, s: Motion) -> np.ndarray:
         x = depth_in_contact(s.x)
         u = running_fraction(*self._map(np.diff(x, prepend=x[0]), np.where(np.arange(x.size) > 0, s.dt, 0.0)))
-        return y + branches(self.k_sensed, self.k_dispersed, self._carried(u), s.x)
+        return self._carried(u)
 
     def _map(self, dx, dt):
         return np.exp(-dt / self.flow_time) + 0.0 * dx, np.tanh(dx / (2.0 * self.stretch))

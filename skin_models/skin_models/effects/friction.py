@@ -103,4 +103,4 @@ class DahlFriction(_Rubbing, Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recurrence in log2(N) passes over the whole recording."""
-        return self._rubbing(y, bristles(s.x, self.slip))
+        return self._rubbing(y, s.once("Dahl", self.slip, lambda: bristles(s.x, self.slip)))

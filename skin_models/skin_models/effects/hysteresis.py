@@ -57,7 +57,10 @@ class SkinHysteresis(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """k times the stop operator over the whole recording."""
-        return y + branches(self.k_sensed, self.k_dispersed, self.turn * stop(depth_in_contact(s.x), self.threshold), s.x)
+        return y + branches(self.k_sensed, self.k_dispersed, self.turn * self._stretched(s), s.x)
+
+    def _stretched(self, s: Motion) -> np.ndarray:
+        return s.once("stop", self.threshold, lambda: stop(depth_in_contact(s.x), self.threshold))
 
 
 @dataclass(frozen=True)
@@ -99,9 +102,11 @@ class BoucWenHysteresis(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recurrence in log2(N) passes over the whole recording."""
+        return y + branches(self.k_sensed, self.k_dispersed, s.once("Bouc-Wen", self.threshold, lambda: self._stretched(s)), s.x)
+
+    def _stretched(self, s: Motion) -> np.ndarray:
         x = depth_in_contact(s.x)
-        z = running_affine(*self._map(np.diff(x, prepend=x[0])))
-        return y + branches(self.k_sensed, self.k_dispersed, z, s.x)
+        return running_affine(*self._map(np.diff(x, prepend=x[0])))
 
     def _map(self, dx):
         path = -np.abs(dx) / self.threshold

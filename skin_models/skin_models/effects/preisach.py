@@ -61,9 +61,11 @@ class PreisachHysteresis(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same with n play operators over the whole recording."""
+        return y + branches(self.k_sensed, self.k_dispersed, s.once("Preisach", self.width, lambda: self._stretched(s)), s.x)
+
+    def _stretched(self, s: Motion) -> np.ndarray:
         x = depth_in_contact(s.x)
-        plays = np.array([play(x, r) for r in self._half_widths()])
-        return y + branches(self.k_sensed, self.k_dispersed, self._force(x, plays), s.x)
+        return self._force(x, np.array([play(x, r) for r in self._half_widths()]))
 
     def _half_widths(self) -> np.ndarray:
         return self.width * (np.arange(PLAYS) + 0.5) / PLAYS

@@ -64,5 +64,8 @@ class SpringpotRelaxation(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The series over the whole recording."""
+        return y + branches(self.k_sensed, self.k_dispersed, s.once("springpot", self.alpha, lambda: self._stretched(s)), s.x)
+
+    def _stretched(self, s: Motion) -> np.ndarray:
         x = depth_in_contact(s.x)
-        return y + branches(self.k_sensed, self.k_dispersed, _series(self.alpha).batch(x - x[0], s.dt), s.x)
+        return _series(self.alpha).batch(x - x[0], s.dt)

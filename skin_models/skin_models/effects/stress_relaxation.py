@@ -54,8 +54,10 @@ class StressRelaxation(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recursion as a filter."""
+        return y + branches(self.k_sensed, self.k_dispersed, s.once("Maxwell", self.tau, lambda: self._stretched(s)), s.x)
+
+    def _stretched(self, s: Motion) -> np.ndarray:
         e = np.exp(-s.dt / self.tau)
         gain = (1.0 - e) * self.tau / s.dt
         x = depth_in_contact(s.x)
-        stretch = lfilter([gain, -gain], [1.0, -e], x - x[0])
-        return y + branches(self.k_sensed, self.k_dispersed, stretch, s.x)
+        return lfilter([gain, -gain], [1.0, -e], x - x[0])
