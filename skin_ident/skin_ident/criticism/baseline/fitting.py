@@ -78,12 +78,10 @@ def fit(
         return Fit(model, (), {}, cost, believed)
     for _ in range(iterations):
         J, scale = stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
-        accepted, damping, trial, trial_cost = _descend(model, sessions, noise, which, J, r, cost, damping)
-        gained = cost - trial_cost
-        model, cost = trial, trial_cost
-        if not accepted or gained < TOLERANCE * cost:
+        accepted, damping, model, r = _descend(model, sessions, noise, which, J, r, damping)
+        before, cost = cost, float(r @ r)
+        if not accepted or before - cost < TOLERANCE * cost:
             break  # at a place where the tangents are these
-        r = whitened(model, sessions, noise)
     else:
         J, scale = stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
     return Fit(model, which, _standard_errors(J, scale, which, cost), cost, believed)
@@ -112,8 +110,8 @@ def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iteratio
     return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model)))
 
 
-def _descend(model, sessions, noise, which, J, r, cost, damping):
-    """Try steps of growing damping until the cost falls; returns (accepted, damping, model, cost)."""
+def _descend(model, sessions, noise, which, J, r, damping):
+    """Try steps of growing damping until the cost r'r falls; returns (accepted, damping, model, r)."""
     theta, scale = values(model, which), scales(model, which)
     free = unpressed(theta, which, J.T @ r)
     along = sliding(which, scale, free)
@@ -125,10 +123,10 @@ def _descend(model, sessions, noise, which, J, r, cost, damping):
         step[free] = np.linalg.lstsq(gram + damping * np.diag(np.diag(gram) + 1e-12), gradient, rcond=None)[0]
         trial = with_values(model, which, theta + along @ np.clip(step, -2.0, 2.0) * scale)
         e = whitened(trial, sessions, noise)
-        if np.isfinite(e).all() and float(e @ e) < cost:
-            return True, max(damping / 10.0, 1e-9), trial, float(e @ e)
+        if float(e @ e) < float(r @ r):  # and is finite
+            return True, max(damping / 10.0, 1e-9), trial, e
         damping *= 10.0
-    return False, damping, model, cost
+    return False, damping, model, r
 
 
 def unpressed(theta: np.ndarray, which: tuple[Unknown, ...], gradient: np.ndarray) -> np.ndarray:
