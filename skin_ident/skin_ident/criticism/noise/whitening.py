@@ -9,6 +9,7 @@ into samples of unit variance.
 Source: L. Ljung, System Identification, 1999, ch. 4 (prediction-error filters).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -46,7 +47,7 @@ class Whitener:
         """Of the filters of the last samples, p."""
         return self.filters.shape[1] - 1
 
-    @property
+    @cached_property
     def to_unit(self) -> np.ndarray:
         """What makes innovations (C, n) independent and of unit variance, (C, C)."""
         return solve_triangular(self.root, np.eye(len(self.root)), lower=True)
@@ -56,12 +57,10 @@ class Whitener:
         neighbourhood spoils, and the first p, come back as zeros."""
         if not e.size:
             return e
-        to_unit, mix, believed = (a.astype(e.dtype) for a in (self.to_unit, self.mix, self.believed(s)))
-        e = self.steady(e, s)
+        to_unit, mix, believed = (a.astype(e.dtype, copy=False) for a in (self.to_unit, self.mix, self.believed(s)))
         if not self.filters[:, 1:].any():  # white: one product does it all
-            return np.multiply(np.matmul(to_unit @ mix, e, out), believed, out)
-        good = s.weight.min(axis=0) > 0.0
-        mixed = np.matmul(mix, e if good.all() else e * good)
+            return np.multiply(np.matmul(to_unit @ mix, self.steady(e, s), out), believed, out)
+        mixed = np.matmul(mix, e * self._quieter(s).astype(e.dtype, copy=False))
         for c, blocks in enumerate(self._in_blocks):
             mixed[..., c, :] = blocks.apply(mixed[..., c, :])
         mixed *= believed
@@ -114,10 +113,30 @@ class Whitener:
         return self.steady(self.mix.T @ mixed[:, ::-1], s)
 
     def believed(self, s: Channels) -> np.ndarray:
-        """Mask (n,) of the samples that `apply` does not leave out."""
-        believed = lfilter(np.ones(self.order + 1), [1.0], 1.0 - s.weight.min(axis=0)) < 0.5
-        believed[: self.order] = False
-        return believed
+        """Mask (n,) of the samples that `apply` does not leave out, as 0 and 1."""
+
+        def work() -> np.ndarray:
+            believed = lfilter(np.ones(self.order + 1), [1.0], 1.0 - s.weight.min(axis=0)) < 0.5
+            believed[: self.order] = False
+            return believed.astype(float)
+
+        return self._once("believed", s, work)
+
+    def _quieter(self, s: Channels) -> np.ndarray:
+        """What makes a session as quiet as without load, (C, n), and nothing of samples that one of its channels spoils."""
+        return self._once("quieter", s, lambda: (s.weight.min(axis=0) > 0.0) / self.growth.loudness(s))
+
+    def _once(self, what: str, s: Channels, work: Callable[[], np.ndarray]) -> np.ndarray:
+        """What is the same as long as the weights of a session are, worked out once."""
+        weight, known = self._known.get((what, id(s.weight)), (None, None))
+        if weight is not s.weight:
+            known = work()
+            self._known[what, id(s.weight)] = s.weight, known
+        return known
+
+    @cached_property
+    def _known(self) -> dict[tuple[str, int], tuple[np.ndarray, np.ndarray]]:
+        return {}
 
 
 def fit_whitener(
