@@ -22,7 +22,6 @@ from skin_models.errors import ModelError
 from skin_models.parameter import check_parameters, quantity
 from skin_models.signals import GRAVITY, Motion, Sample
 
-
 SOON, PIECE = 8, 256  # samples that are looked at one by one, and at once
 
 

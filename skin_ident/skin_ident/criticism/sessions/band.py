@@ -98,10 +98,14 @@ class Band:
 
     def thin(self, y: np.ndarray) -> np.ndarray:
         """Low-pass the rows of `y` (..., N), drop the edges and decimate."""
-        return self._thinned(y) if self.seen is None else self._thinned(y * self.seen) / np.maximum(self.sees, LEAST)
+        return self._thinned(y) if self.seen is None else self._thinned(y, mask=self.seen) / self._made_up
 
-    def _thinned(self, y: np.ndarray, pieces: np.ndarray | None = None) -> np.ndarray:
-        """Of every sample, by the `pieces` of the kernel or of another; only those that are kept are worked out.
+    @cached_property
+    def _made_up(self) -> np.ndarray:
+        return np.maximum(self.sees, LEAST)
+
+    def _thinned(self, y: np.ndarray, pieces: np.ndarray | None = None, mask: np.ndarray | None = None) -> np.ndarray:
+        """Of every sample, times a `mask`, by the `pieces` of the kernel or of another; only those that are kept are worked out.
 
         Rows are cut into pieces of `every` samples, as the kernel is: one matrix product holds every piece of one times every piece of the
         other, and a sample that is kept is the sum along a diagonal.
@@ -111,7 +115,8 @@ class Band:
         kept = max((y.shape[-1] - self.kernel.size) // every + 1, 0)
         long = kept + count - 1
         cut = np.zeros((*y.shape[:-1], long * every))  # the kernel's last piece is filled up with zeros: what lies beyond is nothing
-        cut[..., : y.shape[-1]] = y[..., : long * every]
+        used = slice(min(y.shape[-1], long * every))
+        np.multiply(y[..., used], 1.0 if mask is None else mask[used], out=cut[..., used])
         room = np.empty((*y.shape[:-1], count * (long + 1)))  # rows of one more than the products have: of those each begins one further
         products = room[..., : count * long].reshape(*y.shape[:-1], count, long)
         np.matmul(pieces, np.swapaxes(cut.reshape(*y.shape[:-1], long, every), -1, -2), products)
