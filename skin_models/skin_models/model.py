@@ -76,7 +76,8 @@ class Model:
 
     @cached_property
     def _by_place(self) -> dict[Place, tuple[Effect, ...]]:
-        return {place: tuple(e for e in self.effects if e.place is place) for place in Place}
+        places = [e.place for e in self.effects]
+        return {place: tuple(e for e, where in zip(self.effects, places, strict=True) if where is place) for place in Place}
 
     def extended(self, effect: Effect) -> "Model":
         """The same model with one more effect."""

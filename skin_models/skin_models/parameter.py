@@ -5,7 +5,8 @@ An effect or a model part is a frozen dataclass whose float fields are declared 
 """
 
 import math
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields
+from functools import cache
 from numbers import Real
 from typing import Any
 
@@ -59,8 +60,12 @@ def quantity(
 
 def parameters_of(thing: Any) -> tuple[Parameter, ...]:
     """The parameters that a frozen dataclass, or an instance of it, declares with `quantity`."""
-    declared = [f for f in fields(thing) if "unit" in f.metadata]
-    return tuple(_parameter(f, thing) for f in declared)
+    return tuple(_parameter(f, thing) for f in _declared(thing if isinstance(thing, type) else type(thing)))
+
+
+@cache
+def _declared(cls: type) -> tuple[Field, ...]:
+    return tuple(f for f in fields(cls) if "unit" in f.metadata)
 
 
 def _parameter(f: Any, thing: Any) -> Parameter:
@@ -96,14 +101,20 @@ def check_parameters(thing: Any) -> None:
 
     Infinity is no number, except where it is the default.
     """
-    for p in parameters_of(thing):
-        unit = "" if p.unit == "1" else f" {p.unit}"
-        if isinstance(p.value, bool) or not isinstance(p.value, Real) or math.isnan(p.value):
-            raise ModelError(f"{_label(thing)}: {p.name} must be a number{unit and ' in' + unit}, not {p.value!r}")
-        if not p.lower <= p.value <= p.upper:
-            raise ModelError(f"{_label(thing)}: {p.name} = {p.value:g}{unit} is outside [{p.lower:g}, {p.upper:g}]{unit}")
-        if math.isinf(p.value) and p.value != getattr(type(thing), p.name, None):
-            raise ModelError(f"{_label(thing)}: {p.name} must be finite")
+    for f in _declared(type(thing)):
+        value, (lower, upper) = getattr(thing, f.name), (f.metadata["lower"], f.metadata["upper"])
+        if not (isinstance(value, float) and lower <= value <= upper and math.isfinite(value)):
+            _check(_parameter(f, thing), thing)
+
+
+def _check(p: Parameter, thing: Any) -> None:
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    if isinstance(p.value, bool) or not isinstance(p.value, Real) or math.isnan(p.value):
+        raise ModelError(f"{_label(thing)}: {p.name} must be a number{unit and ' in' + unit}, not {p.value!r}")
+    if not p.lower <= p.value <= p.upper:
+        raise ModelError(f"{_label(thing)}: {p.name} = {p.value:g}{unit} is outside [{p.lower:g}, {p.upper:g}]{unit}")
+    if math.isinf(p.value) and p.value != getattr(type(thing), p.name, None):
+        raise ModelError(f"{_label(thing)}: {p.name} must be finite")
 
 
 def _label(thing: Any) -> str:

@@ -279,8 +279,8 @@ def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, f
 
 def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: bool = False) -> tuple[dict[str, np.ndarray], float, float]:
     """Amplitudes by session, the fall of the squared whitened error less the charge for each of them, and that charge."""
-    rows = [[s.band.thin(row) for row in _rows(course, g, s, moments[s.name], exactly)] for s in g.sessions]
-    A = g.beside(block_diag(*(stack([np.array(own)], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
+    rows = [_felt(course, g, s, moments[s.name], exactly) for s in g.sessions]
+    A = g.beside(block_diag(*(stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
     steps, r = course.shape == STEPS, g.left
     z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else _least_squares(A, r, _free(course, g, rows))
     if course.tares:
@@ -290,7 +290,16 @@ def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: 
     return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
 
 
-def _free(course: Course, g: _Ground, rows: list[list[np.ndarray]]) -> np.ndarray:
+def _felt(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> np.ndarray:
+    """The same in the common band, (K, C, n) N: only the course's own channels feel anything."""
+    own = list(course.rows) or slice(None)
+    out = np.zeros((_on(moments, course, s).shape[0], *s.measured.shape))
+    for felt, row in zip(out, _rows(course, g, s, moments, exactly), strict=True):
+        felt[own] = s.band.thin(row[own])
+    return out
+
+
+def _free(course: Course, g: _Ground, rows: list[np.ndarray]) -> np.ndarray:
     """What spans the amplitudes, (K, L). Of slopes that last, and of delays that bend, the mean is the model's own, where it may change:
     of a delay damping takes it."""
     one = np.eye(sum(map(len, rows)))
