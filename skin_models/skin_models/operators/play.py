@@ -15,8 +15,15 @@ from skin_models.operators.scan import running_clamp
 
 
 def play(x: np.ndarray, r: float) -> np.ndarray:
-    """The play operator over a whole record, along the last axis."""
-    return running_clamp(x - r, x + r, x[..., 0])
+    """The play operator over a whole record, along the last axis: from one turning point to the next, and between them, where x goes one
+    way, up to x - r or down to x + r."""
+    if x.ndim > 1:
+        return np.array([play(row, r) for row in x]).reshape(x.shape)
+    rising = np.diff(x) > 0.0
+    turns = np.concatenate([[0], 1 + np.flatnonzero(rising[1:] != rising[:-1]), [x.size - 1]])
+    begun = running_clamp(x[turns] - r, x[turns] + r, x[0])
+    before = np.repeat(begun[:-1], np.diff(turns))
+    return np.append(begun[:1], np.where(rising, np.maximum(x[1:] - r, before), np.minimum(x[1:] + r, before)))
 
 
 def play_step(last, x, r: float):
