@@ -193,7 +193,7 @@ class Model:
     def _spread(self, tip: Any, ones: Any, act: Callable) -> Any:
         """The share of every taxel, with the effects of the spread; each sees the footprint as those before it left it."""
         plain = np.array(self.shares, float) if tip.lateral is None else self._gains
-        shares = np.multiply.outer(plain, ones)
+        shares = np.broadcast_to(plain[:, None], (plain.size, ones.size)) if np.ndim(ones) == 1 else np.multiply.outer(plain, ones)
         if tip.lateral is not None:
             shares = shares * tip.footprint.shape()
         for e in in_order(self.at(Place.SPREAD)):

@@ -47,8 +47,10 @@ def at_place(effect: Effect, session: Session) -> Effect:
 
 def rows(response: Response, session: Session) -> np.ndarray:
     """The channels of a response that the session measured, (C, N); those that are stuck say what they always say."""
-    force = [np.atleast_2d(response.force)] if "force" in session.channels else []
-    out = np.vstack([*force, response.taxels])
+    out = np.empty((len(session.channels), response.taxels.shape[-1]))
+    out[session.taxel_rows] = response.taxels
+    if "force" in session.channels:
+        out[session.channels.index("force")] = response.force
     for channel, level in session.stuck.items():
         out[session.channels.index(channel)] = level
     return out

@@ -18,7 +18,7 @@ from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.vocabulary import Key
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
-from skin_models.model import Model
+from skin_models.model import Model, Response
 from skin_models.parameter import AMPLITUDE, clipped, parameters_of, scan_of
 
 PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
@@ -147,6 +147,13 @@ def between(before: np.ndarray, model: Model, which: tuple[Direction, ...], sess
     return out
 
 
+def _felt(bent: Response, plain: Response, session: Session) -> slice:
+    """The channels in which there may be a change: not those of which the very array is the same."""
+    if bent.force is plain.force:
+        return session.taxel_rows
+    return slice(0, session.taxel_rows.start) if bent.taxels is plain.taxels else slice(None)
+
+
 def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], session: Session) -> None:
     model = placed(model, session)
     run = model.trace(motion_under(session, model.dispersion))
@@ -154,7 +161,9 @@ def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], sessio
     for i, d in enumerate(which):
         if d.key in session.lacks:
             continue
-        change = rows(model.bent(run, at_place(d.probed, session)), session) - base
+        bent = model.bent(run, at_place(d.probed, session))
+        felt = _felt(bent, run.response, session)
+        change = rows(bent, session)[felt] - base[felt]
         changed = np.einsum("cn,cn->c", change, change) > 0.0  # five times as fast as to ask for any
-        out[i, changed] = session.band.thin(change[changed]) / d.amount
+        out[i, felt][changed] = session.band.thin(change[changed]) / d.amount
     take_shares(out, base, session)

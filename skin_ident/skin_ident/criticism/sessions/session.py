@@ -54,7 +54,7 @@ class Session:
     steps: tuple[float, ...] = ()  # N, between the levels on which each channel is read, 0 where none are seen
     depth_noise: float = 0.0  # m rms, white, of the encoder, beside what rounding to its steps does
 
-    @property
+    @cached_property
     def n_taxels(self) -> int:
         """How many of the channels are taxels."""
         return sum(c.startswith("taxel") for c in self.channels)
