@@ -115,9 +115,8 @@ def _descend(model, sessions, noise, which, J, r, damping):
     theta, scale = values(model, which), scales(model, which)
     free = unpressed(theta, which, J.T @ r)
     along = sliding(which, scale, free)
-    J = J @ along
-    gram = J[:, free].T @ J[:, free]
-    gradient = J[:, free].T @ r
+    J = J if free.all() else (J @ along)[:, free]
+    gram, gradient = J.T @ J, J.T @ r
     for _ in range(8):
         step = np.zeros(theta.size)
         step[free] = np.linalg.lstsq(gram + damping * np.diag(np.diag(gram) + 1e-12), gradient, rcond=None)[0]

@@ -40,10 +40,12 @@ class InBlocks:
         """What is left of `rows` (..., n), before which there was nothing, in their precision."""
         *many, n = rows.shape
         count, last = -(-n // BLOCK), len(self._answers) - BLOCK
-        padded = np.zeros((*many, last + count * BLOCK), rows.dtype)
-        padded[..., last : last + n] = rows
-        blocks = np.lib.stride_tricks.sliding_window_view(padded, last + BLOCK, axis=-1)[..., ::BLOCK, :]  # and the last before each
-        answers = np.ascontiguousarray(blocks).reshape(-1, last + BLOCK) @ self._answers.astype(rows.dtype, copy=False)
+        padded = np.zeros((*many, count * BLOCK), rows.dtype)
+        padded[..., :n] = rows
+        blocks = np.zeros((*many, count, last + BLOCK), rows.dtype)
+        blocks[..., last:] = padded.reshape(*many, count, BLOCK)
+        blocks[..., 1:, :last] = blocks[..., :-1, BLOCK:]  # the last before each
+        answers = blocks.reshape(-1, last + BLOCK) @ self._answers.astype(rows.dtype, copy=False)
         before = _before(np.ascontiguousarray(answers[:, BLOCK:].T).reshape(MEMORIES.size, -1, count))
         left = answers[:, :BLOCK] + before.reshape(MEMORIES.size, -1).T @ self._slow.astype(rows.dtype, copy=False)
         return left.reshape(*many, -1)[..., :n]

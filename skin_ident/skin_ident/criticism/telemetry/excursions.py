@@ -22,10 +22,12 @@ MEMBERS = 3  # excursions that make a burst
 
 def excursions(e: np.ndarray, y: np.ndarray, limit: float) -> np.ndarray:
     """Mask (N,) of excursions in the residual `e` of the measurement `y` by jumps larger than `limit`."""
-    d, dy = np.diff(e), np.diff(y)
-    sharp = (np.abs(d) > limit) & (dy * np.sign(d) > OWN * np.abs(d)) & _sudden(d)
-    if not sharp.any():
+    d = np.diff(e)
+    far = np.abs(d) > limit
+    if not far.any():
         return np.zeros(e.size, bool)
+    dy = np.diff(y)
+    sharp = far & (dy * np.sign(d) > OWN * np.abs(d)) & _sudden(d)
     calm = maximum_filter1d(np.abs(dy - d), 2 * AROUND + 1) < STILL * np.abs(d)
     return _of_their_own(paired(e, d, np.flatnonzero(sharp & calm)), e, y - e)
 
