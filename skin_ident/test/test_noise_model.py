@@ -8,7 +8,7 @@ from scipy.signal import freqz, lfilter
 
 from skin_ident.criticism.noise.estimate import noise_model
 from skin_ident.criticism.noise.growth import load_of
-from skin_ident.criticism.noise.in_blocks import BLOCK, InBlocks
+from skin_ident.criticism.noise.in_blocks import AT_ONCE, BLOCK, InBlocks
 from skin_ident.criticism.noise.predictor import AVERAGING, MEMORIES, whole
 from skin_ident.criticism.noise.taken import taken
 from skin_ident.criticism.noise.whitening import Stacked, fit_whitener, order_for, with_growth
@@ -163,7 +163,7 @@ def test_no_mixture_of_channels_is_taken_to_be_silent_at_its_slowest():
 
 
 @pytest.mark.parametrize("order", [0, 2, 8])
-@pytest.mark.parametrize("n", [1, 7, BLOCK, 5 * BLOCK + 3])
+@pytest.mark.parametrize("n", [1, 7, BLOCK, 5 * BLOCK + 3, (AT_ONCE + 1) * BLOCK + 3])
 def test_blocks_leave_what_a_filter_that_runs_leaves(order, n):
     rng = np.random.default_rng(order + n)
     f, c = np.concatenate([[1.0], 0.2 * rng.standard_normal(order)]), 0.1 * rng.standard_normal(MEMORIES.size)

@@ -150,6 +150,15 @@ def test_its_jacobian_is_finite_and_smooth(cls, where):
         assert _norm(fine - coarse) <= 0.1 * _norm(fine) + 1e-9 * _norm(y) / abs(p.value or 1.0), p.name
 
 
+@every_effect
+def test_what_a_motion_remembers_of_it_is_of_its_present_numbers(cls, where):
+    e, y, s = typical(cls, where)
+    run(e, y, s)
+    for p in parameters_of(e):
+        other = e.with_values(**{p.name: min(1.1 * p.value, p.upper)})
+        assert np.array_equal(run(other, y, s), run(other, y, path())), p.name
+
+
 def _slope(e, p, y, s, share):
     h = share * abs(p.value or 1.0)
     low, high = max(p.value - h, p.lower), min(p.value + h, p.upper)
