@@ -110,6 +110,16 @@ def test_a_stretch_in_which_nothing_is_read_is_in_no_other_unit(felt):
     assert in_other_units([Piece("a", "taxel_0", 18.5, 3.0, 1.0, True)], [session], rest) is None
 
 
+def test_a_piece_too_short_to_be_a_stretch_is_in_no_other_unit():
+    t = np.arange(4000) * 0.01
+    x = 0.5e-3 + 0.4e-3 * np.sin(t)
+    model = 2e3 * x
+    taxel = np.where((t >= 20.0) & (t < 20.2), model / 4.44822, model)
+    session = prepare(Recording("a", t, x, 1e3 * x, taxel[None]))
+    rest = [np.array([np.zeros(t.size), taxel - model])]
+    assert in_other_units([Piece("a", "taxel_0", 20.0, 0.2, 1.0, False)], [session], rest) is None
+
+
 @pytest.mark.parametrize(("begin", "end"), [(0.5, 1.0), (0.2, 0.35), (0.6, 0.75)])
 def test_columns_that_are_exchanged_for_a_stretch_are_told(tmp_path, begin, end):
     def crossed(s, rng):

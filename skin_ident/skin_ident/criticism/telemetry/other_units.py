@@ -31,6 +31,8 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
     if factor is None:
         return None
     own = [whole for s, y, model in told.values() for whole in _whole(own, s, y, usual * model, factor)]
+    if not own:  # pieces too short for most samples about them to tell
+        return None
     times = f"{own[0].channel} reads {factor:.4g} times what it should, a factor of units"
     why = f"{times}, while every other channel stays with the model: {listed(own)}"
     evidence, numbers = {"why": why, "kind": "unit change"}, {"factor": quantity(factor, "1")}
