@@ -62,8 +62,7 @@ class Whitener:
             return np.multiply(np.matmul(to_unit @ mix, self.steady(e, s), out), believed, out)
         mixed = np.matmul(mix, e * self._quieter(s).astype(e.dtype, copy=False))
         for c, blocks in enumerate(self._in_blocks):
-            mixed[..., c, :] = blocks.apply(mixed[..., c, :])
-        mixed *= believed
+            np.multiply(blocks.apply(mixed[..., c, :]), believed, out=mixed[..., c, :])
         return np.matmul(to_unit, mixed, out)
 
     def steady(self, e: np.ndarray, s: Channels) -> np.ndarray:
