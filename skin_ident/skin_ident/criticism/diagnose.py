@@ -37,7 +37,7 @@ from skin_ident.criticism.search.twin_effects import with_effects_of
 from skin_ident.criticism.search.weighing import said_of
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, motion_under, with_reference
-from skin_ident.criticism.sessions.thinner import at_every_sample, thinner
+from skin_ident.criticism.sessions.thinner import thinner, with_own_of_few
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
 from skin_ident.criticism.telemetry.noise_level import at_leisure, by_drive, find_noise
@@ -268,12 +268,7 @@ def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
 def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
     """The sessions at full rate, each with what was found to be its own; a lone session was criticised under two other names."""
     own = {s.name: s for s in (*c.train, *c.held)}
-    kept = [own.get(s.name, c.train[0]) for s in sessions]
-    beyond = [k.beyond if k.beyond is None else at_every_sample(k.beyond, k, s) for s, k in zip(sessions, kept, strict=True)]
-    return [
-        replace(s, beyond=b, spread=k.spread, reference=k.reference, lacks=k.lacks, skin=k.skin)
-        for s, b, k in zip(sessions, beyond, kept, strict=True)
-    ]
+    return [with_own_of_few(s, own.get(s.name, c.train[0])) for s in sessions]
 
 
 def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> Model:

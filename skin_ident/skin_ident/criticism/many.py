@@ -209,7 +209,7 @@ def criticism_of_all(
     common = common_to(mended, depth_step(mended))
     sessions = [prepare(r, bad_samples(r, symptoms), common) for r in mended]
     train, held = (
-        [_with_own(without_parting(s, model.dispersion), own.get(s.name), chosen) for s in part] for part in split(sessions)
+        [without_parting(s, model.dispersion).with_own_of(_of_all_taxels(own[s.name], s, chosen)) for s in part] for part in split(sessions)
     )
     noise = noise_of(model, train)
     named = (*(named_of_all(n, chosen) for n in c.named), *rest.named)
@@ -217,16 +217,14 @@ def criticism_of_all(
     return replace(c, extended=extended, last=last, named=named, train=tuple(train), held=tuple(held))
 
 
-def _with_own(s: Session, few: Session | None, chosen: list[int]) -> Session:
-    """A session of all taxels with what it has and lacks of its own in the `few` channels."""
-    if few is None:
-        return s
+def _of_all_taxels(few: Session, s: Session, chosen: list[int]) -> Session:
+    """What was found to be a session's own in the `chosen` taxels, laid out as that of all, `s`, would have it; shares are those of `s`."""
+    beyond, first = None, len(s.channels) - s.n_taxels
+    if few.beyond is not None:
+        beyond = np.zeros_like(s.raw)
+        beyond[[*range(first), *(first + i for i in chosen)]] = few.beyond
     lacks = frozenset((cause, renamed(where, chosen)) for cause, where in few.lacks)
-    if few.beyond is None:
-        return replace(s, lacks=lacks, skin=few.skin)
-    beyond, first = np.zeros_like(s.raw), len(s.channels) - s.n_taxels
-    beyond[[*range(first), *(first + i for i in chosen)]] = few.beyond
-    return replace(s, beyond=beyond, lacks=lacks, skin=few.skin)
+    return replace(few, beyond=beyond, lacks=lacks, spread=s.spread, reference=s.reference)
 
 
 def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, chosen: list[int], count: int) -> dict[str, Any]:

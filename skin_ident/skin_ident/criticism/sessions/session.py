@@ -79,6 +79,11 @@ class Session:
         """How much each channel is loaded (C, n), N, whether it is compared or not."""
         return load_of(replace(self.band, seen=None).thin(self.bridged), np.interp(self.t, self.motion.t, self.motion.x), self.band.spacing)
 
+    def with_own_of(self, other: "Session") -> "Session":
+        """The session with what was found to be its own in `other`, which is the same at the same instants: what it has beyond the model,
+        its shares, its skin, and the causes that it lacks."""
+        return replace(self, beyond=other.beyond, spread=other.spread, reference=other.reference, skin=other.skin, lacks=other.lacks)
+
 
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:
     """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering); `common` is what it shares with

@@ -33,6 +33,12 @@ def at_every_sample(rows: np.ndarray, few: Session, session: Session) -> np.ndar
     return rows if few.motion.t.size == session.motion.t.size else np.array([np.interp(session.motion.t, few.motion.t, y) for y in rows])
 
 
+def with_own_of_few(session: Session, few: Session) -> Session:
+    """The session as recorded with what was found to be its own in that of fewer samples."""
+    beyond = None if few.beyond is None else at_every_sample(few.beyond, few, session)
+    return session.with_own_of(replace(few, beyond=beyond))
+
+
 def _thinner(s: Session, every: int, slowest: float) -> Session:
     kept = {name: getattr(s.motion, name)[::every] for name in ("t", "x", "v", "a")}
     m = replace(s.motion, dt=s.motion.dt * every, **kept)

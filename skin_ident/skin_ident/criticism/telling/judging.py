@@ -56,10 +56,7 @@ def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Sess
     ]
     noise = noise_of(start, plain[0])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
-    train, held = (
-        [replace(s, beyond=own.beyond, spread=own.spread, lacks=own.lacks, skin=own.skin) for s, own in zip(*pair, strict=True)]
-        for pair in zip(plain, (c.train, c.held), strict=True)
-    )
+    train, held = ([s.with_own_of(own) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True))
     model = with_effects(c.extended.model, effects)
     for e in (e for e in effects if e.cause == "quantization"):
         model = _better(model.without(e), model, train)
