@@ -33,6 +33,11 @@ class Named:
         """Cause and place."""
         return self.cause, self.where
 
+    @property
+    def is_another_skin(self) -> bool:
+        """Whether it says that the skin is another from session to session, and not that numbers of a given model are wrong."""
+        return self.key == PARAMETERS and bool(self.courses)
+
 
 @dataclass(frozen=True)
 class NotNamed:
@@ -63,4 +68,4 @@ class Criticism:
 
     def skin_before(self, own: Session) -> Mapping[str, float]:
         """The skin under which the baseline is held against a session: its `own`, unless that is a finding."""
-        return {} if any(n.key == PARAMETERS and n.courses for n in self.named) else own.skin
+        return {} if any(n.is_another_skin for n in self.named) else own.skin

@@ -54,7 +54,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments, had: int = 0) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for; the first so many effects that a given model `had` are none."""
     effects = instances(replace(model, effects=model.effects[had:]), *named.key)
-    parameters: dict[str, Any] = refitted(named, model, std) if named.cause == PARAMETERS[0] and not _is_skin_of_sessions(named) else {}
+    parameters: dict[str, Any] = refitted(named, model, std) if named.key == PARAMETERS and not named.is_another_skin else {}
     for i, e in enumerate(model.effects):
         for p in parameters_of(e) if i >= had and e in effects else ():
             label = model.listed_as(i, p.name)
@@ -77,14 +77,14 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
         "gain": gain.entry,
         "alternatives": _alternatives(named),
         **_separating(named, experiments),
-        "means": OTHER_SKIN if _is_skin_of_sessions(named) else BY_NAME[named.cause].means,
+        "means": OTHER_SKIN if named.is_another_skin else BY_NAME[named.cause].means,
         "advice": advice_on(named),
     }
 
 
 def advice_on(named: Named) -> str:
     """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
-    if _is_skin_of_sessions(named):
+    if named.is_another_skin:
         return SAME_SKIN
     usual, own = BY_NAME[named.cause].act, named.courses.values()
     if named.only:
@@ -94,10 +94,6 @@ def advice_on(named: Named) -> str:
     if any(course.crept for course in own):
         return f"see in the pictures whether it crept ({usual}) or jumped: then look for a knock, a loose plug or a tare in between"
     return f"{usual}, before every session" if own else usual
-
-
-def _is_skin_of_sessions(named: Named) -> bool:
-    return named.cause == PARAMETERS[0] and bool(named.courses)
 
 
 def _of_each_session(named: Named) -> dict[str, Any]:
