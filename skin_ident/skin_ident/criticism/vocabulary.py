@@ -14,6 +14,10 @@ HYSTERESIS, RELAXATION, ADHESION = ("hysteresis", "skin"), ("stress_relaxation",
 OFFSET, LATE_DEPTH, LEAKS = ("position_offset", "rig"), ("time_shift", "clock_depth"), ("crosstalk", "taxel")
 LOOP_OF_LOAD_CELL, CREEP_OF_LOAD_CELL = ("hysteresis", "load_cell"), ("drift", "load_cell")
 
+# Kinds of `data_error` that are asked for again.
+EXCHANGED, SWAPPED = "exchanged columns", "swapped columns"  # for a while or by the declared places of taxels, and in whole sessions
+UNIT_FACTOR, UNIT_CHANGE = "unit factor", "unit change"  # throughout a session, and from some moment on
+
 
 @dataclass(frozen=True)
 class Cause:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from skin_ident.criticism.pattern import RANGE, listed
-from skin_ident.criticism.vocabulary import cause_at, place, spoken
+from skin_ident.criticism.vocabulary import EXCHANGED, SWAPPED, cause_at, place, spoken
 from skin_ident.report.tolerant import mapping, text
 
 SCAN = "static spread scan"  # the kind of its recordings
@@ -89,7 +89,7 @@ class Finding:
     def called(self) -> str:
         """Its cause and place, in words; of columns that are exchanged, which these are."""
         if self.exchanged:
-            return f"exchanged columns of {listed([spoken(c) for c in self.channels])}"
+            return f"{EXCHANGED} of {listed([spoken(c) for c in self.channels])}"
         return cause_at(self.cause, self.where)
 
     @property
@@ -100,7 +100,7 @@ class Finding:
     @property
     def exchanged(self) -> bool:
         """Whether some columns of the record are one another's."""
-        return text(dict(self.evidence).get("kind")) in ("exchanged columns", "swapped columns") and len(self.channels) > 1
+        return text(dict(self.evidence).get("kind")) in (EXCHANGED, SWAPPED) and len(self.channels) > 1
 
     @property
     def each_session(self) -> dict[str, Any]:

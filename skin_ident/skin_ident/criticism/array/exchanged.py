@@ -20,6 +20,7 @@ from skin_ident.criticism.array.judgement import judge, unlike
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.spreading import loads
 from skin_ident.criticism.telemetry.symptom import Symptom
+from skin_ident.criticism.vocabulary import EXCHANGED
 
 NEARER = 0.7  # of that sum, from which an exchange is asked for
 ASKED = 3  # pairs
@@ -143,5 +144,5 @@ def _symptom(pair: tuple[int, int], session: str | None, plain: _Told, best: _To
         f"{100.0 * best.left:.2g} % of the ratios is left unexplained, and {100.0 * plain.left:.2g} % with {other} as they are. They are "
         "judged the other way round"
     )
-    evidence = {"why": why, "kind": "exchanged columns", "log_odds": odds, **({"session": session} if session else {})}
+    evidence = {"why": why, "kind": EXCHANGED, "log_odds": odds, **({"session": session} if session else {})}
     return Symptom("data_error", "taxel", channels, {}, evidence)

@@ -12,6 +12,7 @@ import numpy as np
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.other_units import slope
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.vocabulary import EXCHANGED
 
 LEAST_S, LONG_S = 0.2, 1.0  # that a stretch lasts, and one that is long
 FOLLOWS = 0.3  # of what the channels leave as they are, the most that they may leave exchanged
@@ -94,7 +95,7 @@ def _symptom(s: Session, one: str, other: str, mask: np.ndarray) -> Symptom:
         f"{one} and {other} are exchanged in {s.name} from {start:.1f} s on for {seconds:.3g} s: each follows there what the model says of "
         "the other, and no other channel leaves it"
     )
-    evidence = {"why": why, "kind": "exchanged columns", "pieces": [{"session": s.name, "start": start, "seconds": seconds}]}
+    evidence = {"why": why, "kind": EXCHANGED, "pieces": [{"session": s.name, "start": start, "seconds": seconds}]}
     where = place_of("force", s.n_taxels) if "force" in (one, other) else "taxel"
     bad = {(s.name, channel): mask for channel in (one, other)}
     return Symptom("data_error", where, (one, other), {"lasts": quantity(seconds, "s")}, evidence, bad)

@@ -19,7 +19,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
-from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, UNIT_FACTOR, by_grid, load_of, pressed
+from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of, pressed
+from skin_ident.criticism.vocabulary import SWAPPED, UNIT_FACTOR
 
 ODD = 0.15  # distance of two unit vectors of shares from which a session is asked for another order
 MENDS = 0.25  # of that distance, what the other order may leave
@@ -141,7 +142,7 @@ def _scaled(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
         return None
     _, i, c, factor = max(found, key=lambda q: (q[0], q[3]))
     say = f"{channels[c]} of {group[i].name} is {np.exp(_beside(logs, i, c)):.4g} times what the other sessions say"
-    return _of_channel(group, i, channels[c], factor, f"{say}: a factor of units{_either(group)}", "unit factor")
+    return _of_channel(group, i, channels[c], factor, f"{say}: a factor of units{_either(group)}", UNIT_FACTOR)
 
 
 def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
@@ -243,7 +244,7 @@ def _of_order(group: list, names: list[str], i: int, order: np.ndarray, apart: f
         f"another order{_either(group)}: {said}. {r.name} is judged with its columns so"
     )
     channels = tuple(names[c] for c in moved)
-    evidence = {"why": why, "kind": "swapped columns", "session": r.name}
+    evidence = {"why": why, "kind": SWAPPED, "session": r.name}
     right = r.with_channels({names[c]: r.channels[names[order[c]]] for c in moved})
     return _Fault(Symptom("data_error", place_of(channels[0], len(r.taxels)), channels, {}, evidence), i, right)
 

@@ -11,6 +11,7 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.peaks import Piece, listed, samples_of
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
 from skin_ident.criticism.telemetry.units import FACTORS
+from skin_ident.criticism.vocabulary import UNIT_CHANGE
 from skin_ident.stretches import runs
 
 NEAR = 0.06  # relative, how close the factor of every piece must come to one of units
@@ -35,7 +36,7 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
         return None
     times = f"{own[0].channel} reads {factor:.4g} times what it should, a factor of units"
     why = f"{times}, while every other channel stays with the model: {listed(own)}"
-    evidence, numbers = {"why": why, "kind": "unit change"}, {"factor": quantity(factor, "1")}
+    evidence, numbers = {"why": why, "kind": UNIT_CHANGE}, {"factor": quantity(factor, "1")}
     bad = {(s.name, own[0].channel): mask for s in sessions if (mask := samples_of(own, s)).any()}
     return Symptom("data_error", place_of(own[0].channel, sessions[0].n_taxels), (own[0].channel,), numbers, evidence, bad)
 

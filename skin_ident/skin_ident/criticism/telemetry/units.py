@@ -10,6 +10,7 @@ import numpy as np
 from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telemetry.grid import factor_of, sits_on
 from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.vocabulary import SWAPPED, UNIT_CHANGE, UNIT_FACTOR
 
 FACTORS = (4.44822, 1 / 4.44822, 9.80665, 1 / 9.80665, 0.0980665, 1 / 0.0980665, 1000.0, 1e-3, 10.0, 0.1)
 NEAR = 0.06  # relative, how close a ratio of slopes must come to such a factor
@@ -17,7 +18,6 @@ PIECES = 12  # of a session, each asked for its grid
 FOLLOWS = 0.5  # correlation with the load, without which a slope means nothing
 WITHIN, ENOUGH = 0.3, 0.1  # of the greatest depth, from which on contact is sure, and of the samples, which must be there
 AGAINST = -0.6  # correlation with the load by which a channel is upside down
-UNIT_FACTOR = "unit factor"  # a kind of fault
 
 
 def find_unit_faults(recordings: list) -> list[Symptom]:
@@ -49,7 +49,7 @@ def _swapped(recordings: list) -> list[Symptom]:
             if sits_on(rows[a], steps[b]) and sits_on(rows[b], steps[a]):
                 levels = f"the levels of {a} are {steps[b]:.4g} N apart, as those of {b} should be, and the other way round"
                 why = f"{levels}: the columns are swapped"
-                return [Symptom("data_error", _place(a, recordings), (a, b), {}, {"why": why, "kind": "swapped columns"})]
+                return [Symptom("data_error", _place(a, recordings), (a, b), {}, {"why": why, "kind": SWAPPED})]
     return []
 
 
@@ -75,7 +75,7 @@ def by_grid(recordings: list, channel: str) -> list[Symptom]:
     else:
         since = f"from about {k * len(r) / PIECES * r.dt:.1f} s on in {r.name}"
         why, whole = f"{since} the levels of {channel} are {factor:.5g} times as far apart as before: its unit changed", []
-    return [_unit(recordings, channel, factor, why, "unit change", whole)]
+    return [_unit(recordings, channel, factor, why, UNIT_CHANGE, whole)]
 
 
 def _by_slope(recordings: list, channel: str) -> list[Symptom]:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.pattern import in_sessions, listed
+from skin_ident.criticism.vocabulary import EXCHANGED, UNIT_CHANGE, UNIT_FACTOR
 
-EXCHANGED = "exchanged columns"  # a kind of fault
 ALIKE = {"interference": "frequency", "quantization": "step"}  # the number that must be the same
 NEARLY = 0.02  # relative
 
@@ -32,7 +32,7 @@ def _same_unit(e: dict[str, Any], other: dict[str, Any]) -> bool:
     its readings were too small."""
     kinds = [x["evidence"].get("kind") for x in (other, e)]
     first, second = ((x["channels"], x["evidence"].get("session")) for x in (other, e))
-    if kinds != ["unit factor", "unit change"] or first != second:
+    if kinds != [UNIT_FACTOR, UNIT_CHANGE] or first != second:
         return False
     return abs(np.prod([x["parameters"]["factor"]["value"] for x in (other, e)]) - 1.0) < NEARLY
 
