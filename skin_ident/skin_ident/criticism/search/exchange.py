@@ -16,7 +16,7 @@ from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_course
-from skin_ident.criticism.search.rivals import CHANCE, Rival, reach
+from skin_ident.criticism.search.rivals import CHANCE, PROMISING, Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.together import beside
 from skin_models.effect import Effect
@@ -24,7 +24,6 @@ from skin_models.model import Model
 
 MUCH = 4.0  # times what makes a cause worth naming, which one must explain that is not believed, for rivals to be asked
 FEWER = 3  # parameters, by which an account is clearly plainer
-PROMISING = 0.8  # of what a cause explains, or seems to at first glance, from which another one may explain more once it is fitted
 
 
 def exchange(search: Search) -> bool:

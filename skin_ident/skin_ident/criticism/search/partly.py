@@ -30,7 +30,7 @@ from skin_ident.criticism.search.believing import believed_in_part
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.search.ranking import AT_FULL_RATE
-from skin_ident.criticism.search.rivals import Rival, reach
+from skin_ident.criticism.search.rivals import PROMISING, Rival, reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.tared import take_tare
@@ -45,7 +45,6 @@ UNFELT = 1e-3  # of what other sessions feel, and of what is felt before the mod
 COIN = 2.0 * np.log(2.0)  # twice nats, of having or lacking it
 TIMES = 3  # that sessions are asked whether they have it
 TELLS = 6.0  # twice nats, by which a session must be nearer without a cause to lack it
-PROMISING = 0.8  # of what is explained by another account, from which on a cause is fitted
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from skin_models.model import Model
 EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift
 TARED = 0.1  # what one may that is no larger than a step of the converter
 CHANCE = 10.0  # twice nats, within which two causes explain as much
+PROMISING = 0.8  # of what an account explains, what another one must seem to explain at first glance to be fitted, too
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
 
