@@ -22,7 +22,7 @@ from skin_ident.estimators.fit import (
     Options,
     as_fitted,
     check,
-    fit_recordings,
+    fit_prepared,
     mass_of,
     sessions_of,
 )
@@ -37,7 +37,6 @@ from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.load import find, load
 from skin_ident.recordings.mass import USUAL_MM
 from skin_ident.recordings.recording import Recording
-from skin_ident.recordings.repeated import without_repeats
 from skin_ident.spread_scan import SpreadScan
 from skin_models.model_file import save_model
 from skin_models.words import counted
@@ -74,7 +73,7 @@ def _main(arguments: Sequence[str] | None) -> int:
     if all(isinstance(r, SpreadScan) for r in loaded):
         return fit_scans(loaded, chosen.out)
     recordings, scans = sessions_of(loaded)
-    recordings = options.of(without_repeats(recordings))
+    recordings = options.of(recordings)
     for name in scans:
         common.say(f"{name} is a static spread scan: left out of the fit; fit scans by themselves")
     common.say(f"fitting {counted(len(recordings), 'session')}, {sum(map(len, recordings))} samples …")
@@ -91,7 +90,7 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 def _estimate(chosen: argparse.Namespace, recordings: list[Recording], options: Options) -> Estimate:
     """The dispersion model, with all that was asked for beside it in the notes."""
-    estimate = fit_recordings(recordings, options)
+    estimate = fit_prepared(recordings, options)
     if estimate.model is None:
         for asked, name in ((chosen.bootstrap, "--bootstrap"), (chosen.profile, "--profile")):
             if asked:

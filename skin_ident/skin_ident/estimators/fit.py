@@ -34,8 +34,9 @@ class Options:
     keep_spikes: bool = False
 
     def of(self, recordings: Sequence[Recording]) -> list[Recording]:
-        """The recordings as they are to be fitted: with their spikes, where these are to be kept."""
-        return [replace(r, keeps_spikes=True) for r in recordings] if self.keep_spikes else list(recordings)
+        """The recordings as they are to be fitted: each measurement once, and with its spikes where these are to be kept."""
+        once = without_repeats(recordings)
+        return [replace(r, keeps_spikes=True) for r in once] if self.keep_spikes else once
 
 
 def fit_recordings(recordings: Sequence[Recording], options: Options = Options()) -> Estimate:
@@ -43,7 +44,11 @@ def fit_recordings(recordings: Sequence[Recording], options: Options = Options()
 
     A session that is given twice counts once.
     """
-    recordings = options.of(without_repeats(recordings))
+    return fit_prepared(options.of(recordings), options)
+
+
+def fit_prepared(recordings: Sequence[Recording], options: Options) -> Estimate:
+    """The same of recordings that `Options.of` has made ready."""
     if all(r.depth is None for r in recordings):
         return fit_force_to_force(recordings, options.order, loss=options.loss)
     known = held_mass(options, recordings)
