@@ -1,6 +1,6 @@
 """The diagnosis of recordings: from loaded sessions to findings, an extended model and the curves for the report."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -33,6 +33,7 @@ from skin_ident.criticism.record import Inspected, bad_samples, inspect
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.search.criticise import criticise
 from skin_ident.criticism.search.named import Criticism
+from skin_ident.criticism.search.state import Progress
 from skin_ident.criticism.search.twin_effects import with_effects_of
 from skin_ident.criticism.search.weighing import said_of
 from skin_ident.criticism.sessions.parting import meeting
@@ -54,7 +55,7 @@ from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import believed, tell
 from skin_ident.criticism.usable import are_other_data, belong_together, doubted, in_sound_units, named_apart, something_moves
 from skin_ident.criticism.vocabulary import Key, verdict_of
-from skin_ident.recordings.mass import known_mass
+from skin_ident.recordings.mass import KnownMass, known_mass
 from skin_ident.separating.choose import separating_experiments
 from skin_ident.spread_scan import SpreadScan
 from skin_models.errors import ModelError
@@ -70,7 +71,7 @@ def diagnose(
     recordings: list,
     hold_out: list | None = None,
     model: Model | None = None,
-    progress: Callable[[str], None] = lambda stage: None,
+    progress: Progress = lambda stage: None,
     twins: list | None = None,
 ) -> Outcome:
     """Criticise the dispersion model, or `model`, on `recordings`; `hold_out` are sessions never used to fit.
@@ -95,16 +96,32 @@ def diagnose(
     every = in_sound_units(every, model, twins)
     layout = layout_of(every, model)
     every, exchanged = columns_put_right(every, layout)
-    odd, every = (*odd, *exchanged), with_spread(every, layout)
+    every = with_spread(every, layout)
+    known = _Known(known_mass(every[0].declared), len(recordings), (*odd, *exchanged), layout)
     if len(every[0].taxels) > FEW:
         if twins:
             raise DiagnosisError(f"a twin of {len(every[0].taxels)} taxels cannot be compared at once: name {FEW} or fewer with --taxels")
-        return _of_many(every, len(recordings), odd, layout, model, progress)
+        return _of_many(every, known, model, progress)
     progress("inspecting the recordings")
-    how = len(recordings), odd, layout
-    part = _of_twins(every, twins, *how, progress) if twins else _part(every, inspect(every), *how, model, progress)
+    part = _of_twins(every, twins, known, progress) if twins else _part(every, inspect(every), known, model, progress)
     array = array_criticism(part.criticism, layout, part.seen, every)
     return _outcome(part, part.findings, array, part.criticism.extended.model, part.train[0], part.symptoms, set(part.criticism.not_named))
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What is known of sessions before the search: the mass of the skin, how many of them are for training (the first), what was odd in
+    whole sessions and was put right, and where the taxels lie, or why nobody knows."""
+
+    mass: KnownMass
+    training: int
+    odd: tuple[Symptom, ...]
+    layout: Layout | str
+
+    def split(self, sessions: list[Session]) -> tuple[list[Session], list[Session]]:
+        """Training and held-out sessions, of as many samples as a search needs; a lone one is both, in blocks."""
+        sessions = thinner(sessions)
+        return _blocks(sessions[0]) if len(sessions) == 1 else (with_reference(sessions[: self.training]), sessions[self.training :])
 
 
 @dataclass(frozen=True)
@@ -121,14 +138,11 @@ class _Part:
     experiments: Experiments
 
 
-def _part(
-    every: list, looked: Inspected, training: int, odd: tuple[Symptom, ...], layout: Layout | str, model: Model | None, progress
-) -> _Part:
+def _part(every: list, looked: Inspected, known: _Known, model: Model | None, progress: Progress) -> _Part:
     """The search on sessions as they were `looked` at; `model` is the given one, or what stands in for twins."""
-    known = known_mass(every[0].declared)
-    mass = known.kg
+    mass, layout = known.mass.kg, known.layout
     every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
-    train, held = _split(looked.sessions, training)
+    train, held = known.split(looked.sessions)
     step = depth_resolution(every)
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
@@ -138,36 +152,36 @@ def _part(
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
-    symptoms = (*odd, *seen)
+    symptoms = (*known.odd, *seen)
     rest = systematic_rest(c.last, list(c.train), list(c.held), step)
     explained = max((n.gain.squares for n in c.named), default=0.0)
     verdict = verdict_of(bool(c.named or symptoms), rest.is_systematic(explained))
     experiments = separating_experiments(c, progress)
     progress("judging what it is worth")
-    whole = _split(looked.whole, training)
+    whole = known.split(looked.whole)
     judged = judge(c, symptoms, whole, model, mass)
     findings = as_findings(judged.criticism, symptoms, every, *whole, rest, verdict, model is not None, experiments)
     findings = tell(findings, judged, symptoms, step)
     if model is None and every[0].depth is not None and not c.train[0].free_mass:
-        findings["baseline"]["held"] = {"m": {"value": mass, "unit": "kg", "because": known.source}}
+        findings["baseline"]["held"] = {"m": {"value": mass, "unit": "kg", "because": known.mass.source}}
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
 
 
-def _of_twins(every: list, twins: list, training: int, odd: tuple[Symptom, ...], layout: Layout | str, progress) -> _Part:
+def _of_twins(every: list, twins: list, known: _Known, progress: Progress) -> _Part:
     """What the search makes of sessions beside a plain surrogate of twins, or, where something is wrong, beside one that has the effects
     which they hold, if that comes to more."""
-    looked, mass = inspect(every), known_mass(every[0].declared).kg
+    looked, mass = inspect(every), known.mass.kg
     twin = read_twins(looked.sessions, every, twins, mass)
     every = [r.warned(*warnings) for r, warnings in zip(every, twin.warnings, strict=True)]
 
     def beside(surrogate: Model) -> _Part:
         carrying = looked.carrying(twin.beyond(surrogate), twin.known)
-        return _part([*every], carrying, training, odd, layout, surrogate, progress)
+        return _part([*every], carrying, known, surrogate, progress)
 
     plain = beside(twin.surrogate)
     if plain.findings["verdict"] == "nothing_wrong":
         return plain
-    extended = with_effects_of(twin.surrogate, twin.said, every, lambda sessions: _split(sessions, training), mass, progress)
+    extended = with_effects_of(twin.surrogate, twin.said, every, known.split, mass, progress)
     return plain if extended == twin.surrogate else _better(plain, beside(extended))
 
 
@@ -197,27 +211,24 @@ def _outcome(
     return Outcome(findings, c.baseline.model, carried, c.extended.std, traces, (), _rounds(c), dict(_batteries(part.experiments)))
 
 
-def _of_many(every: list, training: int, odd: tuple[Symptom, ...], layout, model: Model | None, progress) -> Outcome:
+def _of_many(every: list, known: _Known, model: Model | None, progress: Progress) -> Outcome:
     """The same where the taxels are too many for one search (see `many`)."""
-    chosen = loaded_most(every[:training])
+    chosen, layout = loaded_most(every[: known.training]), known.layout
     few = some(every, chosen)
     progress("inspecting the recordings")
-    part = _part(few, inspect(few), training, (), layout_of(few, model), model and model_of_few(model, chosen), progress)
-
-    def split(sessions: list[Session]) -> tuple[list[Session], list[Session]]:
-        return _split(sessions, training)
-
+    known_of_few = replace(known, odd=(), layout=layout_of(few, model))
+    part = _part(few, inspect(few), known_of_few, model and model_of_few(model, chosen), progress)
     c = part.criticism
-    rest = rest_of(c, every, chosen, layout, split, depth_resolution(every), progress)
+    rest = rest_of(c, every, chosen, layout, known.split, depth_resolution(every), progress)
     seen = (*(symptom_of_all(s, chosen) for s in part.seen), *rest.symptoms)
     extended = model_of_all(c.extended.model, chosen, rest.shares, rest.effects, layout)
     progress("judging the ratios of all taxels")
-    wide = criticism_of_all(c, rest, every, chosen, extended, seen, split)
+    wide = criticism_of_all(c, rest, every, chosen, extended, seen, known.split)
     array = array_criticism(wide, layout, seen, every)
     findings = with_those_of_reading(renamed(part.findings, chosen), every)
-    findings = with_rest(findings, odd, rest, chosen, len(every[0].taxels))
+    findings = with_rest(findings, known.odd, rest, chosen, len(every[0].taxels))
     told = {(cause, renamed(where, chosen)) for cause, where in c.not_named} | {(u["cause"], u["where"]) for u in rest.untestable}
-    outcome = _outcome(part, findings, array, extended, wide.train[0], (*odd, *seen), told)
+    outcome = _outcome(part, findings, array, extended, wide.train[0], (*known.odd, *seen), told)
     baseline = model_of_all(c.baseline.model, chosen, rest.shares, (), layout)
     said = {name: renamed(getattr(outcome, name), chosen) for name in ("std", "batteries")}
     traces = tuple(replace(t, channels=renamed(t.channels, chosen)) for t in outcome.traces)
@@ -248,12 +259,6 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     ]
     told = [told_of_bursts(s, channels, rest, [r.dt for r in recordings]) for s in known if remains(s, recordings, channels, rest, model)]
     return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]
-
-
-def _split(sessions: list[Session], training: int) -> tuple[list[Session], list[Session]]:
-    """Training and held-out sessions, of as many samples as a search needs; a lone one is both, in blocks."""
-    sessions = thinner(sessions)
-    return _blocks(sessions[0]) if len(sessions) == 1 else (with_reference(sessions[:training]), sessions[training:])
 
 
 def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
