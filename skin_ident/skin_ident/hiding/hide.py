@@ -12,7 +12,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import stiffness
 from skin_ident.criticism.sessions.session import stacked
-from skin_ident.criticism.telling.findings import place
+from skin_ident.criticism.vocabulary import word_of
 from skin_ident.hiding.apply import applied, changed
 from skin_ident.hiding.drawing import ANYTHING, draw, scaled
 from skin_ident.hiding.errors import HidingError
@@ -41,7 +41,7 @@ class Hidden:
     @property
     def where(self) -> str:
         """Its place in the words of findings."""
-        return place(self.effect.where)
+        return word_of(self.effect.where)
 
     @property
     def imitated(self) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.symptom import place_of
+from skin_ident.criticism.telemetry.symptom import sensor_of
 from skin_ident.criticism.vocabulary import Key
 
 CONSTANT, STEPS, BEND, WAVE = "constant", "steps", "bend", "wave"
@@ -79,7 +79,7 @@ def courses(session: Session) -> Iterator[Course]:
     for c, channel in enumerate(session.channels):
         if channel in session.stuck:
             continue
-        where = place_of(channel, session.n_taxels)
+        where = sensor_of(channel, session.n_taxels)
         kinds = (kind for kind in CAUSES if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None))
         yield from (Course(*kind, (c,), where) for kind in kinds)
     taxels = every[session.taxel_rows]

@@ -28,7 +28,7 @@ from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.noise.whitening import Whitener, fit_whitener
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.symptom import place_of
+from skin_ident.criticism.telemetry.symptom import sensor_of
 from skin_models.model import Model
 from skin_models.operators.lagging import lagged
 
@@ -92,7 +92,7 @@ def run_of(wave: Wave, model: Model, sessions: list[Session], score: float) -> R
 def _courses(session: Session) -> Iterator[Course]:
     for c, channel in enumerate(session.channels):
         if channel not in session.stuck:
-            yield from (Course(carrier, WAVE, (c,), place_of(channel, session.n_taxels)) for carrier in (ZERO, SLOPE))
+            yield from (Course(carrier, WAVE, (c,), sensor_of(channel, session.n_taxels)) for carrier in (ZERO, SLOPE))
 
 
 def _wave(course: Course, simulations: list[np.ndarray], sessions: list[Session], e: list[np.ndarray], training: int) -> Wave | None:

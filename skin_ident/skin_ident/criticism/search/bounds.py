@@ -52,22 +52,22 @@ def excluded_and_untestable(
         elif not (entries or hollow):
             because = known.get(cause.name) or _because(p, cause.name)
             untestable.append({"cause": cause.name, "because": because, "needs": cause.needs})
-    return list(map(_placed, excluded)), list(map(_placed, untestable))
+    return list(map(_with_clock, excluded)), list(map(_with_clock, untestable))
 
 
-def place(where: str) -> str:
+def word_of(where: str) -> str:
     """The word of the vocabulary for a place of the catalogue: every clock is `clock`."""
     return "clock" if where.startswith("clock") else where
 
 
-def _placed(entry: dict[str, Any]) -> dict[str, Any]:
+def _with_clock(entry: dict[str, Any]) -> dict[str, Any]:
     """The entry with its place in the word of the vocabulary, and which clock it is."""
-    return {**entry, **placed(entry["where"])} if "where" in entry else entry
+    return {**entry, **where_and_clock(entry["where"])} if "where" in entry else entry
 
 
-def placed(where: str) -> dict[str, str]:
+def where_and_clock(where: str) -> dict[str, str]:
     """The place in the word of the vocabulary; which clock it is, where it is not the load cell's, in `channel_clock`."""
-    return {"where": place(where)} | ({} if place(where) == where else {"channel_clock": where.partition("_")[2]})
+    return {"where": word_of(where)} | ({} if word_of(where) == where else {"channel_clock": where.partition("_")[2]})
 
 
 def undecided(cause: Cause, where: str, seen: NotNamed) -> dict[str, Any]:

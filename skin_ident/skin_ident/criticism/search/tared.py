@@ -18,7 +18,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.symptom import place_of
+from skin_ident.criticism.telemetry.symptom import sensor_of
 from skin_ident.criticism.vocabulary import SENSORS
 from skin_models.model import Model
 
@@ -122,6 +122,6 @@ def _said(search: Search, found: Zeros) -> None:
     *channels, depth = np.max(np.abs([*found.values()]), axis=0).tolist()
     for channel, largest, tare in zip(search.train[0].channels, channels, tares(search.train, search.noise), strict=True):
         if largest > WORTH_SAYING * tare.leaves:
-            search.tared[OFFSET, place_of(channel, search.train[0].n_taxels)] = tare_does(largest, tare)
+            search.tared[OFFSET, sensor_of(channel, search.train[0].n_taxels)] = tare_does(largest, tare)
     if depth > WORTH_SAYING * least_depth(search.encoder_step):
-        search.tared[SHIFT, place_of("depth", search.train[0].n_taxels)] = zeros_do(depth, search.encoder_step)
+        search.tared[SHIFT, sensor_of("depth", search.train[0].n_taxels)] = zeros_do(depth, search.encoder_step)

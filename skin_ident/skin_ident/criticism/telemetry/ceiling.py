@@ -12,7 +12,7 @@ skin that gives way, leaves none that is sharp, and the second shows in the taxe
 
 import numpy as np
 
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.estimators.scale import normal_scale
 from skin_ident.stretches import runs
 
@@ -55,7 +55,7 @@ def find_ceilings(
         )
         bad = {(name, channel): m[c] > level for name, m in zip(names, simulated, strict=True) if np.any(m[c] > level)}
         parameters = {"level": quantity(level, "N"), "lost": quantity(1.0 - slope, "1")}
-        found.append(Symptom("saturation", place_of(channel, n_taxels), (channel,), parameters, {"why": why}, bad))
+        found.append(Symptom("saturation", sensor_of(channel, n_taxels), (channel,), parameters, {"why": why}, bad))
     return found
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.telemetry.repeats import Repeat, repeats_of
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.recordings.digits import digits_of, nearest
 
 VALUES = 12  # different values that a column must hold
@@ -108,7 +108,7 @@ def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> S
     parameters = {"from": quantity(first.start * r.dt, "s"), "length": quantity(first.length * r.dt, "s")}
     bad = {} if whole else {(r.name, c): _mask(r, k, again) for k, r in enumerate(recordings) for c in channels}
     evidence = {"why": why, "kind": SESSION if whole else "repeated block", "session": r.name}
-    where = place_of(channels[0], len(r.taxels))
+    where = sensor_of(channels[0], len(r.taxels))
     return Symptom("data_error", where, channels, parameters, evidence, {key: mask for key, mask in bad.items() if mask.any()})
 
 
@@ -141,7 +141,7 @@ def _columns(recordings: list) -> list[Symptom]:
             hold = f"{', '.join(same[:8])} {'holds' if len(same) == 1 else 'hold'}"
             why = f"{hold} the same numbers as {names[0]} in {100 * share:.3g} % of {first.size} samples, and "
             why += "is judged no further" if len(same) == 1 else "are judged no further"
-            where = place_of(same[0], len(recordings[0].taxels))
+            where = sensor_of(same[0], len(recordings[0].taxels))
             found.append(Symptom("data_error", where, (names[0], *same), {}, {"why": why, "kind": COLUMN, "copies": len(same)}))
     return found
 

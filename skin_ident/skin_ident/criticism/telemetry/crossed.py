@@ -11,7 +11,7 @@ import numpy as np
 
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.other_units import slope
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.vocabulary import EXCHANGED
 
 LEAST_S, LONG_S = 0.2, 1.0  # that a stretch lasts, and one that is long
@@ -96,6 +96,6 @@ def _symptom(s: Session, one: str, other: str, mask: np.ndarray) -> Symptom:
         "the other, and no other channel leaves it"
     )
     evidence = {"why": why, "kind": EXCHANGED, "pieces": [{"session": s.name, "start": start, "seconds": seconds}]}
-    where = place_of("force", s.n_taxels) if "force" in (one, other) else "taxel"
+    where = sensor_of("force", s.n_taxels) if "force" in (one, other) else "taxel"
     bad = {(s.name, channel): mask for channel in (one, other)}
     return Symptom("data_error", where, (one, other), {"lasts": quantity(seconds, "s")}, evidence, bad)

@@ -10,7 +10,7 @@ from skin_ident.criticism.pattern import in_sessions, listed
 from skin_ident.criticism.telemetry.loose import contact_of
 from skin_ident.criticism.telemetry.promise import promised
 from skin_ident.criticism.telemetry.still import is_still
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 
 FOLLOWS = 0.1  # correlation with the load, below which a taxel says nothing
 FOLLOWED = 0.3  # and from which it follows in a session: a piece or two may seem to by chance
@@ -237,7 +237,7 @@ def _symptom(
 ) -> Symptom:
     parameters = {"since": quantity(since, "s"), "lost": quantity(1.0, "1"), "level": quantity(level, "N")}
     evidence = {"why": why, "kind": kind, "stuck": kind == "stuck", **(where or {})}
-    return Symptom("dead_taxel", place_of(name, n), (name,), parameters, evidence, bad or {})
+    return Symptom("dead_taxel", sensor_of(name, n), (name,), parameters, evidence, bad or {})
 
 
 def _load(recording) -> np.ndarray | None:

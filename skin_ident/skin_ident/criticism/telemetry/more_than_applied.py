@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import FOLLOWS, declared_step, load_of, pressed
 from skin_models.model import Model
 
@@ -91,7 +91,7 @@ def _worst(ratios: list[tuple[object, Ratio | None]]) -> Ratio | None:
 
 def _symptom(recordings: list, i: int, ratio: Ratio) -> Symptom:
     channel, n = f"taxel_{i}", len(recordings[0].taxels)
-    taxel = place_of(channel, n)
+    taxel = sensor_of(channel, n)
     reads = f"{channel} reads {ratio.value:.3g} ± {ratio.std:.2g} times the force that the load cell says is applied"
     why = "; ".join([f"{reads}, and a skin leads at most all of it through a taxel", *_guesses(channel, ratio.value)])
     evidence = {"why": why, "kind": KIND, "ratio": ratio.value, "std": ratio.std}

@@ -20,7 +20,7 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.read_again import read_again
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.as_read import AsRead, calm_lines
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.model import Model
 
 SLOW_S = 2.0  # of the running median
@@ -52,7 +52,7 @@ def find_noise(
         if why:
             kind, sentence, parameters = why
             text = f"the noise of {channel} {sentence}"
-            found.append(Symptom("noise", place_of(channel, n_taxels), (channel,), parameters, {"why": text, "kind": kind}))
+            found.append(Symptom("noise", sensor_of(channel, n_taxels), (channel,), parameters, {"why": text, "kind": kind}))
     return found
 
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of, pressed
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_FACTOR
 
@@ -83,7 +83,7 @@ def _upright(recordings: list) -> tuple[list, list[Symptom]]:
         if max(follows) < AGAINST:
             falls = f"{channel} falls while the load rises in all sessions (correlation {follows[0]:.2f} in {recordings[0].name})"
             evidence = {"why": f"{falls}: its sign is wrong. It is judged turned round", "kind": "sign"}
-            where = place_of(channel, len(recordings[0].taxels))
+            where = sensor_of(channel, len(recordings[0].taxels))
             symptoms.append(Symptom("data_error", where, (channel,), {"factor": quantity(-1.0, "1")}, evidence))
             recordings = [r.scaled({channel: -1.0}) for r in recordings]
     return recordings, symptoms
@@ -191,7 +191,7 @@ def _of_channel(group: list, i: int, channel: str, factor: float, why: str, kind
     r = group[i]
     mended = "turned round" if factor < 0.0 else f"divided by {factor:.5g}"
     evidence = {"why": f"{why}. {r.name} is judged with {channel} {mended}", "kind": kind, "session": r.name}
-    symptom = Symptom("data_error", place_of(channel, len(r.taxels)), (channel,), {"factor": quantity(factor, "1")}, evidence)
+    symptom = Symptom("data_error", sensor_of(channel, len(r.taxels)), (channel,), {"factor": quantity(factor, "1")}, evidence)
     return _Fault(symptom, i, r.scaled({channel: 1.0 / factor}))
 
 
@@ -246,7 +246,7 @@ def _of_order(group: list, names: list[str], i: int, order: np.ndarray, apart: f
     channels = tuple(names[c] for c in moved)
     evidence = {"why": why, "kind": SWAPPED, "session": r.name}
     right = r.with_channels({names[c]: r.channels[names[order[c]]] for c in moved})
-    return _Fault(Symptom("data_error", place_of(channels[0], len(r.taxels)), channels, {}, evidence), i, right)
+    return _Fault(Symptom("data_error", sensor_of(channels[0], len(r.taxels)), channels, {}, evidence), i, right)
 
 
 def _either(group: list) -> str:

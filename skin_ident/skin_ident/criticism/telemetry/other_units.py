@@ -9,7 +9,7 @@ from scipy.ndimage import uniform_filter1d
 
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.peaks import Piece, listed, samples_of
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import FACTORS
 from skin_ident.criticism.vocabulary import UNIT_CHANGE
 from skin_ident.stretches import runs
@@ -38,7 +38,7 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
     why = f"{times}, while every other channel stays with the model: {listed(own)}"
     evidence, numbers = {"why": why, "kind": UNIT_CHANGE}, {"factor": quantity(factor, "1")}
     bad = {(s.name, own[0].channel): mask for s in sessions if (mask := samples_of(own, s)).any()}
-    return Symptom("data_error", place_of(own[0].channel, sessions[0].n_taxels), (own[0].channel,), numbers, evidence, bad)
+    return Symptom("data_error", sensor_of(own[0].channel, sessions[0].n_taxels), (own[0].channel,), numbers, evidence, bad)
 
 
 def _times(s: Session, y: np.ndarray, model: np.ndarray, piece: Piece) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 
 NOISE = 4.0  # widths of what the model leaves: between the levels of pieces, about a level, and of all other readings above it
 INSIDE = 0.25  # of a piece at either end, where the reading may still be on its way
@@ -57,7 +57,7 @@ def clipped_peaks(own: list[Piece], sessions: list[Session], rest: list[np.ndarr
     if not steady or not below or np.ptp(levels) > NOISE * noise or highest > level + 2.0 * NOISE * noise:
         return None
     bad = {(name, channel): simulated > level for name, (_, _, simulated) in at.items() if np.any(simulated > level)}
-    where = place_of(channel, sessions[0].n_taxels)
+    where = sensor_of(channel, sessions[0].n_taxels)
     seconds, beyond = max(p.seconds for p in own), max(p.size for p in own)
     why = (
         f"{channel} stays at {level:.4g} N, its greatest reading, in {len(own)} peaks of up to {seconds:.2g} s, while what the others "

@@ -15,7 +15,7 @@ from skin_ident.criticism.sessions.parting import beside_partings, meeting
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.other_units import in_other_units
 from skin_ident.criticism.telemetry.peaks import LASTING_S, Piece, clipped_peaks, listed, samples_of
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.tails import smallest_step
 from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
@@ -137,4 +137,4 @@ def _symptom(own: list[Piece], sessions: list[Session]) -> Symptom:
     parameters = {"pieces": quantity(len(own), "1"), "size": quantity(max(p.size for p in own), "N")}
     evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": float(p.seconds)} for p in own]}
     bad = {(s.name, first.channel): samples_of(own, s) for s in sessions if any(p.session == s.name for p in own)}
-    return Symptom("outliers", place_of(first.channel, sessions[0].n_taxels), (first.channel,), parameters, evidence, bad)
+    return Symptom("outliers", sensor_of(first.channel, sessions[0].n_taxels), (first.channel,), parameters, evidence, bad)

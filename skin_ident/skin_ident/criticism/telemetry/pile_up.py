@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.estimators.scale import normal_scale
 
 FEWEST_VISITS = 2  # separate times at the level
@@ -37,7 +37,7 @@ def find_saturation(
             continue
         why = f"{int(at.sum())} samples of {channel} sit at {level:.4g} N in {_visits(at)} visits while the load goes on rising"
         bad = {(name, channel): r[c] >= y[at].min() for name, r in zip(names, raw, strict=True) if np.any(r[c] >= y[at].min())}
-        found.append(Symptom("saturation", place_of(channel, n_taxels), (channel,), {"level": quantity(level, "N")}, {"why": why}, bad))
+        found.append(Symptom("saturation", sensor_of(channel, n_taxels), (channel,), {"level": quantity(level, "N")}, {"why": why}, bad))
     return found
 
 

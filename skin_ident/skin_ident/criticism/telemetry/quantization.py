@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.telemetry.as_read import calm_lines
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import declared_step
 from skin_ident.estimators.scale import white_noise
 from skin_ident.recordings.levels import FEWEST_LEVELS
@@ -74,7 +74,7 @@ def find_buried(recordings: list, channels: tuple[str, ...], rests: list[np.ndar
         left = np.concatenate([line.e[~line.jumps] for line in lines])
         if left.size and float(np.mean(left**2)) < BURIED * step**2 / 12.0:
             why = f"the levels of {channel} are {step:.3g} N apart, and rounding to them is more than its noise; rig.yaml declares no step"
-            where = place_of(channel, len(recordings[0].taxels))
+            where = sensor_of(channel, len(recordings[0].taxels))
             found.append(Symptom("quantization", where, (channel,), {"step": quantity(step, "N")}, {"why": why}))
     return found
 
@@ -96,7 +96,7 @@ def _coarse(recordings: list, channel: str, step: float, against: str, known: di
     """Steps that are wider than those that are `known`, by where they are known from, and how to say that."""
     ((expected, unit),) = ((q["value"], q["unit"]) for q in known.values())
     evidence = {**known, "why": f"the levels of {channel} are {step / expected:.1f} times as far apart {against}"}
-    return Symptom("quantization", place_of(channel, len(recordings[0].taxels)), (channel,), {"step": quantity(step, unit)}, evidence)
+    return Symptom("quantization", sensor_of(channel, len(recordings[0].taxels)), (channel,), {"step": quantity(step, unit)}, evidence)
 
 
 def _declared(recording) -> dict[str, float | None]:

@@ -23,7 +23,7 @@ class Symptom:
     apart: str = ""
 
 
-def place_of(channel: str, n_taxels: int) -> str:
+def sensor_of(channel: str, n_taxels: int) -> str:
     """The word a finding uses for the sensor behind a channel; a lone taxel is just `taxel`."""
     if channel == "force":
         return "load_cell"

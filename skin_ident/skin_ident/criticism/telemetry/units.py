@@ -9,7 +9,7 @@ import numpy as np
 
 from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telemetry.grid import factor_of, sits_on
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_CHANGE, UNIT_FACTOR
 
 FACTORS = (4.44822, 1 / 4.44822, 9.80665, 1 / 9.80665, 0.0980665, 1 / 0.0980665, 1000.0, 1e-3, 10.0, 0.1)
@@ -138,4 +138,4 @@ def _slope(recording, channel: str) -> float:
 
 
 def _place(channel: str, recordings: list) -> str:
-    return place_of(channel, len(recordings[0].taxels))
+    return sensor_of(channel, len(recordings[0].taxels))

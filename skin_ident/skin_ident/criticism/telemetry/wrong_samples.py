@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from skin_ident.criticism.telemetry.as_read import AsRead, calm_lines
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of, quantity
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.estimators.scale import rms
 from skin_ident.recordings.recording import Recording
 from skin_ident.stretches import runs
@@ -45,7 +45,7 @@ def told(
     rate = (runs_still + runs_away) / (sum(a.size for a in away) * dt)
     parameters = {"rate": quantity(rate, "1/s"), "size": quantity(rms(wrong), "N")}
     evidence = {"why": why, "count": count, "excursions": runs_away}
-    return Symptom("outliers", place_of(channel, n_taxels), (channel,), parameters, evidence, bad)
+    return Symptom("outliers", sensor_of(channel, n_taxels), (channel,), parameters, evidence, bad)
 
 
 def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residuals: list[np.ndarray]) -> bool:

@@ -10,14 +10,14 @@ from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
 from skin_ident.criticism.pattern import FEWEST, in_sessions, pattern, span
 from skin_ident.criticism.said import Said
-from skin_ident.criticism.search.bounds import excluded_and_untestable, place, placed
+from skin_ident.criticism.search.bounds import excluded_and_untestable, where_and_clock, word_of
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named, NotNamed
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
-from skin_ident.criticism.telemetry.symptom import Symptom, place_of
+from skin_ident.criticism.telemetry.symptom import Symptom, sensor_of
 from skin_ident.criticism.telling.by_session import by_session, most_left
 from skin_ident.criticism.telling.given_model import not_there, refitted
 from skin_ident.criticism.telling.leftover import Rest
@@ -62,7 +62,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
     gain = named.gain
     return {
         "cause": named.cause,
-        **placed(named.where),
+        **where_and_clock(named.where),
         "channels": list(gain.carried),
         "parameters": parameters,
         "evidence": {
@@ -132,10 +132,10 @@ def _alternatives(named: Named) -> list[dict[str, Any]]:
     """Every other name once, in the order of the search and as near as it comes: of the clocks of the catalogue that which is nearest."""
     nearest: dict[Key, Rival] = {}
     for a in named.alternatives:
-        key = a.cause, place(a.where)
+        key = a.cause, word_of(a.where)
         nearest[key] = min(a, nearest.get(key, a), key=lambda rival: rival.short_by)
-    nearest.pop((named.cause, place(named.where)), None)
-    return [{"cause": a.cause, **placed(a.where), "explains_less_by": float(a.short_by)} for a in nearest.values()]
+    nearest.pop((named.cause, word_of(named.where)), None)
+    return [{"cause": a.cause, **where_and_clock(a.where), "explains_less_by": float(a.short_by)} for a in nearest.values()]
 
 
 def seen(symptom: Symptom) -> dict[str, Any]:
@@ -183,7 +183,7 @@ def _steps_seen(recordings: list) -> dict[str, NotNamed]:
     """By place: steps that nobody declared, N, so that nobody can say whether they are as they should be."""
     n = len(recordings[0].taxels)
     return {
-        place_of(channel, n): NotNamed(
+        sensor_of(channel, n): NotNamed(
             step, f"the levels of {channel} are {step:.3g} N apart, and rig.yaml declares no step to compare with"
         )
         for channel, step in undeclared_steps(recordings).items()
@@ -202,7 +202,7 @@ def _not_findings(c: Criticism, recordings: list, named: set[Key]) -> dict[str, 
     is `named`."""
     seen = {"quantization": _steps_seen(recordings), "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)}}
     for (cause, where), why in c.not_named.items():
-        if (cause, place(where)) not in named:
+        if (cause, word_of(where)) not in named:
             seen.setdefault(cause, {}).setdefault(where, why)
     return seen
 
