@@ -1,5 +1,7 @@
 """Causes that are one and the same signal in these data are named together."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rows import rows
@@ -8,7 +10,7 @@ from scipy.integrate import solve_ivp
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.diagnose import diagnose
-from skin_ident.criticism.search.by_nature import late_one_way, likelier_place
+from skin_ident.criticism.search.by_nature import late_one_way, likelier_place, same_by_nature
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.survey import survey
@@ -19,6 +21,7 @@ from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
 from skin_models.effects.hysteresis import LaggingHysteresis, SensorHysteresis
+from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 
 RATE = 100.0
@@ -110,6 +113,18 @@ def test_a_loop_that_no_taxel_feels_is_of_the_load_cell(sensed: float, std: floa
     skin = tried(LaggingHysteresis("skin", k_sensed=sensed, k_dispersed=100.0), 100.0, std)
     sensor = tried(SensorHysteresis("load_cell", relative=0.01), load_cell)
     assert likelier_place([skin, sensor]) == ([sensor] if first else [])
+
+
+@pytest.mark.parametrize(
+    ("form", "sensor"), [(LaggingHysteresis, ("hysteresis", "load_cell")), (StressRelaxation, ("drift", "load_cell"))]
+)
+@pytest.mark.parametrize(("sensed", "channels", "same"), [(5.0, "both", True), (30.0, "both", False), (5.0, "taxel", False)])
+def test_memory_that_the_load_cell_alone_tells_may_be_its_own(form, sensor, sensed, channels, same):
+    t, x = triangles([2e-4, 1e-3] * 3)  # not at one speed, where memory of time and of the path are the same
+    r = recorded("a", t, x, x)
+    session = prepare(r if channels == "both" else replace(r, force=None))
+    skin = tried(form("skin", k_sensed=sensed, k_dispersed=100.0), 100.0)
+    assert [rival.key for rival in same_by_nature(skin, [], set(), [session])] == [sensor] * same
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.load import load
 from skin_ident.recordings.readings import Readings, between
+from skin_ident.recordings.recording import FORCE_TO_FORCE
 from skin_ident.recordings.rows import interpolated
 
 DT, STEP = 0.002, 0.01  # s, N
@@ -26,8 +27,8 @@ def session(i, change=lambda taxel, rng: taxel, every=5):
     return replace(r, force=STEP * np.round(r.force / STEP), taxels=taxels)
 
 
-def bag_of(path, r, every=5):
-    """A bag in which taxels come once for so many samples of depth and force, half a sample late."""
+def bag_of(path, r, every=5, topics=KINDS):
+    """A bag of some topics, in which taxels come once for so many samples of depth and force, half a sample late."""
 
     def late(store, i, message):
         if "TaxelArray" in type(message).__name__:
@@ -37,9 +38,9 @@ def bag_of(path, r, every=5):
         return message
 
     with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        lines = {topic: writer.add_connection(topic, kind, typestore=typestore()) for topic, kind in KINDS.items()}
+        lines = {topic: writer.add_connection(topic, KINDS[topic], typestore=typestore()) for topic in topics}
         for k, (topic, log, data) in enumerate(serialised(r, change=late)):
-            if topic != "/taxels" or (k // len(KINDS)) % every == 0:
+            if topic in topics and (topic != "/taxels" or (k // len(KINDS)) % every == 0):
                 writer.write(lines[topic], log, data)
     return path
 
@@ -82,6 +83,18 @@ def test_a_topic_that_hardly_ever_comes_is_refused_by_its_name(tmp_path):
     recordings = [one for i in range(2) for one in load(bag_of(tmp_path / f"bag_{i}", session(i), 250))]
     with pytest.raises(DiagnosisError, match="taxel_0 comes every"):
         diagnose(recordings)
+
+
+@pytest.mark.parametrize("every", [1, 5])
+def test_without_a_depth_taxels_are_brought_onto_the_instants_of_the_force(tmp_path, every):
+    made = recording(3, shares=(0.7,), sigma=0.0, dt=DT, n=5000, hz=0.5)
+    (r,) = load(bag_of(tmp_path / "bag", made, every, ("/force", "/taxels")))
+    assert r.kind == FORCE_TO_FORCE and "taxels: interpolated to the instants of the force" in " ".join(r.warnings)
+    first = int(np.flatnonzero(made.force == r.force[0])[0])  # the one before has no taxel beside it
+    assert np.array_equal(r.force, made.force[first : first + len(r)]) and len(r) > len(made) - 2 * every - 1
+    late = r.t + (first - 0.5) * DT
+    assert np.allclose(r.taxels[0], np.interp(late, made.t, made.taxels[0]), atol=1e-3)
+    assert list(r.readings) == ["taxel_0"] and r.longest_period == pytest.approx(every * DT)
 
 
 def test_what_lies_between_readings_keeps_its_size():
