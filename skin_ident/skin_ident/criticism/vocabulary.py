@@ -207,6 +207,16 @@ PLACES = {
 }
 
 
+def word_of(where: str) -> str:
+    """The word that findings.json has for a place of the catalogue: every clock is `clock`."""
+    return "clock" if where.startswith("clock") else where
+
+
+def where_and_clock(where: str) -> dict[str, str]:
+    """That word, as `where`; which clock it is, where it is not the load cell's, in `channel_clock`."""
+    return {"where": word_of(where)} | ({} if word_of(where) == where else {"channel_clock": where.partition("_")[2]})
+
+
 def spoken(name: str) -> str:
     """A name of code as words: `stress_relaxation` becomes `stress relaxation`."""
     return str(name).replace("_", " ").strip()

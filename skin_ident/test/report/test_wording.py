@@ -144,7 +144,7 @@ def test_what_is_ruled_out_in_part_says_so_in_both_tables():
     ],
 )
 def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
-    assert said in advice_on(SimpleNamespace(cause="drift", courses=courses, only=()))
+    assert said in advice_on(Named("drift", "taxel", None, 0.0, (), courses=courses))
 
 
 def rivals(*names: tuple[str, str], **more) -> dict:

@@ -10,6 +10,7 @@ from skin_ident.criticism.array.family import Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import SCAN, farthest, separating, shift_of, why
+from skin_ident.criticism.telling.entry import Entry, alternative
 from skin_ident.criticism.vocabulary import BY_NAME
 
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
@@ -38,18 +39,16 @@ def entry(a: ArrayCriticism) -> dict[str, Any]:
         "calibrations_trusted_to": best.background.scatter,
         "forms": [form_of(best)],
     }
-    return {
-        "cause": cause,
-        "where": where,
-        "channels": list(gain.carried),
-        "parameters": parameters(best, a.layout),
-        "evidence": evidence,
-        "gain": gain.entry,
-        "alternatives": [dict(zip(("cause", "where", "explains_less_by"), o, strict=True)) for o in others],
-        "separating_experiment": separating([cause, *(c for c, _, _ in others)]),
-        "means": BY_NAME[cause].means,
-        "advice": BY_NAME[cause].act,
-    }
+    return Entry(
+        cause=cause,
+        where=where,
+        channels=gain.carried,
+        parameters=parameters(best, a.layout),
+        evidence=evidence,
+        gain=gain.entry,
+        alternatives=[alternative(*o) for o in others],
+        separating=separating([cause, *(c for c, _, _ in others)]),
+    ).as_json
 
 
 def silent(a: ArrayCriticism) -> list[int]:

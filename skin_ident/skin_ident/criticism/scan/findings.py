@@ -16,8 +16,8 @@ from skin_ident.criticism.scan.limits import limits
 from skin_ident.criticism.scan.search import Named, Search
 from skin_ident.criticism.scan.sentences import separating, why
 from skin_ident.criticism.scan.trials import Setting, without_candidate
-from skin_ident.criticism.telling.findings import NOT_MEASURED
-from skin_ident.criticism.vocabulary import BY_NAME, Key
+from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
+from skin_ident.criticism.vocabulary import Key
 from skin_ident.estimators.scale import rms
 from skin_ident.spread_scan import SpreadScan
 
@@ -137,48 +137,40 @@ def entry(n: Named, found: Search, s: Setting) -> dict[str, Any]:
     shown = {key: value for name in c.names for key, value in _shown(f, name).items()} or sizes(f)
     alternatives = [_alternative(r, short) for r, short in n.rivals]
     alternatives += [_placed()] if n.or_placing and "off_centre" not in {a["cause"] for a in alternatives} else []
-    if c.cause in ALSO:
-        alternatives.append({"cause": ALSO[c.cause][0], "where": ALSO[c.cause][1], "explains_less_by": 0.0})
+    alternatives += [alternative(*ALSO[c.cause])] if c.cause in ALSO else []
     words = why(c.cause, found.baseline.member if c.bends != "reading" else before, f.member, s.cells)
-    return {
-        "cause": c.cause,
-        "where": c.where,
-        "channels": [CHANNEL],
-        "parameters": shown,
-        "evidence": {
-            **({"why": words} if words else {}),
-            "likelihood_gain": n.explained,
-            "held_out_fall_of_mean_square": n.gain.relative,
-            "held_out_fall_over_distances": n.gain.across,
-            "held_out": n.gain.held_out,
-            "forms": [c.form or c.cause],
-            "simulated": UNSIMULATED.get(c.cause, "yes, in the written model"),
-            "in_model": c.cause not in UNSIMULATED,
-        },
-        "gain": {
-            "held_out_rmse_before": n.gain.before,
-            "held_out_rmse_after": n.gain.after,
-            "ci95": list(n.gain.ci95),
-            "channel": CHANNEL,
-            "unit": "N",
-        },
-        "alternatives": alternatives,
-        "separating_experiment": separating([c.cause, *(a["cause"] for a in alternatives)], n.or_placing),
-        "means": BY_NAME[c.cause].means,
-        "advice": BY_NAME[c.cause].act,
+    evidence = {
+        **({"why": words} if words else {}),
+        "likelihood_gain": n.explained,
+        "held_out_fall_of_mean_square": n.gain.relative,
+        "held_out_fall_over_distances": n.gain.across,
+        "held_out": n.gain.held_out,
+        "forms": [c.form or c.cause],
+        "simulated": UNSIMULATED.get(c.cause, "yes, in the written model"),
+        "in_model": c.cause not in UNSIMULATED,
     }
+    errors = {"held_out_rmse_before": n.gain.before, "held_out_rmse_after": n.gain.after, "ci95": list(n.gain.ci95)}
+    return Entry(
+        cause=c.cause,
+        where=c.where,
+        channels=[CHANNEL],
+        parameters=shown,
+        evidence=evidence,
+        gain={**errors, "channel": CHANNEL, "unit": "N"},
+        alternatives=alternatives,
+        separating=separating([c.cause, *(a["cause"] for a in alternatives)], n.or_placing),
+    ).as_json
 
 
 def _alternative(c: Candidate, short: float) -> dict[str, Any]:
-    entry = {"cause": c.cause, "where": c.where, "explains_less_by": max(short, 0.0)}
     more = {"remark": f"it explains {-short:.3g} more, but one side of the taxel cannot tell it from another shape"}
-    return entry if short > -1.0 else entry | more
+    return alternative(c.cause, c.where, max(short, 0.0)) | ({} if short > -1.0 else more)
 
 
 def _placed() -> dict[str, Any]:
     """The plunger stood beside every distance by a little, each time differently."""
     remark = "a plunger that stood a little beside each distance, differently each time, looks the same"
-    return {"cause": "off_centre", "where": "rig", "explains_less_by": 0.0, "remark": remark}
+    return alternative("off_centre", "rig") | {"remark": remark}
 
 
 def together(faults: tuple[Fault, ...]) -> list[Fault]:
@@ -203,18 +195,16 @@ def _merged(group: list[Fault]) -> Fault:
 
 def seen(f: Fault) -> dict[str, Any]:
     """One entry of `findings` that the table itself stands for: no term of the model, so no gain to claim."""
-    return {
-        "cause": f.cause,
-        "where": f.where,
-        "channels": [CHANNEL],
-        "parameters": f.parameters,
-        "evidence": {"why": f.why, **({"cells": list(f.cells)} if f.cells else {})},
-        "gain": {**NOT_MEASURED, "channel": CHANNEL},
-        "alternatives": [{"cause": c, "where": w, "explains_less_by": 0.0} for c, w in f.alternatives],
-        "separating_experiment": separating([f.cause, *(c for c, _ in f.alternatives)]),
-        "means": BY_NAME[f.cause].means,
-        "advice": BY_NAME[f.cause].act,
-    }
+    return Entry(
+        cause=f.cause,
+        where=f.where,
+        channels=[CHANNEL],
+        parameters=f.parameters,
+        evidence={"why": f.why, **({"cells": list(f.cells)} if f.cells else {})},
+        gain=no_gain(CHANNEL),
+        alternatives=[alternative(*key) for key in f.alternatives],
+        separating=separating([f.cause, *(c for c, _ in f.alternatives)]),
+    ).as_json
 
 
 def noise_floor(found: Search, looked: Looked) -> dict[str, Any]:

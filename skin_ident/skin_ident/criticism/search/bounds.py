@@ -16,7 +16,7 @@ import numpy as np
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
 from skin_ident.criticism.search.survey import Survey, detectable
-from skin_ident.criticism.vocabulary import CAUSES, Cause
+from skin_ident.criticism.vocabulary import CAUSES, Cause, where_and_clock
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
@@ -55,19 +55,9 @@ def excluded_and_untestable(
     return list(map(_with_clock, excluded)), list(map(_with_clock, untestable))
 
 
-def word_of(where: str) -> str:
-    """The word of the vocabulary for a place of the catalogue: every clock is `clock`."""
-    return "clock" if where.startswith("clock") else where
-
-
 def _with_clock(entry: dict[str, Any]) -> dict[str, Any]:
     """The entry with its place in the word of the vocabulary, and which clock it is."""
     return {**entry, **where_and_clock(entry["where"])} if "where" in entry else entry
-
-
-def where_and_clock(where: str) -> dict[str, str]:
-    """The place in the word of the vocabulary; which clock it is, where it is not the load cell's, in `channel_clock`."""
-    return {"where": word_of(where)} | ({} if word_of(where) == where else {"channel_clock": where.partition("_")[2]})
 
 
 def undecided(cause: Cause, where: str, seen: NotNamed) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
 from skin_ident.criticism.pattern import FEWEST, in_sessions, pattern, span
 from skin_ident.criticism.said import Said
-from skin_ident.criticism.search.bounds import excluded_and_untestable, where_and_clock, word_of
+from skin_ident.criticism.search.bounds import excluded_and_untestable
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import Criticism, Named, NotNamed
 from skin_ident.criticism.search.rivals import Rival
@@ -19,9 +19,10 @@ from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, sensor_of
 from skin_ident.criticism.telling.by_session import by_session, most_left
+from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
 from skin_ident.criticism.telling.given_model import not_there, refitted
 from skin_ident.criticism.telling.leftover import Rest
-from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key
+from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key, word_of
 from skin_ident.separating.choose import Experiment
 from skin_models.model import Model
 from skin_models.parameter import parameters_of
@@ -29,7 +30,6 @@ from skin_models.parameter import parameters_of
 SCHEMA = 1
 OTHER_SKIN = "the skin is another from session to session, and one set of numbers does not serve them all"
 SAME_SKIN = "see what changed between sessions (specimen, place, temperature, age); fit apart what is not one skin"
-NOT_MEASURED = {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": None, "unit": "N"}
 Experiments = Mapping[Key, tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
 
 
@@ -60,26 +60,29 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
             label = model.listed_as(i, p.name)
             parameters[label.rsplit(".", 1)[1]] = {"value": p.value, "unit": p.unit, "std": std.get(label)}
     gain = named.gain
-    return {
-        "cause": named.cause,
-        **where_and_clock(named.where),
-        "channels": list(gain.carried),
-        "parameters": parameters,
-        "evidence": {
-            "likelihood_gain": float(named.explained),
-            "held_out_fall_of_mean_square": gain.relative,
-            "held_out": gain.held_out,
-            "forms": [type(e).__name__ for e in effects],
-            **_of_each_session(named),
-            **_in_some(named),
-            **not_there(named, model, std),
-        },
-        "gain": gain.entry,
-        "alternatives": _alternatives(named),
-        **_separating(named, experiments),
-        "means": OTHER_SKIN if named.is_another_skin else BY_NAME[named.cause].means,
-        "advice": advice_on(named),
+    evidence = {
+        "likelihood_gain": float(named.explained),
+        "held_out_fall_of_mean_square": gain.relative,
+        "held_out": gain.held_out,
+        "forms": [type(e).__name__ for e in effects],
+        **_of_each_session(named),
+        **_in_some(named),
+        **not_there(named, model, std),
     }
+    separating, computed = _separating(named, experiments)
+    return Entry(
+        cause=named.cause,
+        where=named.where,
+        channels=gain.carried,
+        parameters=parameters,
+        evidence=evidence,
+        gain=gain.entry,
+        alternatives=_alternatives(named),
+        separating=separating,
+        computed=computed,
+        means=OTHER_SKIN if named.is_another_skin else "",
+        advice=advice_on(named),
+    ).as_json
 
 
 def advice_on(named: Named) -> str:
@@ -135,35 +138,33 @@ def _alternatives(named: Named) -> list[dict[str, Any]]:
         key = a.cause, word_of(a.where)
         nearest[key] = min(a, nearest.get(key, a), key=lambda rival: rival.short_by)
     nearest.pop((named.cause, word_of(named.where)), None)
-    return [{"cause": a.cause, **where_and_clock(a.where), "explains_less_by": float(a.short_by)} for a in nearest.values()]
+    return [alternative(*a.key, a.short_by) for a in nearest.values()]
 
 
 def seen(symptom: Symptom) -> dict[str, Any]:
     """One entry of `findings` that telemetry stands for: no term of the model, so no gain is claimed unless it is judged."""
-    return {
-        "cause": symptom.cause,
-        "where": symptom.where,
-        "channels": list(symptom.channels),
-        "parameters": symptom.parameters,
-        "evidence": dict(symptom.evidence),
-        "gain": {**NOT_MEASURED, "channel": symptom.channels[0]},
-        "alternatives": [{"cause": c, "where": w, "explains_less_by": 0.0} for c, w in symptom.alternatives],
-        "separating_experiment": symptom.apart,
-        "means": BY_NAME[symptom.cause].means,
-        "advice": BY_NAME[symptom.cause].act,
-    }
+    return Entry(
+        cause=symptom.cause,
+        where=symptom.where,
+        channels=symptom.channels,
+        parameters=symptom.parameters,
+        evidence=dict(symptom.evidence),
+        gain=no_gain(symptom.channels[0]),
+        alternatives=[alternative(*key) for key in symptom.alternatives],
+        separating=symptom.apart,
+    ).as_json
 
 
-def _separating(named: Named, experiments: Experiments) -> dict[str, Any]:
-    """The sentence, and the battery where one was computed; without a depth to command, what the rivals need in words."""
+def _separating(named: Named, experiments: Experiments) -> tuple[str, dict[str, Any]]:
+    """What would tell a cause from its rivals, and the battery where one was computed; without a depth to command, what they need in
+    words."""
     if not named.alternatives:
-        return {"separating_experiment": ""}
+        return "", {}
     if named.key in experiments:
         file, experiment = experiments[named.key]
-        said = {"separating_experiment": experiment.sentence(file), "separating_evidence": experiment.numbers}
-        return said | ({"battery": file} if file else {})
+        return experiment.sentence(file), {"separating_evidence": experiment.numbers, **({"battery": file} if file else {})}
     rivals = dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)])
-    return {"separating_experiment": "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals))}
+    return "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals)), {}
 
 
 def telemetry_words(recordings: list, given: bool) -> dict[str, str]:

@@ -1,0 +1,52 @@
+"""One entry of `findings` in findings.json, whoever has found it: the search, the telemetry, the array, or a static scan."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from skin_ident.criticism.vocabulary import BY_NAME, where_and_clock
+
+
+def no_gain(channel: str) -> dict[str, Any]:
+    """The gain of what is no term of the model, so that none is claimed."""
+    return {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": channel, "unit": "N"}
+
+
+def alternative(cause: str, where: str, short_by: float = 0.0) -> dict[str, Any]:
+    """One of `alternatives`: another name for the same, which explains so much less (squared whitened units)."""
+    return {"cause": cause, **where_and_clock(where), "explains_less_by": float(short_by)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """A cause at a place (of the catalogue), with what speaks for it; `means` and `advice` are those of its cause unless they are given.
+    `separating` says what would tell it from its alternatives, `computed` is what else is known of that experiment."""
+
+    cause: str
+    where: str
+    channels: Sequence[str]
+    parameters: dict[str, dict[str, Any]]
+    evidence: dict[str, Any]
+    gain: dict[str, Any]
+    alternatives: list[dict[str, Any]] = field(default_factory=list)
+    separating: str = ""
+    computed: dict[str, Any] = field(default_factory=dict)
+    means: str = ""
+    advice: str = ""
+
+    @property
+    def as_json(self) -> dict[str, Any]:
+        """As findings.json holds it."""
+        return {
+            "cause": self.cause,
+            **where_and_clock(self.where),
+            "channels": list(self.channels),
+            "parameters": self.parameters,
+            "evidence": self.evidence,
+            "gain": self.gain,
+            "alternatives": self.alternatives,
+            "separating_experiment": self.separating,
+            **self.computed,
+            "means": self.means or BY_NAME[self.cause].means,
+            "advice": self.advice or BY_NAME[self.cause].act,
+        }
