@@ -55,6 +55,10 @@ def test_skin_that_differs_by_more_than_specimens_do_is_a_finding_with_the_numbe
     (found,) = findings["findings"]
     assert (found["cause"], found["where"], findings["verdict"]) == ("parameters", "skin", "explained")
     assert set(found["evidence"]["of_each_session"]) == {r.name for r in every} and "session to session" in found["means"]
+    (held,) = [r["rmse"] for r in findings["recordings"] if r["held_out"]]
+    for channel, gain in findings["gain_by_channel"].items():
+        before = findings["baseline"]["rmse"][channel]["held_out"], held[channel]["baseline"]
+        assert before == pytest.approx([gain["held_out_rmse_before"]] * 2), "one skin of all sessions, everywhere"
 
 
 def test_what_all_sessions_have_is_found_beside_skin_that_differs(tmp_path):

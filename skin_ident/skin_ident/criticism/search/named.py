@@ -1,7 +1,7 @@
 """What the search for causes has named, and everything else that it found out on the way."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.gates.gate import Gain
@@ -69,3 +69,8 @@ class Criticism:
     def skin_before(self, own: Session) -> Mapping[str, float]:
         """The skin under which the baseline is held against a session: its `own`, unless that is a finding."""
         return {} if any(n.is_another_skin for n in self.named) else own.skin
+
+    def before(self, own: Session, plain: Session) -> Session:
+        """A session as the baseline is held against it: its `own`, but for what it was found to have beyond the model since it was `plain`,
+        and but for its skin where that is a finding."""
+        return replace(own, beyond=plain.beyond, skin=self.skin_before(own))

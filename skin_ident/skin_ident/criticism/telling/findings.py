@@ -220,7 +220,7 @@ def as_findings(
     experiments: Experiments,
 ) -> dict[str, Any]:
     """The whole of findings.json."""
-    before = [[replace(own, beyond=s.beyond) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
+    before = [[c.before(own, s) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
     baseline = described(c.baseline.model, c.baseline.unknowns, {} if given else c.baseline.std, *before)
     baseline |= {"given": True} if given else {}
     had = len(c.baseline.model.effects) if given else 0

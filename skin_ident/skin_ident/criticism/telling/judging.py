@@ -109,7 +109,7 @@ def _fold(c: Criticism, whole: list[Session], fold: list[int], given: bool) -> I
     """Both models fitted without the sessions of the fold, and tried on these."""
     rest = [i for i in range(len(c.train)) if i not in fold]
     others = with_reference([c.train[i] for i in rest])
-    plain = [replace(s, beyond=whole[i].beyond, skin=c.skin_before(s)) for i, s in zip(rest, others, strict=True)]
+    plain = [c.before(s, whole[i]) for i, s in zip(rest, others, strict=True)]
     before = c.baseline.model if given else _refitted(c.baseline, plain)
     after = _refitted(c.extended, others)
     yield from (_pair(c, before, after, replace(c.train[i], reference=None), whole[i]) for i in fold)
@@ -121,7 +121,7 @@ def _refitted(known: Fit, sessions: list[Session]) -> Model:
 
 
 def _pair(c: Criticism, before: Model, after: Model, own: Session, plain: Session) -> tuple[Session, np.ndarray, np.ndarray]:
-    return own, residual(before, replace(own, beyond=plain.beyond, skin=c.skin_before(own))), residual(after, own)
+    return own, residual(before, c.before(own, plain)), residual(after, own)
 
 
 def _entries(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> dict[str, dict[str, Any]]:
