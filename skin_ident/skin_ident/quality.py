@@ -10,13 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.recordings.recording import Recording
-from skin_ident.spikes import bridged, spikes_of, step_between
+from skin_ident.spikes import bridged, spikes_of, step_between, witnesses
 from skin_ident.stretches import runs
 from skin_models.words import counted
 
 FROZEN = 8  # samples at one value before it is asked whether the channel should have moved
 MOVED = 0.05  # of a channel's range: what it should have moved by
-WITNESSES = 4  # taxels that are asked whether another channel should have moved
 NAMED = 3  # spikes of a channel of which a sentence says when they are
 COARSE = 0.01  # s between samples, down to which hundredths tell them apart
 JUMP = 2.0  # times the largest usual step: how a frozen encoder catches up
@@ -110,7 +109,7 @@ def _without_spikes(r: Recording) -> tuple[Recording, dict[str, tuple[float, ...
 
 def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
     rows = _rows(r)
-    asked = _asked(r)
+    asked = [name for name in rows if name == "depth"] + witnesses(r.channels)
     good, counts = np.ones(len(r), bool), {}
     for name, y in rows.items():
         others = [rows[n] for n in asked if n != name]
@@ -118,13 +117,6 @@ def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
         counts[name] = int(frozen.sum())
         good &= ~frozen
     return good, counts
-
-
-def _asked(r: Recording) -> list[str]:
-    """Channels that have a say about others: depth, force, and of the taxels those with the widest range."""
-    strongest = np.argsort(-np.ptp(r.taxels, axis=1))[:WITNESSES] if len(r.taxels) else []
-    names = [*(["depth"] if r.depth is not None else []), *(["force"] if r.force is not None else [])]
-    return names + [f"taxel_{i}" for i in sorted(int(i) for i in strongest)]
 
 
 def _frozen(y: np.ndarray, others: list[np.ndarray], holds: bool) -> np.ndarray:

@@ -46,7 +46,7 @@ def spikes_of(r: Recording) -> dict[str, np.ndarray]:
     """
     rows = r.channels
     found = {name: jumps(y) for name, y in rows.items()}
-    asked = _asked(rows)
+    asked = witnesses(rows)
     depth = {} if r.depth is None else {"depth": _of_depth(r, found, asked)}
     x = None if r.depth is None else bridged(r.t, r.depth, depth["depth"])
 
@@ -194,7 +194,7 @@ def _robust(columns: np.ndarray, y: np.ndarray) -> np.ndarray:
     return found[:-1] / scale
 
 
-def _asked(rows: Mapping[str, np.ndarray]) -> list[str]:
+def witnesses(rows: Mapping[str, np.ndarray]) -> list[str]:
     """Channels that have a say about others: the force, and the taxels of the widest range, spikes left aside."""
     ranges = {name: float(np.subtract(*np.percentile(y, [99.5, 0.5]))) for name, y in rows.items() if name != "force"}
     return [name for name in rows if name == "force"] + sorted(ranges, key=lambda name: -ranges[name])[:WITNESSES]

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from making import SILICONE, response, write_table
+from making import SILICONE, recording, response, write_table
 
 from skin_ident.cli.fit import main
 from skin_ident.estimators.fit import Options, fit_recordings
@@ -203,3 +203,14 @@ def test_what_hits_the_cable_of_the_encoder_and_of_the_load_cell_at_once_is_no_t
     force[at] += 6.0 * rng.choice([-1.0, 1.0], at.size)
     found = spikes_of(replace(r, depth=depth, force=force))
     assert found["depth"][at].sum() == 10 and found["force"][at].sum() >= 6  # the others stand where the stage could do as much
+
+
+def test_a_force_that_froze_is_told_by_the_taxels_that_feel_it_and_not_by_those_that_jump():
+    """Four open taxels jump further than any load moves the others, for too long to be bridged as spikes."""
+    r, rng = recording(n=3000, shares=(0.5, 0.3, 0.0, 0.0, 0.0, 0.0), sigma=0.01), np.random.default_rng(4)
+    force, taxels = r.force.copy(), r.taxels.copy()
+    force[1000:1120] = force[1000]
+    for y, start in zip(taxels[2:], rng.integers(100, 2900, 4), strict=True):
+        y[start : start + 8] += 20.0
+    quality = inspected(replace(r, depth=None, force=force, taxels=taxels))[2]
+    assert quality.frozen["force"] == 120 and not any(quality.spikes.values())
