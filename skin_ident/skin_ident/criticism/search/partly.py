@@ -112,7 +112,8 @@ class _Ground:
 
     @classmethod
     def of(cls, search: Search, last: Survey) -> "_Ground":
-        """What the survey knows, session by session."""
+        """What the survey knows, session by session. It is whitened once more: kept from the survey, it would take as much memory as the
+        directions themselves for a fiftieth of the time of a search."""
         sessions, noise, which = search.train, search.noise, last.projected.which
         every, own = zip(*(last.directions_of(s) for s in sessions), strict=True)
         white = [stack([rows], [s], noise) for rows, s in zip(every, sessions, strict=True)]
