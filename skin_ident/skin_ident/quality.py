@@ -108,6 +108,7 @@ def _without_spikes(r: Recording) -> tuple[Recording, dict[str, tuple[float, ...
 
 
 def _believable(r: Recording) -> tuple[np.ndarray, dict[str, int]]:
+    """Which samples (N,) no channel spoils by being frozen, and how many are in each."""
     rows = _rows(r)
     asked = [name for name in rows if name == "depth"] + witnesses(r.channels)
     good, counts = np.ones(len(r), bool), {}
@@ -163,6 +164,7 @@ def _slope(y: np.ndarray, other: np.ndarray) -> float | None:
 
 
 def _sizes(r: Recording) -> list[str]:
+    """Sizes and signs that a wrong unit or a wrong wire would give."""
     notes = []
     if r.depth is None:
         return notes

@@ -159,6 +159,7 @@ def rest_of(c: Criticism, recordings: list, chosen: list[int], layout: Layout | 
 
 
 def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | str, split: Split, step: float) -> Rest:
+    """The same of one group of taxels, given by the numbers that all taxels have."""
     looked = inspect(recordings)
     own = [s for s in looked.symptoms if s.where.startswith("taxel_")]
     k1 = c.extended.model.dispersion.k1

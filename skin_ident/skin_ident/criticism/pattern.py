@@ -117,6 +117,7 @@ def _left(y: np.ndarray, upper: np.ndarray) -> float:
 
 
 def _on_two_levels(y: np.ndarray, upper: np.ndarray, order: list[str], unit: str) -> str:
+    """Numbers on two levels, by session in `order`, in words: a step, one odd session, or some that differ."""
     first = upper[0]
     changes = np.flatnonzero(upper[1:] != upper[:-1])
     before, after = y[upper == first], y[upper != first]

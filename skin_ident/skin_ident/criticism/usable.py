@@ -151,6 +151,7 @@ def _has_both_sides(r) -> None:
 
 
 def _is_long_enough(r, slowest: float) -> None:
+    """Enough samples for noise to be told, in the band that the slowest topic (a reading every so many s) leaves."""
     band = Band(r.dt, slowest=slowest)
     kept = (len(r) - band.kernel.size) // band.every + 1
     if kept < FEWEST:

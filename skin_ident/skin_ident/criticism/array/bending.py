@@ -53,6 +53,7 @@ class Leaning(OverTaxels, Memoryless):
     shift: float = quantity("m", 0.0, lower=-0.01, upper=0.01, typical=2e-4, doc="at the greatest depth")
 
     def apply(self, y, s):
+        """Readings y (T,) or (T, N), N, under a contact that is `shift` x / `deepest` aside."""
         return y * _moved(self.taxels, self.axis, self.width, self.shift * np.maximum(s.x, 0.0) / self.deepest)
 
 
@@ -72,6 +73,7 @@ class Walking(OverTaxels, Elapsed):
     shift: float = quantity("m", 0.0, lower=-0.01, upper=0.01, typical=2e-4, doc="after `seconds`, the length of the first session")
 
     def apply(self, y, elapsed):
+        """Readings y (T,) or (T, N), N, under a contact that is `shift` t / `seconds` aside, t the time `elapsed`, s."""
         return y * _moved(self.taxels, self.axis, self.width, self.shift * elapsed / self.seconds)
 
 
@@ -89,6 +91,7 @@ class Widening(OverTaxels, Memoryless):
     growth: float = quantity("1/m", 0.0, lower=-2000.0, upper=2000.0, typical=100.0, doc="relative growth of the width per metre of depth")
 
     def apply(self, y, s):
+        """Readings y (T,) or (T, N), N, times exp((r / c)^2 (1 - w^-2)) / w^2, w how many times as wide the spread is."""
         wider = self.wider(s.x)
         square = np.sum(np.square(self.taxels), axis=1) / self.width**2
         return y * np.exp(np.multiply.outer(square, 1.0 - wider**-2.0)) * wider**-2.0

@@ -90,6 +90,7 @@ def known(e: Any) -> Effect | None:
 
 
 def _effect(j: Judged, layout: Layout) -> Effect | None:
+    """What the simulated skin has for a cause of the array; None where it has nothing of the kind."""
     p, cause = j.fit.member, j.hypothesis.cause
     if cause == "off_centre":
         dx, dy = shift_of(p, layout)

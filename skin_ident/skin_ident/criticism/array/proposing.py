@@ -34,6 +34,7 @@ def for_anybody(model: Model) -> Model:
 
 
 def _effects(layout: Layout, session: Session) -> Iterator[Effect]:
+    """Those that bend the ratios over depth or time, absent, for the taxels as seen from the contact of the session."""
     taxels = tuple((float(x), float(y)) for x, y in layout.seen)
     seconds, deepest = float(session.motion.t[-1] - session.motion.t[0]), float(session.motion.x.max())
     for axis in layout.axes:

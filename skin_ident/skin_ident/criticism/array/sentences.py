@@ -40,6 +40,7 @@ def farthest(j: Judged, layout: Layout) -> str:
 
 
 def _what(j: Judged, layout: Layout) -> str:
+    """What the ratios say, by the member of the family that was fitted, as a clause."""
     p, n = j.fit.member, len(layout.taxels)
     if j.hypothesis.cause == "off_centre":
         shift = 1e3 * shift_of(p, layout)

@@ -45,6 +45,8 @@ def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
 
 
 def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
+    """Those of k1, b1, k2, b2 and m that the channels at hand can tell, with damping that is not below nothing and a mass within what it
+    may be."""
     silent = len(session.stuck) == session.n_taxels
     names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE

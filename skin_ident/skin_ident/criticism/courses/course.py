@@ -183,6 +183,7 @@ def basis(A: np.ndarray) -> np.ndarray:
 
 
 def _run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
+    """The course fitted; of a delay several times, each time with what delays of the size found so far change."""
     run = _linear_run(course, g, at)
     if course.carrier != DELAY or run.score <= 0.0:
         return run

@@ -69,6 +69,7 @@ def _agrees(gain: Gain) -> bool:
 
 
 def _gain_in(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
+    """The same in held-out sessions, or in those that were fitted where none is `held`."""
     free, sessions = left_open(after, train, held, noise), held or train
     plain = [residual(before, s) for s in sessions]
     predicted = [_predicted(course, after, s, noise, free and free.of(i)) for i, s in enumerate(sessions)]

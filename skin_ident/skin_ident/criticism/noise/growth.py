@@ -75,6 +75,8 @@ def growth(innovations: list[np.ndarray], sessions: list[Channels]) -> Growth:
 
 
 def _of_one(size: np.ndarray, load: np.ndarray) -> tuple[float, float]:
+    """How many times as loud, less one, the noise is under the greatest load, and that load, N, by the fewest words; 0 where that is not
+    clearly fewer than of noise that is steady."""
     greatest = float(np.percentile(load, GREATEST)) if load.size else 0.0
     if greatest <= 0.0:
         return 0.0, 1.0

@@ -31,6 +31,7 @@ def sharpest(carrier: np.ndarray, r: np.ndarray, s: Session, noise: Whitener, mo
 
 
 def _energy(carrier: np.ndarray, s: Session, noise: Whitener) -> np.ndarray:
+    """e_m (n,) of the module's equation: that of a carrier that has settled from m + p on, and what a step makes of the filter's start."""
     order = noise.order
     whole = _from_here_on(np.sum(noise.apply(carrier, s) ** 2, axis=0))
     if not order:  # no filter, and so no start of one

@@ -130,6 +130,7 @@ def _said(s: Session) -> Said:
 
 
 def _settle_train(search: Search) -> None:
+    """The numbers of sessions that were fitted, in turn with those that all share."""
     for _ in range(TIMES):
         before = np.array([_present(search, s) for s in search.train])
         theta, _ = _of_train(search)

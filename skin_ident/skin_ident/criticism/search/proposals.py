@@ -82,6 +82,7 @@ def places_of(cls: type[Effect], session: Session) -> Iterator[str]:
 
 
 def _places(cls: type[Effect], session: Session) -> Iterator[str]:
+    """Every place of an effect of which some channel would say something; of several taxels each, and all of them."""
     for word in cls.places:
         if _unseen(cls.places[word], session):
             continue
@@ -99,6 +100,7 @@ def _unseen(place: Place, session: Session) -> bool:
 
 
 def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Direction]:
+    """One for every amplitude of an effect at a place, at every shape that is profiled."""
     amplitudes = [p for p in parameters_of(cls) if p.role == AMPLITUDE and not np.isnan(p.typical) and p.typical != 0.0]
     times = _times(cls, where, session)
     for shape in _shapes(cls, session, times):
@@ -155,6 +157,7 @@ def _felt(bent: Response, plain: Response, session: Session) -> slice:
 
 
 def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], session: Session) -> None:
+    """The changes themselves, into `out` (directions, C, n): of causes that a session lacks, nothing."""
     model = placed(model, session)
     run = model.trace(motion_under(session, model.dispersion))
     base = rows(run.response, session)

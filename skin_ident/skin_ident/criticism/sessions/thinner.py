@@ -40,6 +40,7 @@ def with_own_of_few(session: Session, few: Session) -> Session:
 
 
 def _thinner(s: Session, every: int, slowest: float) -> Session:
+    """One in so many samples, in a band of the same edge."""
     kept = {name: getattr(s.motion, name)[::every] for name in ("t", "x", "v", "a")}
     m = replace(s.motion, dt=s.motion.dt * every, **kept)
     band = Band(m.dt, s.band.cutoff, slowest)

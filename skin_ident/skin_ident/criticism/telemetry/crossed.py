@@ -48,6 +48,7 @@ def _averages(rows: np.ndarray, s: Session) -> np.ndarray:
 
 
 def _of_pair(sessions: list[Session], rest: list[np.ndarray], i: int, j: int) -> Iterator[Symptom]:
+    """Stretches in which channels `i` and `j` are exchanged, found in turn with the factors by which the model is off elsewhere."""
     y = [s.raw[[i, j]] for s in sessions]
     model = [m - e[[i, j]] for m, e in zip(y, rest, strict=True)]
     crossed, slopes = [np.zeros(m.shape[1], bool) for m in y], np.ones((2, 1))

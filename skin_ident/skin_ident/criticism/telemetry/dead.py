@@ -33,6 +33,7 @@ def find_dead_taxels(recordings: list) -> list[Symptom]:
 
 
 def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
+    """A taxel that holds one value in all sessions, or follows the load in none though its neighbours promise that it should."""
     name = f"taxel_{i}"
     rows = [r.taxels[i] for r in recordings]
     loads = [_load(r) for r in recordings]

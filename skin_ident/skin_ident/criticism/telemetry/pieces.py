@@ -57,6 +57,7 @@ def _width(sessions: list[Session], rest: np.ndarray) -> np.ndarray:
 
 
 def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> Iterator[Piece]:
+    """Every piece in which the model leaves much of one channel, and of all others no more than usual (`width` (C, 1), N)."""
     moved = motion_under(s, model.dispersion)
     n = max(round(LASTING_S / moved.dt), 8)
     far, near = (uniform_filter1d((np.abs(rest) > limit * width).astype(float), n, axis=1) for limit in (FAR, NEAR))

@@ -123,6 +123,7 @@ def _all_leavings(model: Model, sessions: list[Session], rest: list[np.ndarray])
 
 
 def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
+    """How far every channel falls below its zero, smoothed, and at which depth, each time that the plunger leaves the skin."""
     moved = motion_under(s, model.dispersion)
     touched = model.dispersion.contact(moved)
     air = ~touched & (moved.x < 0.0)

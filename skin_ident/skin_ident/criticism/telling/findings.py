@@ -100,6 +100,7 @@ def advice_on(named: Named) -> str:
 
 
 def _of_each_session(named: Named) -> dict[str, Any]:
+    """What belongs to each session alone: in words and numbers by session, and how it goes from one to the next."""
     if not named.courses:
         return {}
     said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())

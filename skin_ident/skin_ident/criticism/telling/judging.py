@@ -49,6 +49,7 @@ def judge(
 
 
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
+    """The criticism with the `effects` of faults in its extended model, and a baseline that was fitted to everything."""
     start = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects)
     plain = [
         [replace(without_parting(s, start.dispersion), skin=c.skin_before(own)) for s, own in zip(*pair, strict=True)]
