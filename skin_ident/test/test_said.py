@@ -7,8 +7,8 @@ import pytest
 from test_faults import NOISE, session
 
 from skin_ident.criticism.courses.carriers import DEPTH, DRIVE, DRIVEN, SLOPE, ZERO
-from skin_ident.criticism.courses.course import _said
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
+from skin_ident.criticism.courses.words import said_of
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telling.telling import _once_each
 
@@ -28,11 +28,11 @@ MOMENTS, Z = np.array([3.0, 8.0]), np.array([0.02, -0.01])
 )
 def test_every_course_has_its_numbers(carrier, shape, unit, sign, moments):
     z = Z if moments is not None else Z[:1]
-    said = _said(Course(carrier, shape, None, "taxel"), 2.0, MOMENTS if moments is not None else np.zeros(1), z)
+    said = said_of(Course(carrier, shape, None, "taxel"), 2.0, MOMENTS if moments is not None else np.zeros(1), z)
     assert [q["value"] for q in said.sizes] == pytest.approx(list(sign * z)) and {q["unit"] for q in said.sizes} == {unit}
     assert [q.get("at_s") for q in said.sizes] == (list(moments) if moments is not None else [None])
     assert said.under_way == (shape == STEPS)
-    assert not _said(Course(carrier, shape, None, "taxel"), 7.5, MOMENTS if moments is not None else np.zeros(1), z).under_way
+    assert not said_of(Course(carrier, shape, None, "taxel"), 7.5, MOMENTS if moments is not None else np.zeros(1), z).under_way
     assert isinstance(said, str) and json.loads(json.dumps(said)) == said
 
 

@@ -22,20 +22,18 @@ from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 
 from skin_ident.criticism.baseline.residual import simulated
-from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO, after_jump, carried
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, SLOPE, ZERO, after_jump, carried
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
 from skin_ident.criticism.courses.left_by_tare import MORE, Tare, tares
 from skin_ident.criticism.courses.run import LEAST, Moments, Run
+from skin_ident.criticism.courses.words import said_of
 from skin_ident.criticism.gates.uncertain import Open, own_rows
 from skin_ident.criticism.noise.estimate import pursue
 from skin_ident.criticism.noise.steps import sharpest
 from skin_ident.criticism.noise.whitening import Whitener, stack
-from skin_ident.criticism.said import Said
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-SIZES = {SLOPE: ("{:+.1f} %", 1e2), DEPTH: ("{:+.1f} µm", 1e6), DELAY: ("{:+.2f} ms", 1e3)}  # of steps, and how many to a unit
-UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # of values, all others in N
 MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
@@ -44,10 +42,11 @@ SECANTS = 2  # times that a delay is fitted once more, with what delays of that 
 SHORT = 0.1  # of a period of the band's edge: once is enough for less
 LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
 KNOT_S = {ZERO: 20.0, DELAY: 5.0}  # between the knots of a bend; motion tells of a delay wherever it is, of a zero only what noise leaves
-START_S = 5.0  # s, within which a step is how the session began
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 ALIKE = 0.95  # of the likelihood gain of a slope in one channel, which the same in all must reach to go before it
 BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
+
+Solution = tuple[dict[str, np.ndarray], float, float]  # amplitudes by session, what they explain less their charge, and that charge
 
 
 def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndarray]:
@@ -201,23 +200,34 @@ def _total(course: Course, run: Run, s: Session) -> np.ndarray:
 
 
 def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
+    """The course fitted, where what its carrier changes is in proportion to its amplitudes."""
+    moments, (z, score, charge) = _solved_steps(course, g, at) if course.shape == STEPS else _solved(course, g, at)
+    values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
+    said = {s.name: said_of(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
+    largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
+    tare = g.tared[course.rows[0]] if course.tares else None
+    return Run(course, score, charge, largest, values, said, g.sessions[0].period, tare, moments, z)
+
+
+def _solved(course: Course, g: _Ground, at: Moments | None) -> tuple[Moments, Solution]:
+    """The moments between which the course is drawn, `at` given ones or evenly, and its amplitudes there."""
     moments = at or {s.name: _moments(course, g, s) for s in g.sessions}
-    z, score, charge = _solve(course, g, moments, exactly=at is not None)
-    if course.shape == STEPS and score > 0.0 and at is None:
+    return moments, _solve(course, g, moments, exactly=at is not None)
+
+
+def _solved_steps(course: Course, g: _Ground, at: Moments | None) -> tuple[Moments, Solution]:
+    """The moments of the steps that are taken, and their amplitudes: looked for first roughly, then about those that were found, and once
+    more without what does not last, unless they are `at` given ones."""
+    moments, (z, score, charge) = _solved(course, g, at)
+    if at is None and score > 0.0:
         moments = {s.name: _around(moments[s.name], z[s.name], s, g.span(course, s)) for s in g.sessions}
         z, score, charge = _solve(course, g, moments, exactly=True)
         lasting = {name: _lasting(m, z[name]) for name, m in moments.items()}
         if any(lasting[name].size < np.count_nonzero(row) for name, row in z.items()):
             moments = lasting
             z, score, charge = _solve(course, g, moments, exactly=True)
-    if course.shape == STEPS:
-        moments = {name: m[z[name] != 0.0] for name, m in moments.items()}
-        z = {name: row[row != 0.0] for name, row in z.items()}
-    values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
-    said = {s.name: _said(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
-    largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    tare = g.tared[course.rows[0]] if course.tares else None
-    return Run(course, score, charge, largest, values, said, g.sessions[0].period, tare, moments, z)
+    taken = {name: row != 0.0 for name, row in z.items()}
+    return {name: m[taken[name]] for name, m in moments.items()}, ({name: row[taken[name]] for name, row in z.items()}, score, charge)
 
 
 def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -278,7 +288,7 @@ def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, f
     return np.unique(np.clip(np.add.outer(used, around), *span)) if used.size else moments[:1]
 
 
-def _solve(course: Course, g: _Ground, moments: dict[str, np.ndarray], exactly: bool = False) -> tuple[dict[str, np.ndarray], float, float]:
+def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) -> Solution:
     """Amplitudes by session, the fall of the squared whitened error less the charge for each of them, and that charge."""
     rows = [_felt(course, g, s, moments[s.name], exactly) for s in g.sessions]
     A = g.beside(block_diag(*(stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
@@ -318,28 +328,3 @@ def _as_tared(A: np.ndarray, r: np.ndarray, z: np.ndarray, most: float) -> np.nd
     """The zeros within what tares leave, where they explain as much as any others."""
     within = lsq_linear(A, r, (-most, most)).x if most > 0.0 else np.zeros(z.size)
     return within if np.sum((r - A @ within) ** 2) - np.sum((r - A @ z) ** 2) < MORE else z
-
-
-def _said(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:
-    """A session's course in words and numbers: steps are added up, a bend is read between its knots. `begin` of the session, s."""
-    unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
-    under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - begin) > START_S
-    words, at = _words(course, moments, z), None if course.shape == CONSTANT else moments
-    crept = (course.carrier, course.shape) == (ZERO, BEND)
-    return Said.of(words, values, unit, at, under_way=under_way, crept=crept, adds_up=course.shape in (CONSTANT, STEPS))
-
-
-def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
-    if course.carrier == DRIVE:
-        return f"{-z[0]:+.3g} N"  # what the load cell reads too much
-    if course.carrier == DRIVEN:
-        return f"{-1e2 * z[0]:+.1f} %"
-    if course.carrier == ZERO:
-        return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
-    size, scale = SIZES[course.carrier]
-    if course.shape == BEND:
-        return f"between {size.format(scale * z.min())} and {size.format(scale * z.max())}"
-    if course.shape == CONSTANT:
-        return size.format(scale * z[0])
-    steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True)]
-    return ", ".join(steps) or "none"

@@ -1,0 +1,36 @@
+"""What belongs to one session alone, in words and numbers."""
+
+import numpy as np
+
+from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, SLOPE, ZERO
+from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
+from skin_ident.criticism.said import Said
+
+SIZES = {SLOPE: ("{:+.1f} %", 1e2), DEPTH: ("{:+.1f} µm", 1e6), DELAY: ("{:+.2f} ms", 1e3)}  # of steps, and how many to a unit
+UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # of values, all others in N
+START_S = 5.0  # s, within which a step is how the session began
+
+
+def said_of(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:
+    """A session's course in words and numbers: steps are added up, a bend is read between its knots. `begin` of the session, s."""
+    unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
+    under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - begin) > START_S
+    words, at = _words(course, moments, z), None if course.shape == CONSTANT else moments
+    crept = (course.carrier, course.shape) == (ZERO, BEND)
+    return Said.of(words, values, unit, at, under_way=under_way, crept=crept, adds_up=course.shape in (CONSTANT, STEPS))
+
+
+def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
+    if course.carrier == DRIVE:
+        return f"{-z[0]:+.3g} N"  # what the load cell reads too much
+    if course.carrier == DRIVEN:
+        return f"{-1e2 * z[0]:+.1f} %"
+    if course.carrier == ZERO:
+        return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
+    size, scale = SIZES[course.carrier]
+    if course.shape == BEND:
+        return f"between {size.format(scale * z.min())} and {size.format(scale * z.max())}"
+    if course.shape == CONSTANT:
+        return size.format(scale * z[0])
+    steps = [f"{size.format(scale * a)} at {m:.1f} s" for m, a in zip(moments, z, strict=True)]
+    return ", ".join(steps) or "none"
