@@ -17,7 +17,7 @@ import numpy as np
 from skin_ident.criticism.array.family import Family, is_repeat
 from skin_ident.criticism.array.gains import Gains
 
-STEPS = 25
+STEPS = 25  # of Levenberg and Marquardt
 DIFFERENCE = 1e-4  # of the prior's standard deviation
 ALWAYS = {"level": 3.0, "scale": 0.02}  # prior standard deviations of logarithms: a stiffness nobody knows, and one skin at two places
 

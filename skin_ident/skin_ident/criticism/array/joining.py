@@ -12,7 +12,7 @@ from skin_ident.criticism.telemetry.more_than_applied import KIND as MORE_THAN_A
 from skin_ident.criticism.vocabulary import Key, revised
 from skin_models.model import Model
 
-SPOILT = ("dead_taxel", "data_error")
+SPOILT = ("dead_taxel", "data_error")  # what leaves no ratio to be judged
 APART = (
     "what the ratios of the taxels are worth is measured against the declared layout; baseline and extended model have a gain of their own "
     "for every taxel, so their errors do not show it"

@@ -15,8 +15,8 @@ from skin_ident.criticism.vocabulary import Key
 SURE = 0.95  # probability that something is wrong, from which it is said so
 REACH = 3.0  # log odds within which a rival cannot be told from the best,
 AT_ONE_PLACE = 10.0  # and where all sessions press at one place: then causes differ by the very shape of spread and leak alone
-MOST_SUSPECTS = 6
-MOST_REPEATS = 4
+MOST_SUSPECTS = 6  # taxels, each asked for a gain that changed: that takes a fit for every way to part the sessions
+MOST_REPEATS = 4  # pairs of taxels that are fitted
 KNOWN = 1e-4  # relative standard error of a calibration, and of a width, that is known as well as any
 MUCH_LESS = 0.5  # times the standard error
 WIDER = 10.0  # times what a cause is like: a prior that does not help to bound it

@@ -20,7 +20,7 @@ SAME, NOISE = 0.002, 3.0  # of the motion (rms), and times the noise of reading 
 LATEST_S = 1.0  # by which a twin's clock may be off, beside clocks that begin together
 LEAST = 0.25  # of a sampling period, from which that is said
 NEARLY_ALL = 0.3  # of what two answers differ by (rms), the most that a delay leaves which is all of it
-ROUNDS = 8
+ROUNDS = 8  # of Gauss and Newton, to a thousandth of a sample
 
 
 def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:

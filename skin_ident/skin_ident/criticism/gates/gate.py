@@ -22,9 +22,9 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE
 
 EACH_IN_TURN = "each session in turn"  # what was held out, where no session was kept aside; readers of findings.json know it by this
-BLOCK_S = 2.0
+BLOCK_S = 2.0  # of the residual, drawn as a whole: longer than noise remembers
 FEWEST_BLOCKS = 3  # of a session; shorter ones in one that would have fewer
-RESAMPLES = 1000
+RESAMPLES = 1000  # of the blocks
 MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming, if half of the channels carry it
 MUCH, CLEAR = 0.25, 0.06  # the same from which the plain error is asked no further, and from which half of its fall is enough
 MOST, NOTHING = 0.5, -0.02  # the same from which its lower bound may be next to nothing, where most of it is in one block
@@ -32,7 +32,7 @@ MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains mo
 HEARD, LOUD = 0.28, 0.35  # of what is left in a channel: what a change of that size can lower its error by, at most, is 4 and 6 %
 SPOILT = 1.25  # times what it was, to which no cause may let the error of a channel rise
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
-FOLD_ITERATIONS = 3
+FOLD_ITERATIONS = 3  # of a fit that begins where that to all sessions ended
 
 Asked = tuple[Session, Model, Model]  # a session, and the models before and after that shall predict it
 Residuals = tuple[list[np.ndarray], list[np.ndarray]]  # (C, n) N of each session, before and after

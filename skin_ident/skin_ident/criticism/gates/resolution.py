@@ -31,15 +31,16 @@ UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries 
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
 ROUNDED = 0.5  # of a step, by which a tare leaves a zero off
 RESOLVED = float(np.hypot(INTEGRAL, ROUNDED))  # of a step: what may be left (RMS) beside that
-OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")
+OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")  # what bends a reading as the nonlinearity of a converter does
 UNZEROED = 0.25  # of the encoder's step, by which the zero of depth is off beside a stiffness that is free: it bends what is read
 TREMBLING = 1e-6  # m, of a good stage at rest
 EVEN_S = 0.5  # over which the speed is averaged, for a beat makes spikes of it
 MOVING = 2.0  # times the greatest speed of such a tremble
 TRAVEL_S, TRAVELLED = 1.0, 1.5  # within this time the depth of a stage that moves changes by more than so many steps of its encoder
-OF_SPEED = ("rate_dependence", "mount_compliance")
+OF_SPEED = ("rate_dependence", "mount_compliance")  # what shows where the stage moves fast: there steps make a speed that is none
 CLEARLY = 3.0  # standard deviations of noise
 DRIVEN = 0.3  # of what is explained in all, the least that must be while the driving force changes
+# What smooths the depth, and with it its steps and noise.
 SMOOTHING = ("rate_dependence", "mount_compliance", "stress_relaxation", "hysteresis", "backlash", "lag", "time_shift", "quantization")
 DILUTED = 0.15  # of the mean square, plain or whitened, that noise of what drives the test may seem to explain
 

@@ -21,7 +21,7 @@ from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-SCALES = (0.5, 2.0)
+SCALES = (0.5, 2.0)  # between which a factor is another gain or contact
 
 
 def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:

@@ -22,7 +22,7 @@ from scipy.ndimage import uniform_filter1d
 GROWTHS = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])  # at a channel's greatest load; beyond, air seems silent that merely lies on one step
 GREATEST = 99.0  # percent of the samples that are loaded less
 CLEARLY = 10.0  # nats
-AVERAGED_S = 0.25
+AVERAGED_S = 0.25  # over which a load is averaged, so that its own noise is none
 LEAST_PRESSED = 0.1  # of the samples
 ONE_SIDED = 0.4  # of the greatest reading to one side, the least to the other that is noise
 

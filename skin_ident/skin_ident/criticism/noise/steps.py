@@ -15,7 +15,7 @@ from scipy.signal import lfilter
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 
-APART_S = 0.5
+APART_S = 0.5  # that moments are apart: one step explains much at all moments beside it
 
 
 def sharpest(carrier: np.ndarray, r: np.ndarray, s: Session, noise: Whitener, most: int) -> np.ndarray:

@@ -25,7 +25,7 @@ from skin_ident.spread_scan import SpreadScan
 
 CLEAR = 4.0  # standard errors
 REPEATS = 0.025  # relative, to which a taxel of the thesis repeats
-FEWEST_DEPTHS = 3
+FEWEST_DEPTHS = 3  # that scans have in common
 STEPS = 3  # of Gauss and Newton: a reading is hardly bent over its force
 ZEROS = ("shift", "offset")  # which each scan finds anew
 CHANGED = "the gain of the taxel changed in between, or the stiffness of the skin did (another sample, place or day)"

@@ -7,7 +7,7 @@ import numpy as np
 from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Member
 
-FEWEST_DISTANCES, FEWEST_DEPTHS = 6, 4
+FEWEST_DISTANCES, FEWEST_DEPTHS = 6, 4  # that tell the shape of a spread, and the law of a skin
 
 
 @dataclass(frozen=True)

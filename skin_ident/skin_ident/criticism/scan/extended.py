@@ -18,7 +18,7 @@ from skin_models.effects.saturation import Saturation
 from skin_models.model import Model
 from skin_models.parameter import clipped
 
-POINTS = 61
+POINTS = 61  # of the table, up to three widths
 WIDEST = 6.0  # widths, where the table of a shape ends at the latest
 STATIC = (
     "static spread scan: only k1, the force that reaches the taxel per depth, and the spread were measured; no damping, nothing dispersed"

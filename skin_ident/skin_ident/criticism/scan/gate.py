@@ -16,11 +16,11 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Member, fit
 from skin_ident.criticism.scan.whitening import Noise
 
-RESAMPLES = 1000
+RESAMPLES = 1000  # of the groups
 DOUBT = 10.0  # percentile of the resampled gain that must be above zero
 FEWEST = 4  # groups that must be left out in turn before their resampling means anything
-ITERATIONS, TOLERANCE = 4, 1e-3
-SIZED_AGAIN, WHOLE = "spread", "whole"
+ITERATIONS, TOLERANCE = 4, 1e-3  # of a fit that begins where that to everything ended
+SIZED_AGAIN, WHOLE = "spread", "whole"  # how a depth is left out: its size is fitted to every other distance, or it is predicted altogether
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from skin_ident.criticism.scan.fitting import Member, jacobian, tangents
 from skin_ident.criticism.scan.whitening import Whitener
 from skin_ident.criticism.vocabulary import CAUSES
 
-CLEAR = 3.0
+CLEAR = 3.0  # standard errors
 _TIME = "a static scan has no time in it"
 _ONE = "there is one taxel in these scans"
 _STIFFNESS = "in a static scan it is the same as another stiffness"

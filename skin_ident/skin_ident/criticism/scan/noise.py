@@ -18,8 +18,8 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Member, by_size, tangents
 from skin_ident.criticism.scan.whitening import Noise
 
-HUBER = 2.5
-SWEEPS = 2
+HUBER = 2.5  # standard deviations, from which a residual counts by its size alone
+SWEEPS = 2  # through the components, each fitted beside the others
 WORTH = 2.0  # -2 log L that a component of the noise must gain to be kept
 
 

@@ -11,8 +11,8 @@ from skin_ident.criticism.scan.start import plain_start
 from skin_ident.criticism.scan.whitening import Whitener
 from skin_ident.estimators.scale import normal_scale
 
-ROUNDS = 6
-TUKEY = 4.7
+ROUNDS = 6  # of reweighting
+TUKEY = 4.7  # standard deviations, from which a reading has no weight (Tukey's biweight)
 WILD = 3.0  # a row or column this many times what its neighbours say takes no part
 
 

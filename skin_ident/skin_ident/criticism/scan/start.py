@@ -13,7 +13,7 @@ from skin_models.signals import motion
 from skin_models.spread.kernels import Anisotropic, DepthWidth, Gaussian
 from skin_models.spread.noted import kernel_of, spread_width
 
-WIDTHS = 60
+WIDTHS = 60  # that are tried first
 POINTS, RAMP = 2001, 1e4  # of the slow ramp that a given model is pressed with; s
 
 

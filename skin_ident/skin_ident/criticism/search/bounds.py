@@ -20,7 +20,7 @@ from skin_ident.criticism.vocabulary import CAUSES, Cause, where_and_clock
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
-CLEAR = 3.0
+CLEAR = 3.0  # standard errors
 NEAR = 0.35  # of the best score of a round
 ALIKE = 0.98  # correlation above which two directions are one
 HOLLOW = "beside what else may be there, all that is possible of it would not stand out here"

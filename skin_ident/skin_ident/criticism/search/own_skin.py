@@ -32,13 +32,13 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS
 from skin_models.model import Model
 
-NUMBERS = ("k1", "b1", "k2", "b2")
+NUMBERS = ("k1", "b1", "k2", "b2")  # that a session may have of its own
 STRAYS = 0.03  # of every number, from session to session
 FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
 AHEAD = 1.1  # times what a course explains, which other numbers must to go before it
 NATURAL = 0.045  # that a stiffness may be off where specimens differ by a hundredth; what differs by more is told
 TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, until they move by less
-WORTH_SAYING = 0.002
+WORTH_SAYING = 0.002  # of a number
 
 
 def explained_by_own_skin(search: Search) -> float:

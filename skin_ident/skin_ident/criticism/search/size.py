@@ -6,9 +6,9 @@ from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.sessions.session import prepare
 
-WANTED_BYTES, MOST_BYTES = 1.8e9, 6e9
+WANTED_BYTES, MOST_BYTES = 1.8e9, 6e9  # of a search; and of that of the fewest taxels, beyond which it is refused
 COPIES = 7  # of the bank of directions, all told, at the height of a search
-FEWEST = 3
+FEWEST = 3  # taxels
 
 
 def affordable(recordings: list, most: int) -> int:

@@ -26,7 +26,7 @@ from skin_ident.criticism.vocabulary import SENSORS, Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 
-MOST_FINDINGS = 5
+MOST_FINDINGS = 5  # or rounds, before it is asked what stands for what
 SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
 FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
 LASTS_S = 30.0  # of training together: of less, two bent causes fit whatever is there

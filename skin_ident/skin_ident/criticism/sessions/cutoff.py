@@ -20,8 +20,8 @@ from skin_ident.estimators.scale import white_noise
 from skin_ident.recordings.staircase import drawn_again
 from skin_ident.stretches import runs
 
-SHARE = 0.02
-LOWEST_HZ = 2.0
+SHARE = 0.02  # of the motion, by the integral of f^4 S over the band, the most that steps and noise of the depth may be
+LOWEST_HZ = 2.0  # of any band, however coarse the encoder is
 FEWEST = 250  # samples that the band keeps of the shortest recording, at three times its cut-off
 EDGES = CUTOFF_HZ * (LOWEST_HZ / CUTOFF_HZ) ** np.linspace(0.0, 1.0, 9)
 SHORTEST_S = 1.0  # a time of contact that counts

@@ -10,8 +10,8 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 
-WIDTH_HZ = 1.5
-COMING = 4.0
+WIDTH_HZ = 1.5  # to either side of the line, of what makes its envelope
+COMING = 4.0  # mean(a^4) / mean(a^2)^2, twice that of noise
 THERE = 0.5  # of the bursts' amplitude, from which it is there
 REACHED = 99.0  # percentile of the envelope that is taken for the amplitude
 

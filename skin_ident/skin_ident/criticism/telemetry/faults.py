@@ -23,7 +23,7 @@ from skin_models.effects.saturation import LeakySaturation, Saturation
 from skin_models.model import Model
 from skin_models.parameter import clipped
 
-PREDICTS = ("saturation", "quantization", "dead_taxel")
+PREDICTS = ("saturation", "quantization", "dead_taxel")  # what predicts held-out data: the others come at random, or are not compared
 UNLIKE = "unlike_simulated"  # evidence that the catalogue's effect would take the simulation further from the record
 
 

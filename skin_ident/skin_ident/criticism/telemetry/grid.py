@@ -8,7 +8,7 @@ import numpy as np
 
 TOLERANCE = 2e-3  # of a step, plus what six written digits round away,
 ROUNDED, MOST = 6e-6, 0.1  # up to so much of a step: beyond, a grid of finer steps would fit as well
-FEWEST_LEVELS = 8
+FEWEST_LEVELS = 8  # that tell a grid
 DUST = 4  # digits of a step, beyond which levels differ by how they were worked out
 CLOSE = 2.5  # steps between neighbouring levels, in a record that dwells on many of them
 

@@ -19,7 +19,7 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 
 CHANCE = 1e-4  # of one false line per channel
 SEEN = 5.0  # times its background, as tall as a line is in more than this part of the sessions: a few motions may be of one speed
-MOST_SESSIONS = 2 / 3
+MOST_SESSIONS = 2 / 3  # that a motion's own line may be in
 DRIFT = 5  # bins by which a line may differ from session to session
 BESIDE = 2, 12  # bins: what a line is compared with to tell it from a hump
 HUMP = 1e-5  # chance that a hump looks like one: it is its highest bin that is looked at

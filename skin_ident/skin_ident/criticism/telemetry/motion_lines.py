@@ -13,13 +13,13 @@ from scipy.stats import f as f_distribution
 BY_DEPTH = 0.4  # of a line that the simulation may carry
 NEAR = 3  # bins to both sides
 TALL = 20.0  # times its background, where a motion has a line of its own
-LONE = 100.0
-SEVERAL, ABOVE = 3, 8.0
+LONE = 100.0  # times its background, where a motion that moves as much has none
+SEVERAL, ABOVE = 3, 8.0  # sessions, in each of which a line stands so many times as tall as in all that is made of the motion
 CYCLES, LEAST_S = 8, 2.0  # of a line, in a window at rest, and its least length
 STILL = 0.25  # of the line's amplitude, by which the simulation may move there (standard deviation)
 BESIDE = np.array([-4, -3, -2, 2, 3, 4])  # bins of such a window that a line is compared with
 FEWEST = 2  # windows
-CHANCE = 1e-4
+CHANCE = 1e-4  # that noise at rest has as much at the line
 SLOW = 0.02  # of the greatest speed, below which a speed has no sign
 
 

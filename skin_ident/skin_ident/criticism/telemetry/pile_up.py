@@ -9,7 +9,7 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.estimators.scale import normal_scale
 
 FEWEST_VISITS = 2  # separate times at the level
-FEWEST_SAMPLES = 10
+FEWEST_SAMPLES = 10  # at the level, in all
 PILED = 4.0  # times as many samples at the level as at each of the five below it
 BEYOND = 2.0  # noise widths by which the simulation must exceed the level there,
 NOISY = 2.0  # unless noise, and what the model does in a visit, are so many of the converter's steps

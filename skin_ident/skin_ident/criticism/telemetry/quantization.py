@@ -22,7 +22,7 @@ UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by
 FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
 FEW = 0.05  # of the samples, the most levels of a converter whose steps are uneven, and which reads
 OFTEN = 0.9  # of the times that a level is come to, those of levels to which it comes again and again
-AGAIN = 5
+AGAIN = 5  # times that a level is come to
 NARROW = 40.0  # percent of the spacings, which may be as narrow as was declared: at a hold noise comes to two levels side by side
 BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
 

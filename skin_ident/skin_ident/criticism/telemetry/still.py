@@ -6,7 +6,7 @@ var(y). So a channel is still where var(y) < MOVES var(d) / 2, spikes left aside
 
 import numpy as np
 
-MOVES = 1.5
+MOVES = 1.5  # between white noise, which has 1, and what moves, from 2 on
 SPIKES = 0.5  # percent of the samples, above and below
 NOTHING = 1e-9  # of the largest value: rounding
 

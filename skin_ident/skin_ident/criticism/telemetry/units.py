@@ -12,6 +12,7 @@ from skin_ident.criticism.telemetry.grid import factor_of, sits_on
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_CHANGE, UNIT_FACTOR
 
+# A pound-force and a kilogram-force in N, a technical atmosphere in MPa, each either way; thousands, and a point that is out of place.
 FACTORS = (4.44822, 1 / 4.44822, 9.80665, 1 / 9.80665, 0.0980665, 1 / 0.0980665, 1000.0, 1e-3, 10.0, 0.1)
 NEAR = 0.06  # relative, how close a ratio of slopes must come to such a factor
 PIECES = 12  # of a session, each asked for its grid

@@ -41,8 +41,8 @@ LOUDER = 6.0  # times the noise of the air: so much does no load make of it
 HARDLY = 0.02  # of the greatest depth: noise of the force that drives a test is as much
 AIR_S = 3.0  # of the air, that tell its noise
 TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
-BLOCK_S = 4.0
-DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
+BLOCK_S = 4.0  # by which a session is fitted and predicted in turns
+DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # by which simulated channels are shifted, to and fro
 
 
 def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, Any]]:

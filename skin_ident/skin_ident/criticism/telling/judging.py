@@ -22,7 +22,7 @@ from skin_ident.criticism.telemetry.faults import PREDICTS, effect_of, effects_o
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.model import Model
 
-MOST_FOLDS = 5
+MOST_FOLDS = 5  # by which sessions are held out in turn
 
 
 @dataclass(frozen=True)
