@@ -24,7 +24,7 @@ def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], 
     return (("before", "simulated before", trace.baseline), ("after", "simulated after", trace.extended))
 
 
-def above(both: Sequence[tuple[str, str, np.ndarray]]) -> list[tuple[str, str, np.ndarray]]:
+def in_drawing_order(both: Sequence[tuple[str, str, np.ndarray]]) -> list[tuple[str, str, np.ndarray]]:
     """In the order to draw them: what was simulated before lies striped over what is now, so that both show where they are alike."""
     return [(f"{kind} over" if kind == "before" else kind, name, y) for kind, name, y in reversed(both)]
 
@@ -33,7 +33,7 @@ def key(trace: Trace | ScanTrace) -> Safe:
     """The legend of measured against simulated."""
     in_time = isinstance(trace, Trace)
     out = [("leftout", "not compared")] if in_time and not trace.compared.all() else []
-    both = above(simulations(trace)) if in_time else simulations(trace)
+    both = in_drawing_order(simulations(trace)) if in_time else simulations(trace)
     return legend(("measured", "measured"), *((kind, name) for kind, name, _ in both), *out)
 
 
@@ -50,14 +50,14 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
     left = left_in_band(trace, row, v, cut)
     factor, printed = scale(np.nanmax(np.abs(y[cut]), initial=0.0), unit)
     small, small_printed = scale(v.loudest or max(float(np.nanmax(np.abs(r[trace.compared[cut]]), initial=0.0)) for _, _, r in left), unit)
-    drawn = (("measured", "measured", y), *above(both))
+    drawn = (("measured", "measured", y), *in_drawing_order(both))
     top = [Line(*thinned(t, factor * s[cut], buckets), kind, name) for kind, name, s in drawn]
     below = [Line(*thinned(t, small * r, buckets), kind, _briefly(name)) for kind, name, r in left]
     y_top = axis([line.y for line in top], f"{channel(trace.channels[row])}, {printed}")
     judged = trace.compared[cut]
     cut_at = " (axis cut)" if goes_beyond(left, judged) else ""
     label = f"measured − simulated{below_band(v)}, {small_printed}{cut_at}"
-    y_below = axis([small * np.array(held(left, judged))], label, zero=True)
+    y_below = axis([small * np.array(shown_range(left, judged))], label, zero=True)
     grey = _not_compared(t, judged)
     return el(
         "div",
@@ -78,7 +78,7 @@ def left_in_band(trace: Trace, row: int, v: View, cut: slice) -> list[tuple[str,
     return [(kind, name, smooth(trace.t, y - curves[row], v.band_hz)[cut]) for kind, name, curves in simulations(trace)]
 
 
-def held(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> tuple[float, float]:
+def shown_range(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> tuple[float, float]:
     """The range that an axis of what is left holds: what was compared, and of the rest all that goes no more than as far again beyond, or
     else its middle 96 % as far as that."""
     every = np.stack([r for _, _, r in left])
@@ -99,7 +99,7 @@ def goes_beyond(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> 
     every = np.stack([r for _, _, r in left])
     if not np.isfinite(every).any():
         return False
-    low, high = held(left, judged)
+    low, high = shown_range(left, judged)
     beyond = max(float(np.nanmax(every)) - high, low - float(np.nanmin(every)))
     return beyond > CUT * (high - low)
 

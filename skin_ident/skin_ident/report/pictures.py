@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from skin_ident.criticism.telling.outcome import Outcome, ScanTrace, Trace
 from skin_ident.criticism.vocabulary import cause_at
-from skin_ident.report.charts import below_band, goes_beyond, held, left_in_band, simulations
+from skin_ident.report.charts import below_band, goes_beyond, left_in_band, shown_range, simulations
 from skin_ident.report.focus import Focus
 from skin_ident.report.numbers import scale
 from skin_ident.report.shapes import residuals, spectrum, thinned
@@ -49,7 +49,12 @@ def _before_after(seen: Focus, v: View, title: str) -> Figure:
     axes = figure.subplots(2, len(parts), squeeze=False, sharex="col", sharey="row", gridspec_kw={"height_ratios": (2, 1)})
     unit = unit_of(v, seen.channel)
     for (start, stop), (top, below) in zip(parts, axes.T, strict=True):
-        _curves(seen, slice(start, stop), v, top, below)
+        cut = slice(start, stop)
+        _curves(seen, cut, v, top)
+        _curves_left(seen, cut, v, below)
+        for part in (top, below):
+            _shaded(seen.trace, cut, part)
+            _tidy(part)
         top.set_title("the whole session" if stop - start == seen.trace.t.size else seen.words, fontsize=10)
     if len(parts) == 2:
         axes[0, 1].set_title("the whole session (yellow: what is on the left)", fontsize=10)
@@ -66,35 +71,30 @@ def _title(told: Told, session: str) -> str:
     return f"{told.story.headline.title}\n{better.number} {better.caption} ({short(session, 60)})"
 
 
-def _curves(seen: Focus, cut: slice, v: View, top, below) -> None:
-    t = seen.trace.t[cut]
-    y, unit = seen.trace.measured[seen.row], unit_of(v, seen.channel)
-    both = simulations(seen.trace)
-    factor, _ = scale(np.nanmax(np.abs(y), initial=0.0), unit)
-    for order, (kind, label, curves) in enumerate((("measured", "measured", seen.trace.measured), *reversed(both))):
+def _curves(seen: Focus, cut: slice, v: View, axes) -> None:
+    """Measured and simulated, in the unit that suits what was measured."""
+    t, unit = seen.trace.t[cut], unit_of(v, seen.channel)
+    factor, _ = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)
+    drawn = (("measured", "measured", seen.trace.measured), *reversed(simulations(seen.trace)))
+    for order, (kind, label, curves) in enumerate(drawn):
         style = (0, (5, 4)) if kind == "before" else "-"  # striped over what is simulated now, so that both show where they are alike
-        top.plot(
-            *thinned(t, factor * curves[seen.row][cut], POINTS),
-            color=COLOURS[kind],
-            lw=WIDTHS[kind],
-            ls=style,
-            label=label,
-            zorder=2 + order,
-        )
-    small, name = _small(seen, unit, v)
+        line = thinned(t, factor * curves[seen.row][cut], POINTS)
+        axes.plot(*line, color=COLOURS[kind], lw=WIDTHS[kind], ls=style, label=label, zorder=2 + order)
+
+
+def _curves_left(seen: Focus, cut: slice, v: View, below) -> None:
+    """What is left in the band of errors, on an axis that holds that of the whole session."""
+    small, name = _small(seen, unit_of(v, seen.channel), v)
     left = left_in_band(seen.trace, seen.row, v, slice(None))
     for kind, _, r in left:
-        below.plot(*thinned(t, small * r[cut], POINTS), color=COLOURS[kind], lw=1.0)
-    low, high = held(left, seen.trace.compared)
+        below.plot(*thinned(seen.trace.t[cut], small * r[cut], POINTS), color=COLOURS[kind], lw=1.0)
+    low, high = shown_range(left, seen.trace.compared)
     margin = small * max(0.05 * (high - low), 1e-12)
     below.set_ylim(small * low - margin, small * high + margin)
     below.set_xlabel("time, s")
     if below.get_subplotspec().is_first_col():
         cut_at = "\n(axis cut)" if goes_beyond(left, seen.trace.compared) else ""
         below.set_ylabel(f"measured −\nsimulated, {name}" + below_band(v).replace(" below", "\nbelow") + cut_at)
-    for axes in (top, below):
-        _shaded(seen.trace, cut, axes)
-        _tidy(axes)
 
 
 def _shaded(trace: Trace, cut: slice, axes) -> None:

@@ -46,9 +46,7 @@ def view(findings: dict[str, Any]) -> View:
         untestable=tuple(mapping(e) for e in sequence(findings.get("untestable"))),
         warnings=tuple(text(w) for w in sequence(findings.get("warnings"))),
         rest=finite(mapping(findings.get("systematic_rest")).get("fall_of_mean_square")),
-        band_hz=next(
-            (b for f in mapping(findings.get("noise_floor")).values() if (b := finite(mapping(f).get("band_hz"))) is not None), None
-        ),
+        band_hz=_band(mapping(findings.get("noise_floor"))),
         in_turn=any(g.get("tested_on") == EACH_IN_TURN for g in gains.values()),
         other={k: v for k, v in findings.items() if k not in _KNOWN},
         held=tuple(_held(str(name), mapping(h)) for name, h in mapping(baseline.get("held")).items()),
@@ -56,6 +54,12 @@ def view(findings: dict[str, Any]) -> View:
         given=baseline.get("given") is True,
         most_left=mapping(findings.get("systematic_rest")),
     )
+
+
+def _band(floors: dict[str, Any]) -> float | None:
+    """The edge of the band in which errors are counted, as the first floor has it that says so."""
+    edges = (finite(mapping(floor).get("band_hz")) for floor in floors.values())
+    return next((hz for hz in edges if hz is not None), None)
 
 
 def _lone_taxel(findings: dict[str, Any]) -> dict[str, Any]:
@@ -112,26 +116,26 @@ def _held(name: str, entry: dict[str, Any]) -> tuple[Amount, str]:
 
 def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
     cause, where = text(f.get("cause")), place_in(f)
-    channels = tuple(text(c) for c in sequence(f.get("channels")))
-
+    channels, evidence = tuple(text(c) for c in sequence(f.get("channels"))), mapping(f.get("evidence"))
+    alternatives = sequence(f.get("alternatives"))
     sizes = {str(name).rpartition(".")[2]: entry for name, entry in mapping(f.get("parameters")).items()}
     words, known = effect_words(cause, where, tuple(sizes)), declared(cause, where, tuple(sizes))
     none = {name: p.neutral for name, p in known.items()}
     return Finding(
-        cause,
-        where,
-        channels,
-        tuple(_amount(name, entry, words.get(name) or label(name), none.get(name, 0.0)) for name, entry in sizes.items()),
-        tuple(mapping(f.get("evidence")).items()),
-        _gain(mapping(f.get("gain")), channels, baseline, mapping(f.get("evidence")).get("held_out")),
-        tuple(_alternative(a, mapping(f.get("evidence"))) for a in sequence(f.get("alternatives"))),
-        text(f.get("separating_experiment")),
-        tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
-        text(f.get("battery")),
-        "separating_evidence" in f and not f.get("battery"),
-        text(f.get("advice")) or advice(cause),
-        text(f.get("means")) or meaning(cause),
-        tuple(_behind(a, mapping(f.get("evidence"))) for a in sequence(f.get("alternatives"))),
+        cause=cause,
+        where=where,
+        channels=channels,
+        amounts=tuple(_amount(name, entry, words.get(name) or label(name), none.get(name, 0.0)) for name, entry in sizes.items()),
+        evidence=tuple(evidence.items()),
+        gain=_gain(mapping(f.get("gain")), channels, baseline, evidence.get("held_out")),
+        alternatives=tuple(_alternative(a, evidence) for a in alternatives),
+        separating=text(f.get("separating_experiment")),
+        hid_in=tuple(_bent(str(name), mapping(entry)) for name, entry in mapping(f.get("hid_in")).items()),
+        battery=text(f.get("battery")),
+        by_hand="separating_evidence" in f and not f.get("battery"),
+        act=text(f.get("advice")) or advice(cause),
+        means=text(f.get("means")) or meaning(cause),
+        behind=tuple(_behind(a, evidence) for a in alternatives),
     )
 
 
@@ -146,13 +150,13 @@ def _gain(g: dict[str, Any], channels: tuple[str, ...], baseline: dict[str, Any]
     channel = text(g.get("channel")) or (channels[0] if channels else "")
     unit = text(g.get("unit")) or text(mapping(mapping(baseline.get("rmse")).get(channel)).get("unit")) or "N"
     return Gain(
-        finite(g.get("held_out_rmse_before")),
-        finite(g.get("held_out_rmse_after")),
-        low,
-        high,
-        channel,
-        unit,
-        text(g.get("held_out") or held_out),
+        before=finite(g.get("held_out_rmse_before")),
+        after=finite(g.get("held_out_rmse_after")),
+        low=low,
+        high=high,
+        channel=channel,
+        unit=unit,
+        held_out=text(g.get("held_out") or held_out),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace, Trace
-from skin_ident.criticism.vocabulary import cause_at, spoken
+from skin_ident.criticism.vocabulary import cause_at, spoken, word_of
 from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, next_steps, rebuild_answer, sure
 from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
@@ -277,9 +277,9 @@ def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
     if f.why:
         return sentence(f.why)
     ranked = next((r.ranked for r in rounds if r.named and named_cause(r.named) == f.cause), ())
-    names = {(cause, _coarse(where)) for cause, where in f.names}
-    own = max((g for c, w, g in ranked if (c, _coarse(w)) == (f.cause, _coarse(f.where))), default=None)
-    rival = max((r for r in ranked if (r[0], _coarse(r[1])) not in names and r[2] > 0.0), key=lambda r: r[2], default=None)
+    names = {(cause, word_of(where)) for cause, where in f.names}
+    own = max((g for c, w, g in ranked if (c, word_of(w)) == (f.cause, word_of(f.where))), default=None)
+    rival = max((r for r in ranked if (r[0], word_of(r[1])) not in names and r[2] > 0.0), key=lambda r: r[2], default=None)
     if own is None:
         return ""
     name, others = capital(cause_at(f.cause, f.where)), " but those named beside it" if len(names) > 1 else ""
@@ -290,7 +290,3 @@ def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
     if (ratio := own / rival[2]) >= 1.1:
         return f"{name} explains {plain(ratio, 2)} times as much of the mismatch as {next_}."
     return f"{name} explained about as much at first as {next_}, and more when all had been fitted in full."
-
-
-def _coarse(where: str) -> str:
-    return "clock" if where.startswith("clock") else where

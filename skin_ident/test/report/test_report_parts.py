@@ -13,7 +13,7 @@ from skin_ident.criticism.scan.diagnose import diagnose_scans
 from skin_ident.criticism.scan.family import QUANTITIES
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.vocabulary import cause_at, spoken
-from skin_ident.report.charts import goes_beyond, held
+from skin_ident.report.charts import goes_beyond, shown_range
 from skin_ident.report.focus import focus
 from skin_ident.report.numbers import amount, percent, plain, span
 from skin_ident.report.page import page
@@ -225,6 +225,6 @@ def test_a_session_of_gaps_and_flat_lines_is_drawn():
 def test_an_axis_holds_what_was_not_compared_as_far_again_and_no_spike():
     rest = np.concatenate([np.linspace(-1.0, 1.0, 100), np.full(10, -2.0)])
     judged = np.arange(110) < 100
-    assert held([("after", "", rest)], judged) == (-2.0, 1.0)
-    low, high = held([("after", "", np.append(rest, 50.0))], np.append(judged, False))
+    assert shown_range([("after", "", rest)], judged) == (-2.0, 1.0)
+    low, high = shown_range([("after", "", np.append(rest, 50.0))], np.append(judged, False))
     assert -2.0 <= low <= -1.0 and high == 1.0 and goes_beyond([("after", "", np.append(rest, 50.0))], np.append(judged, False))

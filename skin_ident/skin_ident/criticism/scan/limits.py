@@ -52,7 +52,7 @@ def limits(m: Member, cells: Cells, noise: Whitener, x: Excited, named: set[str]
         if cause.name in named:
             continue
         because = NEVER.get(cause.name) or known.get(cause.name) or x.why_not(cause.name) or _tied(cause.name, m, x)
-        entry = None if because else _excluded(m, cells, noise, cause.name, x)
+        entry = None if because else _excluded(m, cells, noise, cause.name)
         if entry is not None:
             excluded.append(entry)
         else:
@@ -68,7 +68,7 @@ def _tied(cause: str, m: Member, x: Excited) -> str:
     return "another shape was fitted, and it brings its own width" if cause == "spread_width" and "width" in m.free else ""
 
 
-def _excluded(m: Member, cells: Cells, noise: Whitener, cause: str, x: Excited) -> dict[str, Any] | None:
+def _excluded(m: Member, cells: Cells, noise: Whitener, cause: str) -> dict[str, Any] | None:
     c = next((c for c in CANDIDATES if c.cause == cause), None)
     if c is None or cause == "saturation":
         return {"cause": cause, "below": None, "unit": "", "because": "looked for and not seen"}

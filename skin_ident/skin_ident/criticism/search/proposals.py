@@ -86,7 +86,7 @@ def _places(cls: type[Effect], session: Session) -> Iterator[str]:
     for word in cls.places:
         if _unseen(cls.places[word], session):
             continue
-        if word.endswith("taxel") or word.endswith("taxels"):
+        if word.endswith(("taxel", "taxels")):
             if session.n_taxels == 0:
                 continue
             if session.n_taxels > 1 and word == "taxel":
