@@ -53,5 +53,5 @@ def test_a_finding_of_each_session_has_the_numbers_that_it_speaks_of():
 def test_two_clocks_that_are_wrong_are_two_findings_and_what_was_seen_joins_one():
     depth, taxels = ({"cause": "time_shift", "where": "clock", "channel_clock": c, "evidence": {}} for c in ("clock_depth", "clock_taxels"))
     gaps = {"cause": "time_shift", "where": "clock", "evidence": {"why": "stamps jump"}}
-    assert _once_each([depth, taxels], 0) == [depth, taxels]
-    assert _once_each([gaps, depth, taxels], 1) == [depth | {"evidence": gaps["evidence"]}, taxels]
+    assert _once_each([], [depth, taxels]) == [depth, taxels]
+    assert _once_each([gaps], [depth, taxels]) == [depth | {"evidence": gaps["evidence"]}, taxels]

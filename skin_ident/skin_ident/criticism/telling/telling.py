@@ -23,27 +23,18 @@ MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is
 
 
 def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...], encoder_step: float = 0.0) -> dict[str, Any]:
-    """The content of findings.json with all of that; `findings["findings"]` begins with the symptoms. The depth is known in steps of
-    `encoder_step`, m. Where clearly more is left than noise, the verdict says so."""
+    """The content of findings.json with all of that; `findings["findings"]` begins with the `symptoms`, and the causes that were named
+    follow. The depth is known in steps of `encoder_step`, m. Where clearly more is left than noise, the verdict says so."""
     c = judged.criticism
     left = {channel: gain["held_out_rmse_after"] for channel, gain in judged.channels.items()}
     floor = floor_of_all(c, noise_floor(c.last, list(c.train)), left)
     certain = left_beside(c, floor, left)
     above = beyond_noise(c, floor, certain, symptoms, encoder_step)
-    entries, given = findings["findings"], findings["baseline"].get("given")  # given numbers are bent by nothing
-    for entry, symptom, gain in zip(entries, symptoms, judged.symptoms, strict=False):
-        entry["gain"] |= gain
-        entry["evidence"] |= _simulated(symptom, bool(gain))
-        if symptom.evidence.get(UNLIKE):
-            instead = BY_NAME[symptom.cause].instead or entry["advice"]
-            entry["advice"] = f"{instead}; the extended model does not do this, so do not rely on it near contact"
-        if gain and not given:
-            entry["hid_in"] = moved(judged.naive, c.baseline.model, c)
-    for entry, named in zip(entries[len(symptoms) :], c.named, strict=False):
-        entry["hid_in"] = {} if given else hid_in(named, c)
-        entry["gain"] = gain_at_the_end(named, judged) or entry["gain"]
-    seen = one_each(entries[: len(symptoms)], [r["name"] for r in findings["recordings"]])
-    entries = _once_each([*seen, *entries[len(symptoms) :]], len(seen))
+    entries, given = findings["findings"], bool(findings["baseline"].get("given"))
+    seen, named = entries[: len(symptoms)], entries[len(symptoms) :]
+    seen = [_seen(e, s, gain, judged, given) for e, s, gain in zip(seen, symptoms, judged.symptoms, strict=True)]
+    named = [_named(e, n, judged, given) for e, n in zip(named, c.named, strict=True)]
+    entries = _once_each(one_each(seen, [r["name"] for r in findings["recordings"]]), named)
     bounds = {channel: {**gain, "noise_floor": floor[channel]["rms"]} for channel, gain in judged.channels.items()}
     recordings = [{**r, **_compared(r["name"], c)} for r in findings["recordings"]]
     warnings = [*findings["warnings"], *_more_than_applied(c), *_more_than_noise(above), *_never_loaded(certain, left)]
@@ -53,11 +44,29 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
     return {**findings, **told, "verdict": revised(findings["verdict"], bool(entries), more=bool(above))}
 
 
-def _once_each(entries: list[dict[str, Any]], symptoms: int) -> list[dict[str, Any]]:
-    """The entries, of which the first are `symptoms`, with those joined that name the same cause at the same place: what was seen in the
-    record, and the numbers with which the model has it. What the search has named twice, as of two clocks, stays two."""
-    joined, left = [], entries[symptoms:]
-    for e in entries[:symptoms]:
+def _seen(entry: dict[str, Any], symptom: Symptom, gain: dict[str, Any], judged: Judged, given: bool) -> dict[str, Any]:
+    """The entry of a symptom with what its effect gains, whether the extended model has it, and what the numbers of a model that was not
+    `given` had been hiding: given ones are bent by nothing."""
+    advice = entry["advice"]
+    if symptom.evidence.get(UNLIKE):
+        instead = BY_NAME[symptom.cause].instead or advice
+        advice = f"{instead}; the extended model does not do this, so do not rely on it near contact"
+    c, evidence = judged.criticism, {**entry["evidence"], **_simulated(symptom, bool(gain))}
+    hid = {"hid_in": moved(judged.naive, c.baseline.model, c)} if gain and not given else {}
+    return {**entry, "gain": {**entry["gain"], **gain}, "evidence": evidence, "advice": advice, **hid}
+
+
+def _named(entry: dict[str, Any], named: Named, judged: Judged, given: bool) -> dict[str, Any]:
+    """The entry of a cause with its gain at the end, and with what the numbers of a model that was not `given` had been hiding."""
+    hid = {} if given else hid_in(named, judged.criticism)
+    return {**entry, "gain": gain_at_the_end(named, judged) or entry["gain"], "hid_in": hid}
+
+
+def _once_each(seen: list[dict[str, Any]], named: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The entries of what was `seen` in the record and of what the search has `named`, those joined that are the same cause at the same
+    place: what was seen, and the numbers with which the model has it. What was named twice, as of two clocks, stays two."""
+    joined, left = [], named
+    for e in seen:
         again = next((n for n in left if (n["cause"], n["where"]) == (e["cause"], e["where"])), None)
         left = [n for n in left if n is not again]
         joined.append(e if again is None else {**again, "evidence": {**e["evidence"], **again["evidence"]}})
