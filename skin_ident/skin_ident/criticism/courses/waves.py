@@ -96,27 +96,33 @@ def _courses(session: Session) -> Iterator[Course]:
 
 
 def _wave(course: Course, simulations: list[np.ndarray], sessions: list[Session], e: list[np.ndarray], training: int) -> Wave | None:
-    row = course.rows[0]
+    """The wave of a channel, fitted to what is left `e` (C, n) N of sessions of which so many are for `training`; None where they are too
+    short to have one."""
     low = min(LOW, *(int(2.0 * np.ptp(s.motion.t) / SHORTEST_S) for s in sessions))
     high = min(HIGH, *(s.t.size // 5 for s in sessions))
     if high < (FEWEST + 1) * low or low < 2:
         return None
-    z, values, parts = [], {}, {}
-    for s, y_all, x in zip(sessions, simulations, e, strict=True):
-        own, good = y_all[row], s.weight[row] > 0.0
-        full = own if course.carrier == SLOPE else np.ones_like(own)
-        D, y = s.band.thin(full)[good], x[row][good]
-        cosines, bent = _shapes(s.t[good], s, high)
-        below = np.concatenate([cosines[: low + 1], bent]) * D
-        amounts = np.linalg.lstsq(below.T, y, rcond=1e-6)[0]
-        level = D * (D @ y) / max(D @ D, 1e-300)
-        z.append(np.concatenate([_matched(y - level, cosines[1 : low + 1] * D), _matched(y - amounts @ below, cosines[low + 1 :] * D)]))
-        shapes = np.concatenate([part[: low + 1] for part in _shapes(s.motion.t, s, low)])
-        values[s.name] = np.zeros_like(s.raw)
-        values[s.name][row] = amounts @ shapes * full
-        parts[s.name] = 1.0 - float(np.sqrt(np.sum((y - amounts @ below) ** 2) / max(np.sum(y**2), 1e-300)))
-    over = [np.mean(c[:low] ** 2 / _line(np.array(z) ** 2, low)) for c in z]
+    each = [_of_session(course, s, plain, x, low, high) for s, plain, x in zip(sessions, simulations, e, strict=True)]
+    z = np.array([amounts for amounts, _, _ in each])
+    over = [np.mean(c[:low] ** 2 / _line(z**2, low)) for c in z]
+    values, parts = ({s.name: own[i] for s, own in zip(sessions, each, strict=True)} for i in (1, 2))
     return Wave(course, (float(np.mean(over[:training])), float(np.mean(over[training:]))), values, parts)
+
+
+def _of_session(course: Course, s: Session, plain: np.ndarray, e: np.ndarray, low: int, high: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """How much of each of the `high` cosines is in what is left of a channel (in units of white noise, of those beyond the first `low`
+    beside these), the wave of these (C, N) N, and the share of the error that it takes away."""
+    row, good = course.rows[0], s.weight[course.rows[0]] > 0.0
+    full = plain[row] if course.carrier == SLOPE else np.ones_like(plain[row])
+    D, y = s.band.thin(full)[good], e[row][good]
+    cosines, bent = _shapes(s.t[good], s, high)
+    below = np.concatenate([cosines[: low + 1], bent]) * D
+    amounts = np.linalg.lstsq(below.T, y, rcond=1e-6)[0]
+    level, left = D * (D @ y) / max(D @ D, 1e-300), y - amounts @ below
+    z = np.concatenate([_matched(y - level, cosines[1 : low + 1] * D), _matched(left, cosines[low + 1 :] * D)])
+    values = np.zeros_like(s.raw)
+    values[row] = amounts @ np.concatenate([part[: low + 1] for part in _shapes(s.motion.t, s, low)]) * full
+    return z, values, 1.0 - float(np.sqrt(np.sum(left**2) / max(np.sum(y**2), 1e-300)))
 
 
 def _shapes(t: np.ndarray, s: Session, most: int) -> tuple[np.ndarray, np.ndarray]:

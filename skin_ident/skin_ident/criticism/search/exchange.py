@@ -42,6 +42,7 @@ def _shared(search: Search) -> list[Named]:
 
 
 def _exchanged(search: Search, finding: Named) -> bool:
+    """Whether something explains more in the place of `finding` and was put there."""
     search.progress(f"asking again what {finding.cause} in the {finding.where} stands for")
     ahead, key = _without(search, finding), finding.key
     last = ahead.look()
@@ -57,13 +58,11 @@ def _exchanged(search: Search, finding: Named) -> bool:
     if not (own or shared):
         return False
     other = (own or shared)[1]
-    near = (Rival(*other.key, 0.0, shared[0].model if shared else None), *other.alternatives)
-    if other.cause == finding.cause and key in {a.key for a in near}:
-        known = {key, *(n.key for n in ahead.named)}
-        again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
-        search.named = [again if n is finding else n for n in search.named]
+    if other.cause == finding.cause:
+        _renew_rivals(search, finding, (Rival(*other.key, 0.0, shared[0].model if shared else None), *other.alternatives))
+        return False
     numbers = len(shared[0].unknowns) - len(search.present.unknowns) if shared else 0
-    if other.cause == finding.cause or other.key in search.put_out or not _better(other.explained, explained, numbers):
+    if other.key in search.put_out or not _better(other.explained, explained, numbers):
         return False
     search.put_out.add(key)
     _become(search, ahead, finding)
@@ -72,6 +71,14 @@ def _exchanged(search: Search, finding: Named) -> bool:
     else:
         search.accept(*shared)
     return True
+
+
+def _renew_rivals(search: Search, finding: Named, near: tuple[Rival, ...]) -> None:
+    """Let `finding` have for rivals the names that are `near` now that the other causes are known, where it is one of them itself."""
+    if finding.key in {a.key for a in near}:
+        known = {n.key for n in search.named}
+        again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
+        search.named = [again if n is finding else n for n in search.named]
 
 
 def _better(other: float, than: float, numbers: int) -> bool:
