@@ -14,6 +14,7 @@ from skin_ident.hiding.writing import check_free, check_units, write_recordings
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.repeated import first_repeat
+from skin_models.words import counted
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -30,15 +31,13 @@ def _main(arguments: Sequence[str] | None) -> int:
     check_size(chosen.size)
     truth = _truth_file(chosen.truth, Path(chosen.out))
     recordings = _sessions(load(chosen.recordings, common.topics_of(chosen.topics), chosen.log_time))
-    common.say(f"hiding an effect in {len(recordings)} session{'s' * (len(recordings) > 1)} …")
+    common.say(f"hiding an effect in {counted(len(recordings), 'session')} …")
     changed, hidden = hide(recordings, chosen.cause, chosen.where, chosen.size, chosen.seed)
     folder = common.output_folder(chosen.out)
     common.output_folder(str(truth.parent))
     tables = write_recordings(changed, folder)
     common.write_json(truth, {"hidden": [hidden.as_dict()], "recordings": [r.name for r in recordings], "tables": [t.name for t in tables]})
-    common.say(
-        f"wrote {len(tables)} table{'s' * (len(tables) > 1)} into {folder}, and the truth, which is not to be looked at, into {truth}"
-    )
+    common.say(f"wrote {counted(len(tables), 'table')} into {folder}, and the truth, which is not to be looked at, into {truth}")
     return 0
 
 

@@ -22,6 +22,7 @@ from skin_ident.separating.loop import Course, Record, until_named
 from skin_models.materials import material
 from skin_models.model import Model
 from skin_models.model_file import load_model, save_model
+from skin_models.words import counted
 from skin_motion_profiles.profile_file import entry_from_words
 
 NOTHING = "none"
@@ -99,7 +100,7 @@ def _account(course: Course, fixed: Course, name: str) -> str:
     longer = course.seconds - fixed.seconds
     compared = f"\nthe loop recorded {longer:.0f} s more than the fixed battery" if longer > 0.0 else ""
     return (
-        f"{n} experiment{'s' * (n > 1)}, {course.seconds:.0f} s of recording, left: {last.words}\n"
+        f"{counted(n, 'experiment')}, {course.seconds:.0f} s of recording, left: {last.words}\n"
         f"the fixed battery {name}, {fixed.seconds:.0f} s of recording, left: {other.words}{compared}"
     )
 

@@ -16,7 +16,7 @@ SHOWN = 8  # sessions of which the telemetry is printed
 
 def as_table(estimate: Estimate) -> str:
     """Value, unit, ± (95 %), verdict; then what is left per channel, and every warning."""
-    head = f"{estimate.method}: {len(estimate.sessions)} session{'s' * (len(estimate.sessions) > 1)} ({', '.join(estimate.sessions)})"
+    head = f"{estimate.method}: {counted(len(estimate.sessions), 'session')} ({', '.join(estimate.sessions)})"
     rows = [_row(estimate, p) for p in estimate.parameters]
     left = [f"  {name:<10} rms {r.rmse:.4g} {r.unit}   R² {r.r2:.5f}" for name, r in estimate.residuals.items()]
     why = [f"  {p.name:<9} {estimate.verdicts[p.name].word}: {estimate.verdicts[p.name].sentence}" for p in estimate.parameters]

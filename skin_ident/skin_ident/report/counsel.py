@@ -7,6 +7,7 @@ from skin_ident.report.numbers import percent
 from skin_ident.report.tolerant import named_at, text
 from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
 from skin_ident.report.words import Rebuild, advice, capital, either, rebuild, sentence
+from skin_models.words import counted
 
 NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
 TESTED = {
@@ -31,12 +32,8 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
     if v.verdict in (PARTLY, UNEXPLAINED) and v.rest and v.rest > 0.0:
         because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
     if untested := len(v.untestable) - len(v.doubts):
-        because.append(f"{_count(untested, 'cause')} could not be tested with these data.")
+        because.append(f"{counted(untested, 'cause')} could not be tested with these data.")
     return _grade(v, rivals > 0), tuple(because)
-
-
-def _count(n: int, word: str) -> str:
-    return f"{n} {word}{'' if n == 1 else 's'}"
 
 
 def _clear(v: View) -> int:
@@ -50,7 +47,7 @@ def _grade(v: View, rivals: bool) -> str:
         return "Not proven"
     if v.verdict == NOTHING:
         if v.doubts:
-            return f"Fairly sure: {_count(len(v.doubts), 'cause')} in doubt"
+            return f"Fairly sure: {counted(len(v.doubts), 'cause')} in doubt"
         return "Sure, for what could be tested" if v.above is None else "Fairly sure: a little more is left than noise"
     if v.verdict == UNEXPLAINED or not v.findings:
         return "Sure that something is wrong, not what"
@@ -63,7 +60,7 @@ def _grade(v: View, rivals: bool) -> str:
 
 def _on_held_out(v: View) -> Iterator[str]:
     if direct := len(v.findings) - len(v.judged):
-        yield f"{_count(direct, 'finding')} can be seen in the record itself, whatever the model."
+        yield f"{counted(direct, 'finding')} can be seen in the record itself, whatever the model."
     if v.tested == UNTESTED and v.judged:
         yield "There was no second session to test it on: the model was judged on the data it was fitted to."
     elif not v.findings and v.tested != UNTESTED:
@@ -73,7 +70,7 @@ def _on_held_out(v: View) -> Iterator[str]:
     elif len(v.judged) == 1:
         yield f"The prediction of {TESTED[v.tested]} improves, but the 95 % interval of the plain error's fall includes zero."
     elif v.judged:
-        yield f"{_clear(v)} of {_count(len(v.judged), 'finding')} improve the prediction of {TESTED[v.tested]} beyond chance."
+        yield f"{_clear(v)} of {counted(len(v.judged), 'finding')} improve the prediction of {TESTED[v.tested]} beyond chance."
     if v.tested == STRETCHES:
         yield "There is only one session: a second one would be a harder test."
 

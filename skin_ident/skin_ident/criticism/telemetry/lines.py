@@ -16,6 +16,7 @@ from scipy.stats import gamma
 from skin_ident.criticism.telemetry.bursts import COMING, coming, envelope
 from skin_ident.criticism.telemetry.motion_lines import LONE, carried, goes_on_at_rest, over_background
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
+from skin_models.words import counted
 
 CHANCE = 1e-4  # of one false line per channel
 SEEN = 5.0  # times its background, as tall as a line is in more than this part of the sessions: a few motions may be of one speed
@@ -144,7 +145,7 @@ def _symptom(channel: str, lines: list[Line], sessions: int, n_taxels: int) -> S
     first = lines[0]
     stands = f"a line at {first.frequency:.3g} Hz stands {first.tall:.0f} times over the background of {channel}"
     others = ", ".join(f"{q.frequency:.3g} Hz ({q.amplitude:.2g} N)" for q in lines[1:])
-    why = f"{stands} in {sessions} session{'s' * (sessions > 1)}" + (f"; so do lines at {others}" if others else "")
+    why = f"{stands} in {counted(sessions, 'session')}" + (f"; so do lines at {others}" if others else "")
     parameters = {"frequency": quantity(first.frequency, "Hz"), "amplitude": quantity(first.amplitude, "N")}
     evidence = {"why": why, "lines": [q.frequency for q in lines]}
     return Symptom("interference", sensor_of(channel, n_taxels), (channel,), parameters, evidence)
