@@ -35,7 +35,7 @@ from skin_ident.criticism.search.criticise import criticise
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.search.state import Progress
 from skin_ident.criticism.search.twin_effects import with_effects_of
-from skin_ident.criticism.search.weighing import said_of
+from skin_ident.criticism.search.weighing import mass_warnings
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest, motion_under, with_reference
 from skin_ident.criticism.sessions.thinner import thinner, with_own_of_few
@@ -52,7 +52,7 @@ from skin_ident.criticism.telling.findings import Experiments, as_findings
 from skin_ident.criticism.telling.judging import judge
 from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
-from skin_ident.criticism.telling.telling import believed, tell
+from skin_ident.criticism.telling.telling import samples_compared, tell
 from skin_ident.criticism.usable import are_other_data, belong_together, doubted, in_sound_units, named_apart, something_moves
 from skin_ident.criticism.vocabulary import Key, verdict_of
 from skin_ident.recordings.mass import KnownMass, known_mass
@@ -148,7 +148,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
     if c.train[0].free_mass:
         looked = looked.weighed(c.train[0].heaviest)
-        every[0] = every[0].warned(*said_of(c.extended.model.dispersion.m, mass, declared))
+        every[0] = every[0].warned(*mass_warnings(c.extended.model.dispersion.m, mass, declared))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
@@ -287,7 +287,7 @@ def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> M
 def _trace(c: Criticism, shown: Model, s: Session, own: Session, held: bool) -> Trace:
     before, after = simulated(c.baseline.model, replace(s, skin=c.skin_before(own))), simulated(shown, own)
     moved = motion_under(s, c.extended.model.dispersion)
-    seen = believed(s.name, c)
+    seen = samples_compared(s.name, c)
     left_out = None if seen is None else 1.0 - np.round(np.interp(moved.t, *seen))
     return Trace(s.name, held, moved.t, moved.x, moved.v, s.channels, s.raw, before, after, left_out)
 

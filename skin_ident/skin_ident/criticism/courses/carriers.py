@@ -16,9 +16,7 @@ LOADED = 0.2  # of what the taxel under the plunger feels
 PROBE, PUSH = 1e-6, 1e-3  # m, N
 
 
-def carried(
-    carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain: np.ndarray, late: np.ndarray | float = 0.0
-) -> np.ndarray:
+def carried(carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain: np.ndarray, late: np.ndarray | float = 0.0) -> np.ndarray:
     """D in newtons for each unit of the carrier, where the session is simulated as `plain` (C, N); zero, slope (1) and delay (s) are those
     of the channels `rows` alone. What a delay changes is in proportion to small ones only: D is exact for `late` s, (N,)."""
     if carrier == DEPTH:

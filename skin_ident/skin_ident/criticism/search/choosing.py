@@ -7,7 +7,7 @@ from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.own import own_course, refitted
+from skin_ident.criticism.search.own import fit_beside, own_course
 from skin_ident.criticism.search.rivals import CHANCE
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
@@ -28,7 +28,7 @@ def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[
     leads = first.score > (best if _is_one_number(first) else max(MARGIN * best, best + CHANCE))
     same, score = bool(trials) and trials[0].key == first.course.key, first.score
     if same and not leads:  # in another form than the best trial, which has been refitted, too
-        score = max(score, refitted(search, first)[1])
+        score = max(score, fit_beside(search, first)[1])
     own = own_course(search, runs, trials) if leads or (same and score > best) else None
     if own:
         return own, None

@@ -33,7 +33,7 @@ TARES = 20  # that may be taken from held-out sessions on the way: each channel 
 EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
 
 
-def refitted(search: Search, run: Run) -> tuple[Fit, float]:
+def fit_beside(search: Search, run: Run) -> tuple[Fit, float]:
     """The model fitted again beside a course, and the score of the course with that, as a trial's is."""
     after = fit(search.present.model, added(search.train, run.values), search.noise)
     return after, search.present.cost - after.cost - run.charge
@@ -43,7 +43,7 @@ def own_course(search: Search, runs: list[Run], trials: list[Trial]) -> tuple[Ru
     """A finding from the first course of each session's own, where the blocks between support it."""
     run = runs[0]
     search.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
-    after, score = refitted(search, run)
+    after, score = fit_beside(search, run)
     noise = grown_noise_of(after.model, added(search.train, run.values))  # that of the search holds the course as well
     gain = course_gain(run.course, search.present.model, after.model, search.train, search.held, noise)
     score = max(run.score, score)

@@ -8,7 +8,7 @@ from skin_ident.criticism.search.own import take_alone, take_course
 from skin_ident.criticism.search.own_skin import explained_by_own_skin, settle_skin, take_own_skin, take_own_skin_of_held
 from skin_ident.criticism.search.partly import take_partly
 from skin_ident.criticism.search.rivals import reach
-from skin_ident.criticism.search.several import in_order
+from skin_ident.criticism.search.several import single_before_several
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.search.tared import beside_zeros, take_tare, take_zeros
@@ -34,7 +34,7 @@ def _round(search: Search) -> bool:
     search.begin_round()
     settle_skin(search)
     last = search.look()
-    trials, runs = in_order(search, search.trials(last)), search.own_courses()
+    trials, runs = single_before_several(search, search.trials(last)), search.own_courses()
     mass = with_mass(search.present, search.train, search.noise) if search.weighable else None
     best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
     if mass and weighs(search, mass, best):

@@ -10,7 +10,7 @@ from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
 
 
-def in_order(search: Search, trials: list[Trial]) -> list[Trial]:
+def single_before_several(search: Search, trials: list[Trial]) -> list[Trial]:
     """The trials, the best first; before one of several instances that other which explains more alone, and more than it with the next."""
     if not (trials and trials[0].plainer and search.lasts):
         return trials

@@ -149,7 +149,7 @@ def lighter(before: Model, after: Model) -> bool:
     return after.dispersion.m < LIGHTER * before.dispersion.m
 
 
-def said_of(mass: float, before: float, declared: bool) -> Iterator[str]:
+def mass_warnings(mass: float, before: float, declared: bool) -> Iterator[str]:
     """A warning that the mass was fitted, where it had been set to that of the skin, or as `declared`; none where skin is lighter than
     was assumed of it: that the load cell reads no weight of millinewtons in contact is common, after a tare for one, and no fault."""
     force = abs(mass - before) * GRAVITY

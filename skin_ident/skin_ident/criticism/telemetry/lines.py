@@ -14,7 +14,7 @@ from scipy.signal import zoom_fft
 from scipy.stats import gamma
 
 from skin_ident.criticism.telemetry.bursts import COMING, coming, envelope
-from skin_ident.criticism.telemetry.motion_lines import LONE, carried, goes_on_at_rest, over_background
+from skin_ident.criticism.telemetry.motion_lines import LONE, goes_on_at_rest, is_of_motion, over_background
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.words import counted
 
@@ -104,7 +104,7 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float, doubt
         tone = _narrow(each, i) or _in_bursts(rows, line.frequency, dt)
         at_rest = (tone or tall > LONE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
         if tone or at_rest:
-            if at_rest or (alone and not doubtful and not carried(rows, predicted, line.frequency, line.amplitude, tall, dt)):
+            if at_rest or (alone and not doubtful and not is_of_motion(rows, predicted, line.frequency, line.amplitude, tall, dt)):
                 lines.append(line)
             else:
                 doubtful = True

@@ -42,9 +42,7 @@ def goes_on_at_rest(rows: list[np.ndarray], predicted: list[np.ndarray], frequen
     return bool(f_distribution.sf(power[0] / np.mean(power[1:]), free, 0.5 * free * (at.size - 1)) < CHANCE)
 
 
-def carried(
-    rows: list[np.ndarray], predicted: list[np.ndarray], frequency: float, amplitude: float, tall: float, dt: float
-) -> bool:
+def is_of_motion(rows: list[np.ndarray], predicted: list[np.ndarray], frequency: float, amplitude: float, tall: float, dt: float) -> bool:
     """Whether the simulated rows (N,) move as much near this frequency, or anything that a skin makes of them has a line there.
 
     A motion that moves as much and has no line makes none that is so `tall` (times its background) as `LONE`, and in `SEVERAL` sessions

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.peaks import Piece, listed, samples_of
+from skin_ident.criticism.telemetry.peaks import Piece, pieces_in_words, samples_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import FACTORS
 from skin_ident.criticism.vocabulary import UNIT_CHANGE
@@ -35,7 +35,7 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
     if not own:  # pieces too short for most samples about them to tell
         return None
     times = f"{own[0].channel} reads {factor:.4g} times what it should, a factor of units"
-    why = f"{times}, while every other channel stays with the model: {listed(own)}"
+    why = f"{times}, while every other channel stays with the model: {pieces_in_words(own)}"
     evidence, numbers = {"why": why, "kind": UNIT_CHANGE}, {"factor": quantity(factor, "1")}
     bad = {(s.name, own[0].channel): mask for s in sessions if (mask := samples_of(own, s)).any()}
     return Symptom("data_error", sensor_of(own[0].channel, sessions[0].n_taxels), (own[0].channel,), numbers, evidence, bad)

@@ -35,7 +35,7 @@ def samples_of(own: list[Piece], s: Session) -> np.ndarray:
     return np.any([np.zeros(t.size, bool), *((t > p.start - LASTING_S) & (t < p.start + p.seconds + LASTING_S) for p in mine)], axis=0)
 
 
-def listed(own: list[Piece]) -> str:
+def pieces_in_words(own: list[Piece]) -> str:
     """Where the first few of the pieces are, in words."""
     return ", ".join(f"{p.session} at {p.start:.1f} s for {p.seconds:.2g} s" for p in own[:4]) + (", …" if len(own) > 4 else "")
 

@@ -14,7 +14,7 @@ from skin_ident.criticism.baseline.residual import placed, stiffness
 from skin_ident.criticism.sessions.parting import beside_partings, meeting
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.other_units import in_other_units
-from skin_ident.criticism.telemetry.peaks import LASTING_S, Piece, clipped_peaks, listed, samples_of
+from skin_ident.criticism.telemetry.peaks import LASTING_S, Piece, clipped_peaks, pieces_in_words, samples_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.tails import smallest_step
 from skin_ident.estimators.scale import normal_scale
@@ -134,7 +134,7 @@ def _told(own: list[Piece], clipped: Symptom | None, sessions: list[Session]) ->
 
 def _symptom(own: list[Piece], sessions: list[Session]) -> Symptom:
     first = own[0]
-    why = f"{first.channel} leaves the model by {first.size:.3g} N while every other channel stays with it: {listed(own)}"
+    why = f"{first.channel} leaves the model by {first.size:.3g} N while every other channel stays with it: {pieces_in_words(own)}"
     parameters = {"pieces": quantity(len(own), "1"), "size": quantity(max(p.size for p in own), "N")}
     evidence = {"why": why, "pieces": [{"session": p.session, "start": p.start, "seconds": float(p.seconds)} for p in own]}
     bad = {(s.name, first.channel): samples_of(own, s) for s in sessions if any(p.session == s.name for p in own)}

@@ -20,7 +20,7 @@ from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, sensor_of
 from skin_ident.criticism.telling.by_session import by_session, most_left
 from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
-from skin_ident.criticism.telling.given_model import not_there, refitted
+from skin_ident.criticism.telling.given_model import not_there, numbers_fitted
 from skin_ident.criticism.telling.leftover import Rest
 from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key, word_of
 from skin_ident.separating.choose import Experiment
@@ -54,7 +54,7 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments, had: int = 0) -> dict[str, Any]:
     """One entry of `findings` that an effect stands for; the first so many effects that a given model `had` are none."""
     effects = instances(replace(model, effects=model.effects[had:]), *named.key)
-    parameters: dict[str, Any] = refitted(named, model, std) if named.key == PARAMETERS and not named.is_another_skin else {}
+    parameters: dict[str, Any] = numbers_fitted(named, model, std) if named.key == PARAMETERS and not named.is_another_skin else {}
     for i, e in enumerate(model.effects):
         for p in parameters_of(e) if i >= had and e in effects else ():
             label = model.listed_as(i, p.name)

@@ -13,7 +13,7 @@ SURE = 3.0  # standard errors, within which a size is nothing,
 HARDLY = 0.1  # or this share of what it was given as
 
 
-def refitted(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
+def numbers_fitted(named: Named, model: Model, std: dict[str, float]) -> dict[str, Any]:
     """The numbers of a given model that were fitted, its shares and those of its effects: what is held is as it was given."""
     numbers = {p.name: (p.value, p.unit) for p in parameters_of(model.dispersion)}
     numbers |= {f"share_{i}": (share, "1") for i, share in enumerate(model.shares)}

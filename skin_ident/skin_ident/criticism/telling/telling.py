@@ -157,7 +157,7 @@ def moved(after: Model, before: Model, c: Criticism) -> dict[str, Any]:
     }
 
 
-def believed(name: str, c: Criticism) -> tuple[np.ndarray, np.ndarray] | None:
+def samples_compared(name: str, c: Criticism) -> tuple[np.ndarray, np.ndarray] | None:
     """The instants (n,) of a session, filtered and thinned, and which of them were compared; None for a session that is not there."""
     mine = [s for s in (*c.train, *c.held) if s.name in (name, name + FITTED, name + KEPT)]
     return (mine[0].t, np.any([s.weight.min(axis=0) > 0.0 for s in mine], axis=0)) if mine else None
@@ -165,7 +165,7 @@ def believed(name: str, c: Criticism) -> tuple[np.ndarray, np.ndarray] | None:
 
 def _compared(name: str, c: Criticism) -> dict[str, Any]:
     """How many samples of a recording (filtered and thinned) were compared, and how many were not."""
-    told = believed(name, c)
+    told = samples_compared(name, c)
     if told is None:
         return {}
     seen = told[1]
