@@ -1,6 +1,6 @@
 """The diagnosis of recordings: from loaded sessions to findings, an extended model and the curves for the report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -141,14 +141,14 @@ class _Part:
 def _part(every: list, looked: Inspected, known: _Known, model: Model | None, progress: Progress) -> _Part:
     """The search on sessions as they were `looked` at; `model` is the given one, or what stands in for twins."""
     mass, layout = known.mass.kg, known.layout
-    every[0] = every[0] if isinstance(layout, str) else every[0].warned(*unplaced(every))
+    every = every if isinstance(layout, str) else _warned_first(every, unplaced(every))
     train, held = known.split(looked.sessions)
     step = depth_resolution(every)
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
     if c.train[0].free_mass:
         looked = looked.weighed(c.train[0].heaviest)
-        every[0] = every[0].warned(*mass_warnings(c.extended.model.dispersion.m, mass, declared))
+        every = _warned_first(every, mass_warnings(c.extended.model.dispersion.m, mass, declared))
     progress("asking what is left")
     after = _with_courses(looked.sessions, c)
     seen = (*_in_the_rest(c, every, after, looked.symptoms), *find_pull(c.extended.model, after))
@@ -167,6 +167,12 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
 
 
+def _warned_first(recordings: list, warnings: Iterable[str]) -> list:
+    """The recordings, the first of which bears warnings that are of all of them."""
+    first, *others = recordings
+    return [first.warned(*warnings), *others]
+
+
 def _of_twins(every: list, twins: list, known: _Known, progress: Progress) -> _Part:
     """What the search makes of sessions beside a plain surrogate of twins, or, where something is wrong, beside one that has the effects
     which they hold, if that comes to more."""
@@ -176,7 +182,7 @@ def _of_twins(every: list, twins: list, known: _Known, progress: Progress) -> _P
 
     def beside(surrogate: Model) -> _Part:
         carrying = looked.carrying(twin.beyond(surrogate), twin.known)
-        return _part([*every], carrying, known, surrogate, progress)
+        return _part(every, carrying, known, surrogate, progress)
 
     plain = beside(twin.surrogate)
     if plain.findings["verdict"] == "nothing_wrong":
