@@ -115,9 +115,7 @@ def test_a_loop_that_no_taxel_feels_is_of_the_load_cell(sensed: float, std: floa
     assert likelier_place([skin, sensor]) == ([sensor] if first else [])
 
 
-@pytest.mark.parametrize(
-    ("form", "sensor"), [(LaggingHysteresis, ("hysteresis", "load_cell")), (StressRelaxation, ("drift", "load_cell"))]
-)
+@pytest.mark.parametrize(("form", "sensor"), [(LaggingHysteresis, ("hysteresis", "load_cell")), (StressRelaxation, ("drift", "load_cell"))])
 @pytest.mark.parametrize(("sensed", "channels", "same"), [(5.0, "both", True), (30.0, "both", False), (5.0, "taxel", False)])
 def test_memory_that_the_load_cell_alone_tells_may_be_its_own(form, sensor, sensed, channels, same):
     t, x = triangles([2e-4, 1e-3] * 3)  # not at one speed, where memory of time and of the path are the same

@@ -9,7 +9,7 @@ from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.tolerant import mapping, named_at, place_in, sequence, text
 from skin_ident.report.view import View
-from skin_ident.report.words import capital, effect_words, label, meaning, sentence
+from skin_ident.report.words import capital, effect_words, label, meaning, role, sentence
 
 SPREAD = "Standard errors are of noise alone: what the form of a model gets wrong, as of a real skin it always does, is not in them."
 MOST_ROWS = 15  # of a table, before it is folded
@@ -152,7 +152,7 @@ def _facts(r: dict) -> Iterator[str]:
     if r.get("samples") is not None:
         yield f"{text(r['samples'])} samples" + (f" at {amount(r['rate_hz'], 'Hz')}" if r.get("rate_hz") is not None else "")
     if isinstance(r.get("held_out"), bool):
-        yield "not used for fitting" if r["held_out"] else "used for fitting"
+        yield role(r["held_out"])
     seen = mapping(r.get("compared"))
     if finite(seen.get("left_out")):
         share = percent(seen["left_out"] / (seen["left_out"] + (finite(seen.get("samples")) or 0.0)))

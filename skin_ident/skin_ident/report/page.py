@@ -12,7 +12,7 @@ from skin_ident.report.reading import recording_name
 from skin_ident.report.sessions import sessions
 from skin_ident.report.story import Story, Told, Wrong
 from skin_ident.report.view import View
-from skin_ident.report.words import capital, sentence, short
+from skin_ident.report.words import capital, role, sentence, short
 
 SIGNS = {"good": "✓", "found": "!", "part": "~", "bad": "?"}
 
@@ -101,10 +101,9 @@ def _wrong(w: Wrong) -> list:
 def _picture(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
     if seen is None:
         return el("div", key(outcome.scans[0]), scan_picture(outcome.scans[0]), class_="picture") if outcome.scans else None
-    role = "not used for fitting" if seen.trace.held_out else "used for fitting"
     cut = slice(seen.start, seen.stop)
     beyond = "; its axis is cut: samples that were not compared (shaded) go beyond it" if cut_off(seen.trace, seen.row, v, cut) else ""
-    caption = f"{seen.words} of {short(seen.trace.session)} ({role}); below, what is left{beyond}"
+    caption = f"{seen.words} of {short(seen.trace.session)} ({role(seen.trace.held_out)}); below, what is left{beyond}"
     chart = overlay(seen.trace, seen.row, v, cut, 900)
     return el("div", key(seen.trace), chart, el("p", capital(caption), class_="note"), class_="picture")
 

@@ -11,7 +11,7 @@ from skin_ident.report.gains import at_any_scale
 from skin_ident.report.markup import Safe, el, section
 from skin_ident.report.numbers import plain
 from skin_ident.report.view import IN_TURN, UNTESTED, View
-from skin_ident.report.words import capital, channel, short
+from skin_ident.report.words import capital, channel, role, short
 
 MOST_SESSIONS = 6
 MOST_CHANNELS = 4
@@ -61,8 +61,8 @@ def _sessions(outcome: Outcome, v: View, seen: Focus | None) -> list[Safe]:
 
 def _session(trace: Trace, v: View, buckets: int, is_open: bool) -> Safe:
     rows = by_fall(trace, v.silent)[:MOST_CHANNELS]
-    role = "not used for fitting" if trace.held_out else "used for fitting"
-    head = el("summary", el("b", short(trace.session, 72), title=trace.session), f" – {role}, {plain(trace.t[-1] - trace.t[0])} s")
+    about = f" – {role(trace.held_out)}, {plain(trace.t[-1] - trace.t[0])} s"
+    head = el("summary", el("b", short(trace.session, 72), title=trace.session), about)
     charts = [el("h4", capital(channel(trace.channels[r]))) + overlay(trace, r, v, slice(None), buckets) for r in rows]
     hidden = len(trace.channels) - len(rows)
     note = (

@@ -20,6 +20,11 @@ def signal(name: str) -> str:
     return "force" if name == "force" else f"signal of {spoken(name)}"
 
 
+def role(held_out: bool) -> str:
+    """What a session was for."""
+    return "not used for fitting" if held_out else "used for fitting"
+
+
 def short(name: str, most: int = 48) -> str:
     """A long name with its middle left out."""
     return name if len(name) <= most else f"{name[: most // 2]}…{name[-most // 2 + 1 :]}"
