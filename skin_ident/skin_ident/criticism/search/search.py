@@ -1,13 +1,16 @@
 """The loop of a search for causes: survey, try the best few, let held-out sessions decide, repeat."""
 
+from dataclasses import replace
+
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.choosing import choose
 from skin_ident.criticism.search.growing import lacking
+from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import take_alone, take_course
 from skin_ident.criticism.search.own_skin import explained_by_own_skin, settle_skin, take_own_skin, take_own_skin_of_held
 from skin_ident.criticism.search.partly import take_partly
-from skin_ident.criticism.search.rivals import reach
+from skin_ident.criticism.search.rivals import Rival, reach
 from skin_ident.criticism.search.several import single_before_several
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.survey import Survey
@@ -56,7 +59,7 @@ def _round(search: Search) -> bool:
     elif shared and not (take_tare(search, shared[1]) or unstuck(search, *shared)):
         search.end_round(last, shared[1].cause)
         after, finding = shared
-        search.accept(after, beside_zeros(search, finding))
+        search.accept(after, _beside_dropped(search, last, beside_zeros(search, finding)))
     return bool(own or shared) or _believing_none(search, last, trials, runs, best, of_skin, last_resort)
 
 
@@ -89,6 +92,14 @@ def _believing_none(
         return True
     search.end_round(last, None, refused=max((t.score for t in trials), default=0.0))
     return False
+
+
+def _beside_dropped(search: Search, last: Survey, finding: Named) -> Named:
+    """The finding, with what was taken out again among its alternatives where that would explain as much of what was left `last`."""
+    score = {p.key: p.score for p in last.ranked}
+    had = {finding.key, *(a.key for a in finding.alternatives)}
+    rivals = [key for key in search.dropped if key not in had and score.get(key, 0.0) > reach(score.get(finding.key, 0.0))]
+    return replace(finding, alternatives=(*finding.alternatives, *(Rival(*key, score[finding.key] - score[key]) for key in rivals)))
 
 
 def eliminate(search: Search) -> bool:
