@@ -152,7 +152,7 @@ def test_steps_that_beat_against_samples_are_no_damping():
 def test_noise_of_the_encoder_averages_out_but_what_smooths_it_away_is_no_finding(monkeypatch):
     """Unless the noise is asked what it feigns (test_feigned.py). Of 3 µm at 100 Hz four in ten pass the band; they press with stiffness,
     and with damping, which only what smooths may spare, as it may the share of the damping that they hide."""
-    monkeypatch.setattr(resolution, "feigned", lambda *of: np.inf)
+    monkeypatch.setattr(resolution, "explains_more", lambda *of: False)
     noise, k, b = 3e-6 * Band(1.0 / RATE).passes, 12000.0, 1500.0 * 2.0 * np.pi * 8.0 / np.sqrt(3.0)
     noisy = [replace(prepare(recorded(PLAIN, noise=0.01)), depth_noise=3e-6)]
     hidden = 1500.0 * dilution(noisy) * np.sqrt(np.mean(noisy[0].motion.v ** 2))

@@ -1,45 +1,59 @@
-"""What noise of the encoder feigns of a gain, told by reading the depth with more of it.
+"""What errors of the encoder feign of a cause, told by reading the depth anew.
 
-What smooths a depth, or moves where it rests, keeps noise of the encoder from the forces, and what is fitted to a noisy depth makes up for
-what the noise has made of damping. All of that grows with the variance of the noise; what a true cause explains does not. With one more
-draw of the noise its variance is twice as large: of a gain G(1) the noise feigns as much as G(2) is larger, and G(1) - (G(2) - G(1)) would
-be left without any (SIMEX, linear: J. R. Cook, L. A. Stefanski, J. Am. Stat. Assoc. 89, 1314, 1994).
+What smooths a depth keeps noise of the encoder from the forces, and what bends or lags makes up for steps that it stops at. How much of
+that a cause does depends on both, and a bound that holds for all is far too wide for most.
+
+Noise: what it feigns grows with its variance, and what is true does not. With one more draw of it the variance is twice as large, and of an
+explained E(1) it feigns as much as E(2) is larger (SIMEX, linear: J. R. Cook, L. A. Stefanski, J. Am. Stat. Assoc. 89, 1314, 1994).
+
+Steps: their errors are the same wherever the plunger comes back to, and a cause is fitted to just these. So the record is drawn anew as if
+the model without the cause were true and the plunger went where it was read, with steps that begin elsewhere and zeros that are set by one
+of them; what both models, fitted to it, differ by is feigned (a parametric bootstrap: B. Efron, R. Tibshirani, An Introduction to the
+Bootstrap, 1993, section 6.5). Noise would be underrated so: what was read holds some of it, which the forces of such a record follow.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
-from skin_ident.criticism.baseline.fitting import fit
-from skin_ident.criticism.baseline.residual import residual
-from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.baseline.fitting import cost_of, fit
+from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.noise.whitening import Whitener
-from skin_ident.criticism.sessions.read_again import with_noise_again
+from skin_ident.criticism.sessions.read_again import rounding, with_noise_again
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 SEED = 0  # any: the same record is told the same
+DRAWS = 3  # of steps; of noise there are two, one the opposite of the other, so that products with what is left anyway cancel
 
 
-def feigned(before: Model, after: Model, train: list[Session], noise: Whitener, channel: str) -> float:
-    """By how much the mean square in `channel`, N^2, falls more from `before` to `after` where both are fitted to a depth with twice the
-    variance of white noise; at least nothing. A draw and its opposite are taken, so that products with what is left anyway cancel. Of
-    rounding to steps nothing is told so: its errors are the same wherever the plunger comes back to, and a cause is fitted to these."""
+def explains_more(before: Model, after: Model, train: list[Session], noise: Whitener, step: float, times: float) -> bool:
+    """Whether `after` explains more so many `times` than white noise of the encoder and its steps of `step` m feign together."""
+    explained = cost_of(before, train, noise) - cost_of(after, train, noise)
+    return explained > times * (by_noise(before, after, train, noise, explained) + by_steps(before, after, train, noise, step))
+
+
+def by_noise(before: Model, after: Model, train: list[Session], noise: Whitener, explained: float) -> float:
+    """What noise feigns of what is `explained`, twice nats."""
+    if not any(s.depth_noise > 0.0 for s in train):
+        return 0.0
     rng = np.random.default_rng(SEED)
     draws = [rng.standard_normal(len(s.motion)) for s in train]
-    noisier = [
-        _fall(*(fit(m, again, noise).model for m in (before, after)), again, channel)
-        for again in ([with_noise_again(s, sign * z) for s, z in zip(train, draws, strict=True)] for sign in (1.0, -1.0))
-    ]
-    return max(float(np.mean(noisier)) - _fall(before, after, train, channel), 0.0)
+    noisier = ([with_noise_again(s, sign * z) for s, z in zip(train, draws, strict=True)] for sign in (1.0, -1.0))
+    return max(float(np.mean([_explained(before, after, again, noise) for again in noisier])) - explained, 0.0)
 
 
-def _fall(before: Model, after: Model, sessions: list[Session], channel: str) -> float:
-    """Fall of the mean square in a channel, N^2."""
-    was, now = (
-        sum(float(np.sum(s.weight[row] * residual(m, settled(m, s))[row] ** 2)) for s, row in _rows(sessions, channel))
-        for m in (before, after)
-    )
-    return (was - now) / max(sum(float(np.sum(s.weight[row])) for s, row in _rows(sessions, channel)), 1.0)
+def by_steps(before: Model, after: Model, train: list[Session], noise: Whitener, step: float) -> float:
+    """The most that steps of `step` m feign, twice nats, of `DRAWS`."""
+    rng = np.random.default_rng(SEED)
+    return max(_explained(before, after, [_made(before, s, step, phase, rng) for s in train], noise) for phase in rng.random(DRAWS))
 
 
-def _rows(sessions: list[Session], channel: str) -> list[tuple[Session, int]]:
-    return [(s, s.channels.index(channel)) for s in sessions]
+def _explained(before: Model, after: Model, sessions: list[Session], noise: Whitener) -> float:
+    without, with_it = (fit(m, sessions, noise).cost for m in (before, after))
+    return max(without - with_it, 0.0)
+
+
+def _made(model: Model, s: Session, step: float, phase: float, rng: np.random.Generator) -> Session:
+    """A session as `model` makes it, read in steps."""
+    return replace(rounding(s, step, phase, rng), measured=s.band.thin(simulated(model, s)))

@@ -9,11 +9,12 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
-from skin_ident.criticism.gates.feigned import feigned
+from skin_ident.criticism.gates.feigned import explains_more
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import dilution
+from skin_ident.criticism.sessions.read_again import UNZEROED
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.estimators.scale import normal_scale
 from skin_models.effect import Effect, Place
@@ -21,7 +22,7 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 PASSING = 0.5  # of what steps leave open at rest, which a fall where the stage moves must exceed: it comes from rest and goes to it
-STEPS_ALONE = 0.95  # of what an encoder leaves open, above which its steps are nearly all of that, and its noise need not be asked
+BEYOND = 2.0  # times what errors of the encoder feign of a cause, which it must explain at the least
 OPEN = 2.0  # times the mean square that steps leave open on average: at few depths chance makes it so much
 # The same of what is left when a cause has been taken, or none: at a few depths each may be half a step off, which is three times, and the
 # model that was fitted to few others as far the other way.
@@ -32,7 +33,6 @@ INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and
 ROUNDED = 0.5  # of a step, by which a tare leaves a zero off
 RESOLVED = float(np.hypot(INTEGRAL, ROUNDED))  # of a step: what may be left (RMS) beside that
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")  # what bends a reading as the nonlinearity of a converter does
-UNZEROED = 0.25  # of the encoder's step, by which the zero of depth is off beside a stiffness that is free: it bends what is read
 TREMBLING = 1e-6  # m, of a good stage at rest
 EVEN_S = 0.5  # over which the speed is averaged, for a beat makes spikes of it
 MOVING = 2.0  # times the greatest speed of such a tremble
@@ -53,11 +53,18 @@ def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
 
 
 def resolved(
-    gain: Gain, cause: str, before: Model, after: Model, train: list[Session], noise: Whitener, encoder_step: float, strict: bool = False
+    gain: Gain,
+    cause: str,
+    before: Model,
+    after: Model,
+    train: list[Session],
+    noise: Whitener | None,
+    encoder_step: float,
+    strict: bool = False,
 ) -> bool:
     """Whether the gain is more than encoder and converters leave open, in all or where the stage moves: one that trembles at rest does so
-    no more while it moves. What white noise of the encoder does at most may be far more than it does, and is asked where all hangs on
-    it."""
+    no more while it moves. What an encoder may do at most is far more than it does of most causes: where all hangs on it, it is asked what
+    it feigns, with the `noise` of the channels; None where a model `after` does not say it all."""
 
     def exceeds(still: float, moving: float) -> bool:
         if gain.squares > still:
@@ -65,13 +72,11 @@ def resolved(
         moves = partial(_moves, encoder_step)
         return bool(encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still))
 
-    left_open = partial(_left_open, gain, cause, before, after, train, encoder_step, strict)
-    if exceeds(*left_open(_noise_at_most(gain, cause, before, after, train), encoder_step)):
+    if exceeds(*_left_open(gain, cause, before, after, train, encoder_step, strict)):
         return True
-    steps = without_noise(encoder_step, train)
-    if train[0].drive is not None or steps > STEPS_ALONE * encoder_step:
+    if noise is None or train[0].drive is not None or not encoder_step or gain.squares <= _uneven(gain, train):
         return False
-    return exceeds(*left_open(OPEN * feigned(before, after, train, noise, gain.channel), steps))
+    return explains_more(before, after, train, noise, without_noise(encoder_step, train), BEYOND)
 
 
 def _noise_at_most(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> float:
@@ -85,26 +90,18 @@ def _noise_at_most(gain: Gain, cause: str, before: Model, after: Model, train: l
 
 
 def _left_open(
-    gain: Gain,
-    cause: str,
-    before: Model,
-    after: Model,
-    train: list[Session],
-    encoder_step: float,
-    strict: bool,
-    by_noise: float,
-    rounding: float,
+    gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float, strict: bool
 ) -> tuple[float, float]:
-    """What steps leave open of a channel beside what is `by_noise`, N^2, in all and where the stage moves.
+    """The most that encoder and converters leave open of a channel, N^2, in all and where the stage moves.
 
-    Those of the encoder leave a force, the same one wherever the plunger comes back to, so that held-out sessions repeat it, and a zero of
+    Steps of the encoder leave a force, the same one wherever the plunger comes back to, so that held-out sessions repeat it, and a zero of
     depth, which bends what a free stiffness is fitted to; those of the converter are uneven where noise does not carry the readings across
     them. And damping feels speeds that nobody reads: what depends on speed, or smooths the depth, must exceed what steps beat against
-    samples in any session, and what `rounding` to so many m does to speeds, too, unless the likelihood gains much by it and nobody is
-    `strict`. An error of the depth shows in every channel: where a gain is of one alone, and another is left with less than it would be,
-    there is none so large; at a few depths the other's own stiffness may have taken it."""
+    samples in any session, and those speeds, too, unless the likelihood gains much by it and nobody is `strict`. An error of the depth
+    shows in every channel: where a gain is of one alone, and another is left with less than it would be, there is none so large; at a few
+    depths the other's own stiffness may have taken it."""
     k, b, drag = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2, _drag(cause, before, after, gain.channel)
-    uneven = (UNEVEN * converter_step(train, gain.channel)) ** 2
+    uneven, by_noise = _uneven(gain, train), _noise_at_most(gain, cause, before, after, train)
     moves, step = partial(_moves, encoder_step), without_noise(encoder_step, train)
     chance = AT_FEW_DEPTHS if held_depths(train, step) < FEW else OPEN
     unzeroed = UNZEROED * step if cause in OF_READING else 0.0
@@ -120,9 +117,14 @@ def _left_open(
         beats = OPEN * max((drag * _beat([s], step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
         if strict or gain.relative < MUCH:
-            resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, rounding))
+            resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
             still, moving = still + max(resting, passing), moving + passing
     return still, moving
+
+
+def _uneven(gain: Gain, train: list[Session]) -> float:
+    """What uneven steps of the channel's converter leave open, N^2."""
+    return (UNEVEN * converter_step(train, gain.channel)) ** 2
 
 
 def _drag(cause: str, before: Model, after: Model, channel: str) -> float:

@@ -61,7 +61,7 @@ def too_short(key: Key, after: Model, train: list[Session], encoder_step: float)
 
 
 def steps_do(
-    cause: str, gain: Gain, before: Model, after: Model, train: list[Session], noise: Whitener, encoder_step: float
+    cause: str, gain: Gain, before: Model, after: Model, train: list[Session], noise: Whitener | None, encoder_step: float
 ) -> NotNamed | None:
     """Why a cause that gains is no finding, where steps of encoder and converters may leave as much open."""
     if resolved(gain, cause, before, after, train, noise, encoder_step):

@@ -173,8 +173,9 @@ class Search:
         return gain.squares <= SHADOW * self.fallen(gain.channel)
 
     def steps_do(self, key: Key, gain: Gain, after: Model) -> bool:
-        """Whether steps of encoder and converters may leave as much open as `after` gains, which is noted, for all else speaks for it."""
-        why = steps_do(key[0], gain, self.present.model, after, self.train, self.noise, self.encoder_step)
+        """Whether steps of encoder and converters may leave as much open as `after` gains beside a course of sessions, which is noted: all
+        else speaks for it."""
+        why = steps_do(key[0], gain, self.present.model, after, self.train, None, self.encoder_step)
         self.hardware |= {key: why} if why else {}
         return why is not None
 
