@@ -1,6 +1,7 @@
 """What counts as a rival of a cause, and what speaks for one of two names: the encoder's noise, and what is believed beside them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,9 @@ from skin_ident.criticism.search.exchange import _as_good_with
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.search.search import _beside_dropped
 from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.tared import beside_zeros
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -68,3 +71,24 @@ def test_what_is_believed_beside_a_rival_speaks_for_it_unless_it_is_as_good_besi
     after = fit(replace(PLAIN, effects=(bends, late)), [session], noise)
     finding = Named(stiffens.cause, "skin", None, 0.0, ())
     assert _as_good_with(search, search, finding, Rival(bends.cause, "taxel", 0.0), after) is (true == "finding")
+
+
+def found(cause: str, where: str, explains: float) -> Named:
+    return Named(cause, where, None, explains, ())
+
+
+def test_what_zeros_were_taken_for_stays_a_rival_of_less_in_the_same_sensor():
+    """A zero that jumps within sessions: tares explain most of it, and what is left looks like a loop."""
+    yielded = [found("drift", "load_cell", 500.0), found("force_offset", "load_cell", 700.0), found("lag", "taxel", 900.0)]
+    search = SimpleNamespace(yielded=yielded)
+    assert [a.key for a in beside_zeros(search, found("hysteresis", "load_cell", 300.0)).alternatives] == [("drift", "load_cell")]
+    assert beside_zeros(search, found("hysteresis", "load_cell", 800.0)).alternatives == ()
+
+
+@pytest.mark.parametrize(("score", "rivals"), [(420.0, [("time_shift", "clock")]), (200.0, [])])
+def test_what_was_taken_out_again_is_a_rival_where_it_would_explain_as_much(score, rivals):
+    """It is not asked a second time, and what is asked in its place must not be the only name."""
+    ranked = {("time_shift", "clock"): score, ("lag", "load_cell"): 300.0}
+    last = SimpleNamespace(ranked=[SimpleNamespace(key=key, score=s) for key, s in ranked.items()])
+    search = SimpleNamespace(dropped={("time_shift", "clock"), ("drift", "taxel")})
+    assert [a.key for a in _beside_dropped(search, last, found("lag", "load_cell", 310.0)).alternatives] == rivals
