@@ -25,11 +25,12 @@ The method, in the order in which `diagnose` runs it:
     where that explains more (`search.growing`, `search.trial`). What comes within reach of the best, or is the same signal by nature, is
     reported beside it (`search.rivals`). One that explains most by several instances alone is held against several causes
     (`search.several`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
-    Where none is believed alone, and hardware does nothing of the kind, two that hide each other are asked (`search.together`).
+    Where none is believed alone, and no hardware does as much as the best, two that hide each other are asked (`search.together`).
     What only led the fit out of a false minimum is left out again (`search.unstuck`).
 8.  `gates` and `search.believing` demand that held-out sessions are predicted better (block bootstrap), beside what training leaves
-    uncertain, by more than steps of encoder and converters and noise of the depth leave open, and that noise of another colour is no
-    shorter account of the record. What is there, and such as good hardware does, is said and not named (`search.hardware`), as is what
+    uncertain, by more than steps of encoder and converters and noise of the depth leave open (at most, by `gates.resolution`, or of this
+    cause, by reading the depth anew with other steps and more noise, `gates.feigned`), and that noise of another colour is no shorter
+    account of the record. What is there, and such as good hardware does, is said and not named (`search.hardware`), as is what
     training speaks for while others leave it in doubt (`search.doubt`): neither is called excluded.
 9.  `courses` compete with all causes by what belongs to one session alone: a zero, a slope, a delay or a depth that changed before or
     during it. Zeros as tares leave them (`courses.left_by_tare`) belong to the baseline, and those of all channels and sessions together
@@ -37,7 +38,7 @@ The method, in the order in which `diagnose` runs it:
     far and predict nothing, the noise wanders more than its model knows, and nothing is named. Last, what is wrong in held-out sessions
     alone. A cause that some of three sessions or more have, and others lack, is asked before all that they share (`search.partly`). Skin
     that is another by some percent in every session, as that of specimens, temperatures and places is, belongs to the baseline where that
-    explains more than any cause (`search.own_skin`).
+    explains more than any cause, and than zeros that hardware leaves, or where no cause is believed (`search.own_skin`).
 10. `search.criticise` repeats this; each cause is then asked for again beside the others, and where much is left that none is believed for,
     its rivals in its place; of two accounts that explain as much the one with clearly fewer numbers is kept (`search.exchange`). What
     nothing needs is eliminated, and what it had explained is asked of the others once more. `telling` asks whether a general model still
@@ -49,6 +50,7 @@ The method, in the order in which `diagnose` runs it:
 
 References: L. Ljung, System Identification, 1999 (output error, residual tests); Y. C. Pati et al., Orthogonal matching pursuit, 1993;
 C. L. Lawson and R. J. Hanson, Solving Least Squares Problems, 1974 (signs); G. Schwarz, Annals of Statistics 6, 1978 (the charge for a
-parameter); B. Efron and R. Tibshirani, An Introduction to the Bootstrap, 1993 (blocks); W. A. Fuller, Measurement Error Models, 1987;
+parameter); B. Efron and R. Tibshirani, An Introduction to the Bootstrap, 1993 (blocks, and records drawn anew);
+J. R. Cook and L. A. Stefanski, J. Am. Stat. Assoc. 89, 1994 (SIMEX); W. A. Fuller, Measurement Error Models, 1987;
 N. M. Laird and J. H. Ware, Biometrics 38, 1982 (numbers of each session's own).
 """
