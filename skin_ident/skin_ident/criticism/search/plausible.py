@@ -10,7 +10,8 @@ from skin_ident.criticism.search.growing import instances, lacking, unlike_skin
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.pull import is_pulled
-from skin_ident.criticism.vocabulary import ADHESION, DAMPING
+from skin_ident.criticism.vocabulary import ADHESION, DAMPING, HYSTERESIS
+from skin_models.effects.hysteresis import SkinHysteresis
 
 FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
 
@@ -33,6 +34,13 @@ def _spreads_both_ways(trial: Trial, sessions: list[Session]) -> bool:
 def _is_no_skin(trial: Trial, sessions: list[Session]) -> bool:
     """Skin is no filter and no brake."""
     return unlike_skin(trial.fit.model)
+
+
+def _never_yields(trial: Trial, sessions: list[Session]) -> bool:
+    """An element that no motion is long enough to make yield is a stiffness; other forms of a loop yield little by little."""
+    farthest = max((float(s.motion.x.max()) for s in sessions if s.drive is None), default=np.inf)
+    loops = instances(trial.fit.model, *HYSTERESIS)
+    return trial.key == HYSTERESIS and all(type(e) is SkinHysteresis and e.threshold >= farthest for e in loops)
 
 
 def _drives(trial: Trial, sessions: list[Session]) -> bool:
@@ -76,6 +84,7 @@ RULES: tuple[Callable[[Trial, list[Session]], bool], ...] = (
     _leaks_less_than_nothing,
     _spreads_both_ways,
     _is_no_skin,
+    _never_yields,
     _drives,
     _pulls_unseen,
     _passes_by_the_load_cell,
