@@ -101,3 +101,9 @@ def test_what_is_many_times_louder_than_the_air_is_not_nothing(tmp_path):
     findings = diagnose(recordings[:2], recordings[2:]).findings
     assert findings["verdict"] != "nothing_wrong"
     assert {f["cause"] for f in findings["findings"]} <= {"time_shift"}
+
+
+def test_the_terminal_says_in_which_sessions_most_is_left():
+    rest = {"most_in": ["day4", "day5"], "times": 2.34, "channel": "force"}
+    findings = {"findings": [], "baseline": {}, "untestable": [], "systematic_rest": rest, "verdict": "unexplained"}
+    assert "of force is in day4, day5: 2.3 times" in summary(findings) and "day4" not in summary(findings | {"verdict": "nothing_wrong"})
