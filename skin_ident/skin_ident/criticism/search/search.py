@@ -97,9 +97,9 @@ def _believing_none(
 def _beside_dropped(search: Search, last: Survey, finding: Named) -> Named:
     """The finding, with what was taken out again among its alternatives where that would explain as much of what was left `last`."""
     score = {p.key: p.score for p in last.ranked}
-    had = {finding.key, *(a.key for a in finding.alternatives)}
-    rivals = [key for key in search.dropped if key not in had and score.get(key, 0.0) > reach(score.get(finding.key, 0.0))]
-    return replace(finding, alternatives=(*finding.alternatives, *(Rival(*key, score[finding.key] - score[key]) for key in rivals)))
+    mine, had = score.get(finding.key, 0.0), {finding.key, *(a.key for a in finding.alternatives)}
+    rivals = (Rival(*key, mine - score[key]) for key in sorted(search.dropped - had) if score.get(key, 0.0) > reach(mine))
+    return replace(finding, alternatives=(*finding.alternatives, *rivals))
 
 
 def eliminate(search: Search) -> bool:
