@@ -19,7 +19,9 @@ from scipy.linalg import block_diag
 from skin_ident.criticism.baseline.fitting import cost_of, fit, tangents, whitened
 from skin_ident.criticism.baseline.residual import placed, residual, stiffness
 from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values
+from skin_ident.criticism.courses.carriers import SLOPE
 from skin_ident.criticism.courses.course import added, basis
+from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import LEAST, Run
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
@@ -36,6 +38,7 @@ NUMBERS = ("k1", "b1", "k2", "b2")  # that a session may have of its own
 STRAYS = 0.03  # of every number, from session to session
 FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
 AHEAD = 1.1  # times what a course explains, which other numbers must to go before it
+PATTERN = 4  # sessions in which a gain that steps differs from skin that strays
 NATURAL = 0.045  # that a stiffness may be off where specimens differ by a hundredth; what differs by more is told
 TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, until they move by less
 WORTH_SAYING = 0.002  # of a number
@@ -52,12 +55,20 @@ def explained_by_own_skin(search: Search) -> float:
 
 def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]) -> bool:
     """Whether numbers of each session's own have `explained` more than the `best` cause, and clearly more than the `runs` of one sensor or
-    clock, and were taken: two numbers of a skin may be a gain."""
+    clock, and were taken: two numbers of a skin may be a gain. Which of both it is shows in how it goes from session to session, and in
+    few of them it does not: what strays there no farther than skin does is left to it where it explains as much."""
+    if len(search.train) < PATTERN:
+        runs = [r for r in runs if not _strays_as_skin_does(r)]
     if explained <= max(LEAST, best, AHEAD * max((r.score for r in runs), default=0.0)):
         return False
     search.progress("letting the skin differ from session to session")
     search.own_skin = True  # they are fitted where the next round begins
     return True
+
+
+def _strays_as_skin_does(run: Run) -> bool:
+    """Whether a gain differs between sessions by no more than skin does: about its mean, or from one to the next."""
+    return run.course.carrier == SLOPE and run.largest < (NATURAL / 2.0 if run.course.shape == CONSTANT else NATURAL)
 
 
 def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> bool:
