@@ -24,13 +24,15 @@ from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 SEED = 0  # any: the same record is told the same
+OF_NOISE, OF_STEPS = 2.0, 6.0  # times what either feigns, which must be explained: few draws tell of steps, and a fifth has been seen
 DRAWS = 3  # of steps; of noise there are two, one the opposite of the other, so that products with what is left anyway cancel
 
 
-def explains_more(before: Model, after: Model, train: list[Session], noise: Whitener, step: float, times: float) -> bool:
-    """Whether `after` explains more so many `times` than white noise of the encoder and its steps of `step` m feign together."""
+def explains_more(before: Model, after: Model, train: list[Session], noise: Whitener, step: float) -> bool:
+    """Whether `after` explains clearly more than white noise of the encoder and its steps of `step` m feign together."""
     explained = cost_of(before, train, noise) - cost_of(after, train, noise)
-    return explained > times * (by_noise(before, after, train, noise, explained) + by_steps(before, after, train, noise, step))
+    feigned = OF_NOISE * by_noise(before, after, train, noise, explained) + OF_STEPS * by_steps(before, after, train, noise, step)
+    return explained > feigned
 
 
 def by_noise(before: Model, after: Model, train: list[Session], noise: Whitener, explained: float) -> float:

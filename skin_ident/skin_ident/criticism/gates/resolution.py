@@ -22,12 +22,12 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 PASSING = 0.5  # of what steps leave open at rest, which a fall where the stage moves must exceed: it comes from rest and goes to it
-BEYOND = 2.0  # times what errors of the encoder feign of a cause, which it must explain at the least
 OPEN = 2.0  # times the mean square that steps leave open on average: at few depths chance makes it so much
 # The same of what is left when a cause has been taken, or none: at a few depths each may be half a step off, which is three times, and the
 # model that was fitted to few others as far the other way.
 AT_FEW_DEPTHS = 6.0
 FEW, APART = 4.0, 4.0  # depths at which a gain is asked so much, and steps by which two are apart
+MANY = 15.0  # depths, at fewer of which the rounding of each may be anything, and no drawing anew tells how much it feigns
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
 ROUNDED = 0.5  # of a step, by which a tare leaves a zero off
@@ -76,7 +76,8 @@ def resolved(
         return True
     if noise is None or train[0].drive is not None or not encoder_step or gain.squares <= _uneven(gain, train):
         return False
-    return explains_more(before, after, train, noise, without_noise(encoder_step, train), BEYOND)
+    step = without_noise(encoder_step, train)
+    return held_depths(train, step) > MANY and explains_more(before, after, train, noise, step)
 
 
 def _noise_at_most(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> float:
