@@ -37,7 +37,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         itself = not search.shadows(gain) and trial.score > search.form_of_others(*trial.key)
         itself = itself or _explains_all(search, trial)
         if itself and _in_doubt(search, trial, trials[0], gain):
-            search.doubts[trial.key] = too_short(trial.key, trial.fit.model, search.train, search.encoder_step) or unproven()
+            search.doubts[trial.key] = too_short(trial.key, trial.fit.model, search.encoder_step) or unproven()
         if not _is_believed(search, trial, gain, second_chance=trial not in trials):
             continue
         if not itself:
@@ -124,7 +124,7 @@ def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain
     if encoder:
         return {trial.key: encoder}
     as_good = [t for t in rivals if t.score > trial.score - CHANCE and t.key[0] == SHIFT]
-    unread = {t.key: too_short(t.key, t.fit.model, search.train, search.encoder_step) for t in as_good}
+    unread = {t.key: too_short(t.key, t.fit.model, search.encoder_step) for t in as_good}
     return {key: why for key, why in unread.items() if why is not None}
 
 

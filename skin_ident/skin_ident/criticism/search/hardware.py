@@ -8,12 +8,12 @@ from skin_ident.criticism.courses.carriers import DEPTH
 from skin_ident.criticism.courses.left_by_tare import Tare
 from skin_ident.criticism.courses.run import AT_REST, Run, least_depth
 from skin_ident.criticism.gates.gate import Gain
-from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable, without_noise
+from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import OFFSET, Key
+from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
@@ -48,13 +48,11 @@ def encoder_does(
     if of_the_drive(gain, key[0], before, after, train):
         why = f"it would {_worth(gain)}, mostly while the driving force rests or little of what there is: the noise of that force may do it"
         return _usual(why, "a depth beside the force, or a load cell with less noise")
-    return too_short(key, after, train, encoder_step) or steps_do(key[0], gain, before, after, train, noise, encoder_step)
+    return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, noise, encoder_step)
 
 
-def too_short(key: Key, after: Model, train: list[Session], encoder_step: float) -> NotNamed | None:
-    """Why a cause that is a length is no finding, where the encoder does not read so finely. Its noise averages out, but for a zero, which
-    may be set by one reading."""
-    encoder_step = encoder_step if key == OFFSET else without_noise(encoder_step, train)
+def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
+    """Why a cause that is a length is no finding, where the encoder does not read so finely."""
     length = unreadable(instances(after, *key), encoder_step)
     why = f"it would be {_micrometres(length)}, but the encoder reads no finer than {_micrometres(encoder_step)}"
     return _usual(why, FINER) if length else None
