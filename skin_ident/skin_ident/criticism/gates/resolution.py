@@ -65,14 +65,9 @@ def resolved(
     """Whether the gain is more than encoder and converters leave open, in all or where the stage moves: one that trembles at rest does so
     no more while it moves. What an encoder may do at most is far more than it does of most causes: where all hangs on it, it is asked what
     it feigns, with the `noise` of the channels; None where a model `after` does not say it all."""
-
-    def exceeds(still: float, moving: float) -> bool:
-        if gain.squares > still:
-            return True
-        moves = partial(_moves, encoder_step)
-        return bool(encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still))
-
-    if exceeds(*_left_open(gain, cause, before, after, train, encoder_step, strict)):
+    still, moving = _left_open(gain, cause, before, after, train, encoder_step, strict)
+    moves = partial(_moves, encoder_step)
+    if gain.squares > still or (encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still)):
         return True
     if noise is None or train[0].drive is not None or not encoder_step or gain.squares <= _uneven(gain, train):
         return False
