@@ -140,3 +140,10 @@ def test_taxels_that_read_more_on_one_day_are_seen_in_what_it_says_by_itself():
         assert stiff["session_2"][channel]["value"] == pytest.approx(factor * np.median(others), rel=5e-3)
     assert [n for n, r in told_.items() if f"stiffness.{taxel}" in r["stands_out"]] == ["session_2"]
     assert all(abs(z["value"]) < 6.0 * z["std"] + 1e-3 for r in told_.values() for z in r["by_itself"]["zero"].values())
+
+
+def test_a_session_whose_taxels_are_hardly_heard_says_what_its_force_does():
+    made = [session(i, lambda y, rng, i=i: np.where(np.arange(y.shape[1]) > 0.2 * y.shape[1], y[:, :1], y) if i == 1 else y) for i in range(4)]
+    told_ = {r["name"]: r for r in diagnose(made[:3], made[3:]).findings["recordings"]}
+    assert list(told_["session_1"]["by_itself"]["stiffness"]) == ["force"]
+    assert "force" in told_["session_0"]["by_itself"]["stiffness"] and len(told_["session_0"]["by_itself"]["stiffness"]) == 2

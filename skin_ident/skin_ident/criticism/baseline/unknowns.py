@@ -3,7 +3,7 @@
 A vector is scaled so that a step of one is a sensible step of each unknown; bounds come from the parameters themselves.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,6 +73,19 @@ def _of_shares(model: Model) -> Iterator[Unknown]:
     for i, share in enumerate(model.shares):
         if i != reference:
             yield Unknown("shares", Parameter(str(i), "1", share, 0.0, 10.0, typical=1.0), f"share_{i}")
+
+
+def those_told(which: tuple[Unknown, ...], model: Model, told: Callable[[Unknown], bool]) -> tuple[Unknown, ...]:
+    """Those of the unknowns that are `told`; what bounds one beside another that is not holds beside the value that this has in `model`."""
+    kept = [u for u in which if told(u)]
+    labels = {u.label for u in kept}
+    fixed = {u.label: _value(model, u) for u in which if u.label not in labels}
+
+    def by_itself(u: Unknown) -> Unknown:
+        lower = u.parameter.lower - fixed[u.beside]
+        return replace(u, beside="", parameter=replace(u.parameter, lower=min(lower, _value(model, u))))
+
+    return tuple(by_itself(u) if u.beside in fixed else u for u in kept)
 
 
 def effect_unknowns(model: Model) -> Iterator[Unknown]:

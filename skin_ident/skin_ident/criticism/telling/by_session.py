@@ -19,7 +19,7 @@ from scipy.stats import t as student
 
 from skin_ident.criticism.baseline.fitting import tangents
 from skin_ident.criticism.baseline.residual import damping, placed, residual, rmse, stiffness
-from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values, with_values
+from skin_ident.criticism.baseline.unknowns import Unknown, scales, those_told, unknowns, values, with_values
 from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.search.named import Criticism
 from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, with_reference
@@ -89,7 +89,7 @@ def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
     """What a session says, by its channels that may be believed."""
     strongest = f"taxel_{int(np.argmax(placed(model, s).shares))}" if model.shares else ""
     heard = _heard(s)
-    which = tuple(u for u in unknowns(model, s) if _told(u, heard, strongest))
+    which = those_told(unknowns(model, s), model, lambda u: _told(u, heard, strongest))
     mask = np.array([channel in heard for channel in s.channels])[:, None]
     s = replace(s, weight=np.where(mask, s.weight, 1.0))  # of what is not heard nothing is asked, and it silences no other channel
     ones = np.eye(len(s.channels))[:, :, None] * np.ones(s.t.size)
