@@ -61,6 +61,17 @@ def test_pushes_of_a_mass_are_no_outliers():
     assert find_outliers(["a"], ("force",), [e[None]], [e[None]], [rest], 0, 0.01)
 
 
+@pytest.mark.parametrize(("others", "quick", "told"), [(0.5, 12e-6, False), (0.5, 0.0, True), (0.0, 12e-6, True)])
+def test_what_every_channel_feels_of_a_quick_motion_is_no_outlier(others, quick, told):
+    """Between two readings the stage was faster than the encoder tells. At rest the same is a spike, and so is what one channel feels."""
+    rng, jumps, at = np.random.default_rng(2), np.zeros(4000, bool), np.array([1000, 2000, 3000])
+    path = 1e-6 * np.round(0.2 * rng.standard_normal(4000)) + quick * np.searchsorted(at, np.arange(4000), "right")
+    e = np.array([noisy(), 0.5 * rng.permutation(noisy())])
+    e[:, at] += [[2.0], [others]]
+    found = find_outliers(["a"], ("force", "taxel_0"), [e], [e], [jumps], 1, 0.01, paths=[path], reads=1e-6)
+    assert ("load_cell" in [s.where for s in found]) == told
+
+
 @pytest.mark.parametrize("at_landings", [True, False])
 def test_jumps_at_landings_alone_are_no_outliers(at_landings):
     jumps = np.zeros(4000, bool)

@@ -143,7 +143,10 @@ def test_taxels_that_read_more_on_one_day_are_seen_in_what_it_says_by_itself():
 
 
 def test_a_session_whose_taxels_are_hardly_heard_says_what_its_force_does():
-    made = [session(i, lambda y, rng, i=i: np.where(np.arange(y.shape[1]) > 0.2 * y.shape[1], y[:, :1], y) if i == 1 else y) for i in range(4)]
+    def stuck(y, rng):
+        return np.where(np.arange(y.shape[1]) > 0.2 * y.shape[1], y[:, :1], y)
+
+    made = [session(i, *([stuck] if i == 1 else [])) for i in range(4)]
     told_ = {r["name"]: r for r in diagnose(made[:3], made[3:]).findings["recordings"]}
     assert list(told_["session_1"]["by_itself"]["stiffness"]) == ["force"]
     assert "force" in told_["session_0"]["by_itself"]["stiffness"] and len(told_["session_0"]["by_itself"]["stiffness"]) == 2

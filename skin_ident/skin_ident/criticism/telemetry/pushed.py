@@ -1,4 +1,5 @@
-"""Excursions that a moving mass makes: a load cell that carries a plunger is pushed for a sample or two where it starts and stops."""
+"""Excursions that motion makes and no sensor: a load cell that carries a plunger is pushed for a sample or two where that starts and
+stops, and every channel feels a motion that is quicker than the encoder's readings tell."""
 
 from collections.abc import Sequence
 
@@ -11,6 +12,8 @@ from skin_ident.stretches import runs, without
 CLEAR = 5.0  # times what noise and steps of the encoder make of an acceleration, above which it is one
 FEWEST = 2  # excursions that tell a mass
 NEAR = 0.5  # of an excursion, within which the mass explains it
+SEEN = 3.0  # times the same, above which it may be one: enough where another channel tells of it, too
+SHARED = 4.0  # widths of the noise, which that must be off by
 
 
 def not_pushed(
@@ -28,10 +31,50 @@ def not_pushed(
     return [without(m, lambda a, b, p=p: a in p and abs(p[a] / mass - 1.0) < NEAR) for m, p in zip(away, each, strict=True)]
 
 
+def not_shared(
+    away: list[np.ndarray], c: int, residuals: list[np.ndarray], paths: Sequence[np.ndarray], dt: float, reads: float
+) -> list[np.ndarray]:
+    """The excursions `away` of channel `c`, masks (N,) of each session whose model leaves `residuals` (C, N) N, without those that begin
+    where the plunger clearly speeds up along `paths` (N,) m, and that another channel shares: they tell of the motion."""
+    if not paths:
+        return away
+    kept = []
+    for mask, e, path in zip(away, residuals, paths, strict=True):
+        felt, speeding = _felt(mask, c, e), _speeding(path, dt, reads)
+        kept.append(without(mask, lambda a, b, f=felt, s=speeding: s[a - 1 : b + 1].any() and f[a:b].any()))
+    return kept
+
+
+def _felt(away: np.ndarray, c: int, residuals: np.ndarray) -> np.ndarray:
+    """Where channel `c` is `away`, a mask (N,), and another one clearly off to the same side."""
+    out = np.zeros(away.size, bool)
+    if away.any() and not away.all():
+        far = np.array([away_from_around(e, away) for e in residuals])
+        width = np.array([normal_scale(np.diff(e)) for e in residuals])
+        shared = far * np.sign(far[c]) > SHARED * width[:, None]
+        out[away] = np.delete(shared, c, axis=0).any(axis=0)
+    return out
+
+
+def _speeding(path: np.ndarray, dt: float, reads: float) -> np.ndarray:
+    """Where the plunger speeds up or slows down along a `path` (N,) m, which an encoder `reads` so finely: a mask (N,)."""
+    speeding = _acceleration(path, dt)
+    return np.abs(speeding) > SEEN * _unread(speeding, dt, reads)
+
+
+def _acceleration(path: np.ndarray, dt: float) -> np.ndarray:
+    return np.pad(np.diff(path, 2), 1) / dt**2
+
+
+def _unread(speeding: np.ndarray, dt: float, reads: float) -> float:
+    """What noise and steps of the encoder make of an acceleration, m/s^2."""
+    return max(normal_scale(speeding), reads / dt**2)
+
+
 def _pushes(away: np.ndarray, residual: np.ndarray, path: np.ndarray, dt: float, reads: float) -> dict[int, float]:
     """By their first sample, the masses (kg) that would make excursions which begin where the plunger clearly speeds up or slows down."""
-    speeding = np.pad(np.diff(path, 2), 1) / dt**2
-    clear = CLEAR * max(normal_scale(speeding), reads / dt**2)
+    speeding = _acceleration(path, dt)
+    clear = CLEAR * _unread(speeding, dt, reads)
     far = np.zeros(away.size)
     far[away] = away_from_around(residual, away)
     strongest = {a: a + int(np.argmax(np.abs(far[a:b]))) for a, b in zip(*runs(away), strict=True)}
