@@ -12,7 +12,7 @@ from skin_ident.criticism.array.hypotheses import CHANGE, GAIN, Background, Hypo
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.vocabulary import Key
 
-SURE = 0.95  # probability that something is wrong, from which it is said so
+SURE = 0.99  # probability that something is wrong, from which it is said so
 REACH = 3.0  # log odds within which a rival cannot be told from the best,
 AT_ONE_PLACE = 10.0  # and where all sessions press at one place: then causes differ by the very shape of spread and leak alone
 MOST_SUSPECTS = 6  # taxels, each asked for a gain that changed: that takes a fit for every way to part the sessions
