@@ -190,7 +190,7 @@ def test_several_contacts_tell_a_wrong_place_from_a_wrong_calibration_and_from_c
     moved = np.array([skin.shares(q + np.array([2e-4, 0.0])) for q in contacts])
     plain = np.array([skin.shares(q) for q in contacts])
     leaking = np.eye(3) + 0.04 * (np.eye(3, k=1) + np.eye(3, k=-1))
-    cases = {("off_centre", "rig"): moved, ("gain_error", "taxel_1"): plain * [1.0, 1.08, 1.0], ("crosstalk", "taxel"): plain @ leaking}
+    cases = {("off_centre", "rig"): moved, ("gain_error", "taxel_1"): plain * [1.0, 1.1, 1.0], ("crosstalk", "taxel"): plain @ leaking}
     for key, shares in cases.items():
         judgement = judge(layout, measured(shares, seed))
         assert judgement.named is not None and judgement.named.key == key and not judgement.rivals
