@@ -21,13 +21,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, whitened
+from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.course import basis
 from skin_ident.criticism.courses.kinds import CAUSES as COURSES
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain, in_turn, left_by
 from skin_ident.criticism.gates.second_opinion import halves_in_turn
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.believing import believed_in_part
+from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.own_skin import PATTERN
 from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.search.ranking import AT_FULL_RATE
 from skin_ident.criticism.search.rivals import PROMISING, Rival, reach
@@ -45,6 +48,8 @@ UNFELT = 1e-3  # of what other sessions feel, and of what is felt before the mod
 COIN = 2.0 * np.log(2.0)  # twice nats, of having or lacking it
 TIMES = 3  # that sessions are asked whether they have it
 TELLS = 6.0  # twice nats, by which a session must be nearer without a cause to lack it
+SLIGHT = 0.01  # of a force, that a skin may differ by from day to day
+AS_WELL = 0.7  # of what a cause explains, which other numbers must to stand for one so slight
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,7 @@ def take_partly(search: Search, last: Survey, best: float) -> bool:
         return False
     first, *others = tried
     numbers = ground.of_other_numbers({s.name for s in first.ahead.train if first.trial.key not in s.lacks})
-    if first.score <= reach(numbers):
+    if first.score <= reach(numbers) or (numbers > AS_WELL * first.score and _strays_as_skin_does(first)):
         return False
     gain = _gain(search, first)
     if not believed_in_part(first.ahead, first.trial, gain):
@@ -206,6 +211,16 @@ def _lacks(search: Search, after: Fit, s: Session, key: Key) -> bool:
     """Whether a session is nearer to a fit without a cause, as far as it tells."""
     having, lacking = (cost_of(after.model, [replace(s, lacks=lacks)], search.noise) for lacks in (s.lacks - {key}, s.lacks | {key}))
     return lacking < having - TELLS
+
+
+def _strays_as_skin_does(tried: _Tried) -> bool:
+    """Whether a cause of the skin changes so little in the few sessions that have it that nobody knows it from another day's skin."""
+    key, model, sessions = tried.trial.key, tried.trial.fit.model, tried.ahead.train
+    if key[1] != "skin" or len(sessions) >= PATTERN:
+        return False
+    pairs = [(simulated(model, s), simulated(lacking(model, *key), s)) for s in sessions if key not in s.lacks]
+    force, change = (np.sqrt(sum(np.sum(y**2, axis=1) for y in ys)) for ys in ([b for _, b in pairs], [a - b for a, b in pairs]))
+    return bool(np.all(change < SLIGHT * force))
 
 
 def _gain(search: Search, tried: _Tried) -> Gain:
