@@ -70,6 +70,13 @@ class Gain:
         material = MATERIAL_RMSE / 2.0 if plain or self.relative > CLEAR else MATERIAL_RMSE
         return sure and not self.spoilt and self.relative > MATERIAL * self.breadth and self.after < (1.0 - material) * self.before
 
+    @property
+    def is_against(self) -> bool:
+        """Whether held-out data speak against it: predicted no better in the sense of the likelihood, nor in the plain error beyond doubt,
+        which says more where skin that is another leaves errors as slow as noise may be."""
+        falls = self.ci95[0] > 0.0 and self.after < (1.0 - MATERIAL_RMSE) * self.before
+        return self.relative <= 0.0 and not falls
+
     def shows_at(self, where: str) -> bool:
         """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it; beside a slow error of
         another cause what is quick of it does."""

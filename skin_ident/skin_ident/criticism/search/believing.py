@@ -84,7 +84,7 @@ def _in_doubt(search: Search, trial: Trial, best: Trial, gain: Gain) -> bool:
     """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""
     able = trial.score > max(reach(best.score), _doubtless(search, trial) * gain.breadth) and sized(trial)
     several = bool(search.held) or len(search.train) > 1
-    return bool(able and several and not gain.passed and not gain.spoilt and gain.relative > 0.0 and _is_shorter(search, trial.fit))
+    return bool(able and several and not gain.passed and not gain.spoilt and not gain.is_against and _is_shorter(search, trial.fit))
 
 
 def _doubtless(search: Search, trial: Trial) -> float:

@@ -195,7 +195,7 @@ class Search:
             return first
         models, cannot = (before, after, self.train), self.deaf(before, after, where)
         alone = held_out_gain(*models, self.held, self.noise) if cannot else first
-        if alone.relative <= 0.0 or alone.spoilt:
+        if alone.is_against or alone.spoilt:
             return first
         other = halves_in_turn(*models, self.noise) if cannot else all_in_turn(*models, self.held, self.noise)
         return other if other.passed else first
