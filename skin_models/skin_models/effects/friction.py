@@ -1,17 +1,19 @@
-"""Friction of the rig's guide or of the load cell's mounting: the measured force steps with the sign of the speed. Three forms:
+"""Friction of the rig's guide or of the load cell's mounting: the measured force steps with the sign of the speed. Four forms:
 
     smoothed over speed       y' = y + (F + mu |y|) tanh(v / v_s)
     Stribeck, as it begins    y' = y + (F + mu |y|) tanh(v / v_s) (1 + p / (1 + (v / v_p)^2))
     Dahl, over distance       y' = y + (F + mu |y|) z / d,        z' = v - |v| z / d
+    Prandtl, at a distance    y' = y + (F + mu |y|) z / d,        z the stop operator of the depth, |z| <= d
 
 Coulomb's law, smoothed: over the speed v_s, below which the force falls off, or over the distance d that bristles bend before they slip;
-those hold their force while the plunger rests. Surfaces that slide on a lubricant rub more by p before they have the speed to ride on it.
-F acts in the air too; what the load itself presses into the guide rubs in proportion to it (mu). Dahl's is stepped exactly for a path that
-is monotone between samples.
+those hold their force while the plunger rests. Of Dahl's some slip early and some late, of Prandtl's all at once. Surfaces that slide on a
+lubricant rub more by p before they have the speed to ride on it. F acts in the air too; what the load itself presses into the guide rubs in
+proportion to it (mu). Both forms over distance are stepped exactly for a path that is monotone between samples.
 
 Sources: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138; D. P. Hess, A. Soom, Journal of Tribology 112
-(1990) 147-152 (Stribeck's curve); P. Dahl, A Solid Friction Model, TOR-0158, 1968; C. Canudas de Wit et al., IEEE Trans. Automatic Control
-40 (1995) 419-425 (LuGre, of which it is the part before slip).
+(1990) 147-152 (Stribeck's curve); P. Dahl, A Solid Friction Model, TOR-0158, 1968; D. A. Haessig, B. Friedland, Journal of Dynamic Systems,
+Measurement, and Control 113 (1991) 354-362 (bristles that slip all at once); C. Canudas de Wit et al., IEEE Trans. Automatic Control
+40 (1995) 419-425 (LuGre, of which Dahl's is the part before slip).
 """
 
 from dataclasses import dataclass
@@ -21,6 +23,7 @@ import numpy as np
 
 from skin_models.effect import Dynamic, Memoryless, Place
 from skin_models.operators.bristles import bristles, bristles_step
+from skin_models.operators.play import play_step, stop
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 
@@ -104,3 +107,28 @@ class DahlFriction(_Rubbing, Dynamic):
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same recurrence in log2(N) passes over the whole recording."""
         return self._rubbing(y, s.once("Dahl", self.slip, lambda: bristles(s.x, self.slip)))
+
+
+@dataclass(frozen=True)
+class PrandtlFriction(_Rubbing, Dynamic):
+    """Friction of bristles that bend in proportion and slip all at once, seen by the load cell. State: where they stand, m."""
+
+    form: ClassVar[str] = "prandtl"
+    source: ClassVar[str] = "Haessig and Friedland 1991"
+    proposed: ClassVar[bool] = False
+    refines: ClassVar[type] = DahlFriction
+
+    slip: float = quantity("m", 1e-5, lower=1e-7, upper=1e-2, role=SHAPE, typical=1e-5, doc="distance d over which bristles bend")
+
+    def initial(self, rng=None) -> None:
+        """Bristles upright, before the first sample."""
+        return None
+
+    def step(self, state, y, s: Sample, dt: float):
+        """Where bristles stand after one sample, and the reading with what they are bent by."""
+        state = play_step(state, s.x, self.slip)
+        return state, self._rubbing(y, (s.x - state) / self.slip)
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """The same of the whole recording."""
+        return self._rubbing(y, s.once("Prandtl", self.slip, lambda: stop(s.x, self.slip)) / self.slip)
