@@ -6,7 +6,7 @@ with bounds by clipping. Jacobians are forward differences of the simulation its
 Source: L. Ljung, System Identification, 2nd ed., 1999, ch. 7 and 10.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from skin_ident.criticism.noise.growth import Growth
 from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, with_growth
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
+from skin_models.parameter import SHAPE
 
 ITERATIONS = 12
 STEP = 1e-4  # of a scaled unknown, for the differences
@@ -25,14 +26,15 @@ TOLERANCE = 1e-4  # relative fall of the cost at which a fit has converged
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model: standard errors by label, the whitened cost (sum of squares) and the number of whitened samples that
-    count."""
+    """A fitted model: standard errors by label, the whitened cost (sum of squares), the number of whitened samples that count, and standard
+    errors of all that is no shape where the shapes are as they are: what is small in the shape that suits it may be so in many."""
 
     model: Model
     unknowns: tuple[Unknown, ...]
     std: dict[str, float]
     cost: float
     count: int
+    std_in_shape: dict[str, float] = field(default_factory=dict)
 
     def gain_over(self, before: "Fit") -> float:
         """What this explains beyond another fit in the same noise, less what more unknowns cost: dV - dk log n, squared whitened units
@@ -84,7 +86,9 @@ def fit(
             break  # at a place where the tangents are these
     else:
         J, scale = stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
-    return Fit(model, which, _standard_errors(J, scale, which, cost), cost, believed)
+    amounts = np.array([u.parameter.role != SHAPE for u in which])
+    std, in_shape = (_standard_errors(J, scale, which, cost, free) for free in (np.ones(len(which), bool), amounts))
+    return Fit(model, which, std, cost, believed, in_shape)
 
 
 def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None, mix: np.ndarray | None = None) -> Whitener:
@@ -146,7 +150,9 @@ def sliding(which: tuple[Unknown, ...], scale: np.ndarray, free: np.ndarray) -> 
     return along
 
 
-def _standard_errors(J: np.ndarray, scale: np.ndarray, which: tuple[Unknown, ...], cost: float) -> dict[str, float]:
-    rows = max(int(np.count_nonzero(np.any(J != 0.0, axis=1))) - len(which), 1)
+def _standard_errors(J: np.ndarray, scale: np.ndarray, which: tuple[Unknown, ...], cost: float, free: np.ndarray) -> dict[str, float]:
+    """Of the unknowns that are `free`, a mask (U,), where the others are as they are."""
+    rows, J = max(int(np.count_nonzero(np.any(J != 0.0, axis=1))) - len(which), 1), J[:, free]
     covariance = np.linalg.pinv(J.T @ J) * cost / rows
-    return {u.label: float(s) for u, s in zip(which, np.sqrt(np.maximum(np.diag(covariance), 0)) * scale, strict=True)}
+    labels = [u.label for u, f in zip(which, free, strict=True) if f]
+    return dict(zip(labels, (np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale[free]).tolist(), strict=True))

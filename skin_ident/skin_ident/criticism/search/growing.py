@@ -145,12 +145,13 @@ def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit,
     return trial, sessions
 
 
-def determined(trial: Fit) -> bool:
-    """Whether the instance that came last has a size of its own: two that all but cancel have none, nor has what the model's own numbers
-    may as well do."""
+def determined(trial: Fit, std: dict[str, float] | None = None) -> bool:
+    """Whether the instance that came last has a size of its own by its standard errors, or by others: two that all but cancel have none,
+    nor has what the model's own numbers may as well do."""
     last = len(trial.model.effects) - 1
     sizes = [p for p in parameters_of(trial.model.effects[last]) if p.role == AMPLITUDE]
-    return any(abs(p.value) > SURE * trial.std.get(trial.model.listed_as(last, p.name), 0.0) for p in sizes)
+    std = trial.std if std is None else std
+    return any(abs(p.value) > SURE * std.get(trial.model.listed_as(last, p.name), 0.0) for p in sizes)
 
 
 def unlike_skin(model: Model) -> bool:

@@ -31,7 +31,8 @@ class Trial:
 
 
 def sized(t: Trial) -> bool:
-    """Whether a cause that has one size is surely not of none; several sizes of one cause may stand for each other."""
+    """Whether a cause that has one size is surely not of none in its shape: where only the product of both is known, either may be
+    anything. Several sizes of one cause may stand for each other."""
     mine = instances(t.fit.model, *t.key)
     several = len(mine) > 1 or any(sum(p.role == AMPLITUDE for p in parameters_of(e)) > 1 for e in mine)
-    return several or t.fit.model.effects[-1] not in mine or determined(t.fit)
+    return several or t.fit.model.effects[-1] not in mine or determined(t.fit, t.fit.std_in_shape)
