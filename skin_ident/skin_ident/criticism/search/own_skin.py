@@ -19,7 +19,7 @@ from scipy.linalg import block_diag
 from skin_ident.criticism.baseline.fitting import cost_of, fit, tangents, whitened
 from skin_ident.criticism.baseline.residual import placed, residual, stiffness
 from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values
-from skin_ident.criticism.courses.carriers import SLOPE
+from skin_ident.criticism.courses.carriers import DEPTH, SLOPE
 from skin_ident.criticism.courses.course import added, basis
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import LEAST, Run
@@ -55,10 +55,9 @@ def explained_by_own_skin(search: Search) -> float:
 
 def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]) -> bool:
     """Whether numbers of each session's own have `explained` more than the `best` cause, and clearly more than the `runs` of one sensor or
-    clock, and were taken: two numbers of a skin may be a gain. Which of both it is shows in how it goes from session to session, and in
-    few of them it does not: what strays there no farther than skin does is left to it where it explains as much."""
-    if len(search.train) < PATTERN:
-        runs = [r for r in runs if not _strays_as_skin_does(r)]
+    clock, and were taken: two numbers of a skin may be a gain, or a zero of depth. Which of both it is shows in how it goes from session to
+    session, and in few of them it does not: what strays there no farther than skin does is left to it where it explains as much."""
+    runs = _told_from_skin(search, runs)
     if explained <= max(LEAST, best, AHEAD * max((r.score for r in runs), default=0.0)):
         return False
     search.progress("letting the skin differ from session to session")
@@ -66,8 +65,16 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
     return True
 
 
+def _told_from_skin(search: Search, runs: list[Run]) -> list[Run]:
+    """Those of the `runs` that may be told from a skin that strays."""
+    return [r for r in runs if len(search.train) >= PATTERN or not _strays_as_skin_does(r)]
+
+
 def _strays_as_skin_does(run: Run) -> bool:
-    """Whether a gain differs between sessions by no more than skin does: about its mean, or from one to the next."""
+    """Whether a gain differs between sessions by no more than skin does, about its mean, or from one to the next; or it is a zero of depth,
+    that a slope makes up for."""
+    if run.course.carrier == DEPTH:
+        return True
     return run.course.carrier == SLOPE and run.largest < (NATURAL / 2.0 if run.course.shape == CONSTANT else NATURAL)
 
 
@@ -80,12 +87,14 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
     explained = sum(x for _, x in each) * all(np.abs(theta).max() <= FARTHEST for theta, _ in each)
     if runs and AHEAD * runs[0].score > of_train:
         return False
-    courses = [added(search.held, r.values) for r in courses_alone(search)[:1]]
+    alone = courses_alone(search)[:1]
+    courses = [added(search.held, r.values) for r in alone]
     own = [_with(s, search, theta) for s, (theta, _) in zip(search.held, each, strict=True)]
     falls = [
         cost_of(search.present.model, search.held, search.noise) - cost_of(search.present.model, s, search.noise) for s in (own, *courses)
     ]
-    return falls[0] > AHEAD * max(falls[1:], default=0.0) and take_own_skin(search, explained, 0.0, [])
+    ahead = AHEAD if _told_from_skin(search, alone) else 1.0
+    return falls[0] > ahead * max(falls[1:], default=0.0) and take_own_skin(search, explained, 0.0, [])
 
 
 def _asked(search: Search) -> bool:
