@@ -3,7 +3,9 @@
 from dataclasses import replace
 
 from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
+from skin_ident.criticism.search.doubt import unproven
 from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
@@ -19,6 +21,8 @@ from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
 from skin_models.model import Model
+
+WORSE = 1.1  # times the error of the baseline in a channel, with which an extended model is worse
 
 
 def criticise(
@@ -65,10 +69,34 @@ def criticise(
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
     c = Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
     plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, search.train, strict=True)]
-    if given or not (search.train[0].free_mass or any(s.skin for s in plain)):
-        return c
-    weighted = replace(start, effects=search.hanging)
-    return replace(c, baseline=fit(weighted, weighed(plain, search.train[0].heaviest), noise))
+    if not given and (search.train[0].free_mass or any(s.skin for s in plain)):
+        weighted = replace(start, effects=search.hanging)
+        c = replace(c, baseline=fit(weighted, weighed(plain, search.train[0].heaviest), noise))
+    return _without_names(c, train, held) if _predicts_worse(c, held) else c
+
+
+def _predicts_worse(c: Criticism, held: list[Session]) -> bool:
+    """Whether causes were named with which no channel of `held`, the sessions as they were prepared, is predicted better than by the
+    baseline, and one clearly worse: each was held against a model that others, or another mass, had led astray."""
+    if not (c.named and held):
+        return False
+    before, after = (
+        [rmse([residual(fitted.model, s)], [s]) for s in sessions]
+        for fitted, sessions in ((c.baseline, [c.before(own, s) for own, s in zip(c.held, held, strict=True)]), (c.extended, c.held))
+    )
+    times = [a[channel] / max(b[channel], 1e-300) for b, a in zip(before, after, strict=True) for channel in b]
+    return min(times) >= 1.0 and max(times) > WORSE
+
+
+def _without_names(c: Criticism, train: list[Session], held: list[Session]) -> Criticism:
+    """The same with the baseline alone, and all that was named in doubt."""
+    bare = (
+        tuple(replace(c.before(own, s), lacks=s.lacks) for own, s in zip(found, sessions, strict=True))
+        for found, sessions in ((c.train, train), (c.held, held))
+    )
+    doubts = {n.key: unproven() for n in c.named}
+    last = c.rounds[0][0] if c.rounds else c.last
+    return Criticism(c.baseline, c.baseline, (), last, c.rounds, *bare, c.not_named | doubts)
 
 
 def _resumed(search: Search) -> bool:

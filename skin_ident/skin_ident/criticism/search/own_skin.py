@@ -29,6 +29,7 @@ from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.hardware import specimens_do
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import courses_alone
+from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS
@@ -54,11 +55,11 @@ def explained_by_own_skin(search: Search) -> float:
 
 
 def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]) -> bool:
-    """Whether numbers of each session's own have `explained` more than the `best` cause, and clearly more than the `runs` of one sensor or
+    """Whether numbers of each session's own have `explained` as much as the `best` cause, and clearly more than the `runs` of one sensor or
     clock, and were taken: two numbers of a skin may be a gain, or a zero of depth. Which of both it is shows in how it goes from session to
     session, and in few of them it does not: what strays there no farther than skin does is left to it where it explains as much."""
     runs = _told_from_skin(search, runs)
-    if explained <= max(LEAST, best, AHEAD * max((r.score for r in runs), default=0.0)):
+    if explained <= max(LEAST, reach(best), AHEAD * max((r.score for r in runs), default=0.0)):
         return False
     search.progress("letting the skin differ from session to session")
     search.own_skin = True  # they are fitted where the next round begins
