@@ -8,6 +8,7 @@ from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.search.named import Named, NotNamed
 
 REPEATED = "more sessions, as far, as fast and as long as those that speak for it"
+TARED = "tares that last longer than noise wanders, and approaches from the air into contact"
 QUIET = "the same motions again with a quieter channel, or rests long enough to see how its noise wanders"
 OWN = {ZERO: "its zero", SLOPE: "its gain"}  # the other carriers say what they are
 
@@ -16,6 +17,11 @@ def unproven() -> NotNamed:
     """Why what explains much of training is no finding, where held-out sessions are not predicted better beyond doubt."""
     why = "the sessions that are fitted speak for it, but what is held out is not surely predicted better with it"
     return NotNamed(np.inf, why, REPEATED, doubt=True)
+
+
+def yields() -> NotNamed:
+    """Why what held-out data bear out is no finding, where zeros of single sessions do as much."""
+    return NotNamed(np.inf, "zeros of single sessions, as tares and stages leave them, explain as much", TARED, doubt=True)
 
 
 def shadowed(gain: Gain, named: list[Named]) -> NotNamed:

@@ -11,6 +11,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
 from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.search.doubt import yields
 from skin_ident.criticism.search.growing import grow
 from skin_ident.criticism.search.hardware import stage_does, steps_do
 from skin_ident.criticism.search.named import Named, NotNamed
@@ -65,6 +66,8 @@ class Search:
     stage: dict[Key, NotNamed] = field(default_factory=dict)  # courses that explain something, and are such as a good stage does
     hardware: dict[Key, NotNamed] = field(default_factory=dict)  # it would have been named, and is such as good hardware does
     tared: dict[Key, NotNamed] = field(default_factory=dict)  # zeros of sessions that were taken into the baseline
+    # The same of earlier rounds since the last cause was named: skin, zeros or a mass that were taken then may hide it now.
+    set_aside: dict[Key, NotNamed] = field(default_factory=dict)
 
     yielded: list[Named] = field(default_factory=list)  # findings in whose place zeros were taken
 
@@ -86,7 +89,8 @@ class Search:
     @property
     def not_named(self) -> dict[Key, NotNamed]:
         """What is in the record and no finding, by cause and place."""
-        return self.doubts | self.stage | self.hardware | self.tared
+        yielded = {n.key: yields() for n in self.yielded}
+        return yielded | self.set_aside | self.doubts | self.stage | self.hardware | self.tared
 
     def ahead(self, present: Fit) -> "Search":
         """The same state with another fit, from which to look further; what is found there is not found here."""
@@ -96,7 +100,8 @@ class Search:
         return other
 
     def begin_round(self) -> None:
-        """Forget why nothing else was named in the last one: it is asked anew."""
+        """Ask anew why nothing else is named, and set aside why that was in the last one."""
+        self.set_aside |= self.doubts | self.hardware
         self.stage, self.hardware, self.doubts = {}, {}, {}
 
     def end_round(self, last: Survey, cause: str | None, refused: float = 0.0) -> None:
@@ -209,6 +214,6 @@ class Search:
         else:
             more = replace(same, gain=self.gain(start, after.model, finding.where), explained=same.explained + finding.explained)
             self.named = [more if n is same else n for n in self.named]
-        self.present, self.doubts = after, {}
+        self.present, self.doubts, self.set_aside = after, {}, {}
         self.train, self.held = ([settled(after.model, s) for s in sessions] for sessions in (self.train, self.held))
         self.progress(f"named {finding.cause} in the {finding.where}")
