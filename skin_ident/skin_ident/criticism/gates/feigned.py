@@ -25,6 +25,7 @@ from skin_models.model import Model
 
 SEED = 0  # any: the same record is told the same
 OF_NOISE, OF_STEPS = 2.0, 6.0  # times what either feigns, which must be explained: few draws tell of steps, and a fifth has been seen
+FEIGNED = 0.5  # of what is explained, from which on it is no cause, whatever bounds allow: at few depths rounding is no noise
 DRAWS = 3  # of steps; of noise there are two, one the opposite of the other, so that products with what is left anyway cancel
 
 
@@ -33,6 +34,13 @@ def explains_more(before: Model, after: Model, train: list[Session], noise: Whit
     explained = cost_of(before, train, noise) - cost_of(after, train, noise)
     feigned = OF_NOISE * by_noise(before, after, train, noise, explained) + OF_STEPS * by_steps(before, after, train, noise, step)
     return explained > feigned
+
+
+def is_feigned(before: Model, after: Model, train: list[Session], noise: Whitener, step: float) -> bool:
+    """Whether white noise of the encoder and its steps of `step` m feign most of what `after` explains."""
+    explained = cost_of(before, train, noise) - cost_of(after, train, noise)
+    by_encoder = by_noise(before, after, train, noise, explained) + (by_steps(before, after, train, noise, step) if step else 0.0)
+    return by_encoder > FEIGNED * explained
 
 
 def by_noise(before: Model, after: Model, train: list[Session], noise: Whitener, explained: float) -> float:

@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
-from skin_ident.criticism.gates.feigned import explains_more
+from skin_ident.criticism.gates.feigned import explains_more, is_feigned
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.band import Band
@@ -27,6 +27,7 @@ OPEN = 2.0  # times the mean square that steps leave open on average: at few dep
 # model that was fitted to few others as far the other way.
 AT_FEW_DEPTHS = 6.0
 FEW, APART = 4.0, 4.0  # depths at which a gain is asked so much, and steps by which two are apart
+SURELY = 12.0  # times what may be left open, from which a gain is asked no further: on average chance makes a tenth of it
 MANY = 15.0  # depths, at fewer of which the rounding of each may be anything, and no drawing anew tells how much it feigns
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
@@ -66,12 +67,12 @@ def resolved(
     no more while it moves. What an encoder may do at most is far more than it does of most causes: where all hangs on it, it is asked what
     it feigns, with the `noise` of the channels; None where a model `after` does not say it all."""
     still, moving = _left_open(gain, cause, before, after, train, encoder_step, strict)
-    moves = partial(_moves, encoder_step)
+    moves, step = partial(_moves, encoder_step), without_noise(encoder_step, train)
+    asked = noise is not None and train[0].drive is None and encoder_step > 0.0
     if gain.squares > still or (encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still)):
-        return True
-    if noise is None or train[0].drive is not None or not encoder_step or gain.squares <= _uneven(gain, train):
+        return not (asked and gain.squares < SURELY * still and is_feigned(before, after, train, noise, step))
+    if not asked or gain.squares <= _uneven(gain, train):
         return False
-    step = without_noise(encoder_step, train)
     return held_depths(train, step) > MANY and explains_more(before, after, train, noise, step)
 
 
