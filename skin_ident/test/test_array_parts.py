@@ -13,7 +13,7 @@ from skin_ident.criticism.array.bending import Leaning, Walking, Widening
 from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.extending import NO_FORM, NOT_JUDGED, TOO_LARGE, known, unwritten
 from skin_ident.criticism.array.family import Family
-from skin_ident.criticism.array.findings import POSSIBLE, excluded
+from skin_ident.criticism.array.findings import POSSIBLE, excluded, untestable
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.hypotheses import Hypothesis
 from skin_ident.criticism.array.joining import joined
@@ -223,6 +223,15 @@ def test_a_declared_uncertainty_decides_whether_a_gain_is_wrong():
     found = measured([skin.shares() * [1.06, 1.0, 1.0, 1.0]] * 2, 0)
     assert judge(replace(layout, gain_std=0.005), found).named.key == ("gain_error", "taxel_0")
     assert judge(replace(layout, gain_std=0.05), found).named is None
+
+
+def test_what_is_left_open_is_told_the_most_probable_first():
+    """The same in every run of a program, which lays out a set as chance has it."""
+    skin, layout = array(4, 1)
+    judgement = replace(judge(layout, measured([skin.shares() * [1.06, 1.0, 1.0, 1.0]] * 2, 0)), sure=0.8)
+    told = [u["cause"] for u in untestable(ArrayCriticism(layout, None, judgement, None)) if u.get("left_open")]
+    judged = [j.hypothesis.cause for j in judgement.causes]
+    assert told == sorted(told, key=judged.index) and len(told) > 2
 
 
 @pytest.mark.parametrize(("hearing", "heard", "seed"), [(3, 2, 1), (4, 0, 2), (0, 3, 3)])

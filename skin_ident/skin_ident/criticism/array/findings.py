@@ -115,7 +115,7 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
     if isinstance(a, str):
         yield from ({"cause": c, "because": a, "needs": BY_NAME[c].needs} for c in ALL)
         return
-    said = {j.hypothesis.cause for j in a.judgement.causes}
+    said = dict.fromkeys(j.hypothesis.cause for j in a.judgement.causes)  # the most probable first
     if "spread_width" not in said:
         yield {
             "cause": "spread_width",
