@@ -105,5 +105,6 @@ def test_what_is_many_times_louder_than_the_air_is_not_nothing(tmp_path):
 
 def test_the_terminal_says_in_which_sessions_most_is_left():
     rest = {"most_in": ["day4", "day5"], "times": 2.34, "channel": "force"}
-    findings = {"findings": [], "baseline": {}, "untestable": [], "systematic_rest": rest, "verdict": "unexplained"}
-    assert "of force is in day4, day5: 2.3 times" in summary(findings) and "day4" not in summary(findings | {"verdict": "nothing_wrong"})
+    findings = {"recordings": [{"name": f"day{i}"} for i in range(6)], "findings": [], "baseline": {}, "untestable": []}
+    said = {verdict: summary(findings | {"systematic_rest": rest, "verdict": verdict}) for verdict in ("unexplained", "nothing_wrong")}
+    assert "of the force is from day4 on: 2.3 times" in said["unexplained"] and "day4" not in said["nothing_wrong"]

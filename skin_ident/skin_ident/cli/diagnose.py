@@ -137,6 +137,8 @@ def _remove_earlier(outcome: Outcome, folder: Path) -> None:
 
 def summary(findings: dict[str, Any]) -> str:
     """The findings as a person wants them in a terminal."""
+    from skin_ident.report.sessions import most_left  # as in `write`
+
     lines = [_verdict(findings)]
     lines += [f"  ({', '.join(f'{i} is {name}' for i, name in findings['taxels'].items())})"] if "taxels" in findings else []
     taxels = sum(channel.startswith("taxel") for channel in findings["baseline"].get("rmse", ()))
@@ -146,20 +148,12 @@ def summary(findings: dict[str, Any]) -> str:
         lines += [f"    cannot be told from: {_placed(a, taxels)}" for a in f["alternatives"]]
         lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
     lines += [f"\n  in doubt: {_placed(u, taxels)}: {u['because']}" for u in _doubts(findings)]
-    lines += _most_left(findings)
+    most = most_left(findings["verdict"], findings.get("systematic_rest"), findings.get("recordings", ()))
+    lines += [f"\n  {most}"] if most else []
     held = findings["baseline"].get("held", {})
     lines += [f"\n  {name} held at {h['value']:.3g} {h['unit']}: {h['because']}" for name, h in held.items()]
     lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]
     return "\n".join(lines)
-
-
-def _most_left(findings: dict[str, Any]) -> list[str]:
-    """In which sessions most is left, where something systematic is."""
-    rest = findings.get("systematic_rest") or {}
-    if findings["verdict"] not in ("partly_explained", "unexplained") or not rest.get("most_in"):
-        return []
-    times = f"{rest['times']:.2g} times as much as in the other sessions"
-    return [f"\n  most of what is left of {rest['channel']} is in {', '.join(rest['most_in'])}: {times}"]
 
 
 def _placed(entry: dict[str, Any], taxels: int) -> str:

@@ -1,6 +1,6 @@
 """Session by session: what each says by itself, what is left of it, and how that goes from one to the next."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from skin_ident.criticism.pattern import in_order, pattern, when
 from skin_ident.criticism.telling.by_session import LEAST
 from skin_ident.criticism.vocabulary import spoken
+from skin_ident.report.counsel import PARTLY, UNEXPLAINED
 from skin_ident.report.markup import Safe, el, section, table
 from skin_ident.report.numbers import UNKNOWN, bare, finite, plain, scale
 from skin_ident.report.reading import recording_name
@@ -148,15 +149,16 @@ def goes_on_from_day_to_day(v: View) -> str:
     return f"{stiffer[0]} {NO_GAIN}" if len(stiffer) > 1 else stiffer[0] if stiffer else ""
 
 
-def most_left(v: View) -> str:
-    """In which sessions most is left, as a sentence; empty where none stand out."""
-    m = v.most_left
+def most_left(verdict: str, rest: Any, recordings: Iterable[Any]) -> str:
+    """In which of the `recordings` most is left, by what `systematic_rest` says of it, as words for page and terminal; empty where none
+    stand out, or nothing systematic is left."""
+    m = mapping(rest)
     some, times = [text(n) for n in sequence(m.get("most_in"))], finite(m.get("times"))
-    if not some or times is None:
+    if verdict not in (PARTLY, UNEXPLAINED) or not some or times is None:
         return ""
-    where = when(some, [recording_name(r) for r in v.recordings]).removesuffix(" alone")
+    where = when(some, [recording_name(r) for r in recordings]).removesuffix(" alone")
     what = f"most of what is left of the {signal(text(m.get('channel')))} is {where}"
-    return sentence(f"{what}: {plain(times, 2)} times as much as in the other sessions")
+    return f"{what}: {plain(times, 2)} times as much as in the other sessions"
 
 
 def sessions(v: View) -> Safe | None:

@@ -165,8 +165,8 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         yield Wrong("", f"{nothing} that these data can show. What was ruled out, and what could not be tested, is listed below.")
     elif not v.findings:
         yield Wrong("", "No departure from the model could be named with confidence.")
-    if v.verdict in (PARTLY, UNEXPLAINED) and (most := most_left(v)):
-        yield Wrong("", most)
+    if most := most_left(v.verdict, v.most_left, v.recordings):
+        yield Wrong("", sentence(most))
     if changes := goes_on_from_day_to_day(v):
         yield Wrong("From session to session", changes)
     yield from (Wrong("Not settled", sentence(said)) for said in _unsettled(v))
