@@ -1,6 +1,6 @@
 """What the search for causes has named, and everything else that it found out on the way."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from skin_ident.criticism.baseline.fitting import Fit
@@ -37,6 +37,12 @@ class Named:
     def is_another_skin(self) -> bool:
         """Whether it says that the skin is another from session to session, and not that numbers of a given model are wrong."""
         return self.key == PARAMETERS and bool(self.courses)
+
+    def with_rivals(self, rivals: Iterable[Rival]) -> "Named":
+        """The finding with those of the `rivals` behind its alternatives that it has not yet, each once."""
+        had = {self.key, *(a.key for a in self.alternatives)}
+        more = {r.key: r for r in rivals if r.key not in had}
+        return replace(self, alternatives=(*self.alternatives, *more.values()))
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """The loop of a search for causes: survey, try the best few, let held-out sessions decide, repeat."""
 
-from dataclasses import replace
-
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.choosing import choose
@@ -97,9 +95,8 @@ def _believing_none(
 def _beside_dropped(search: Search, last: Survey, finding: Named) -> Named:
     """The finding, with what was taken out again among its alternatives where that would explain as much of what was left `last`."""
     score = {p.key: p.score for p in last.ranked}
-    mine, had = score.get(finding.key, 0.0), {finding.key, *(a.key for a in finding.alternatives)}
-    rivals = (Rival(*key, mine - score[key]) for key in sorted(search.dropped - had) if score.get(key, 0.0) > reach(mine))
-    return replace(finding, alternatives=(*finding.alternatives, *rivals))
+    mine = score.get(finding.key, 0.0)
+    return finding.with_rivals(Rival(*key, mine - score[key]) for key in sorted(search.dropped) if score.get(key, 0.0) > reach(mine))
 
 
 def eliminate(search: Search) -> bool:

@@ -1,7 +1,5 @@
 """Zeros that tares leave, where they explain what was about to be named: they belong to the baseline."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import fit
@@ -41,10 +39,8 @@ def take_tare(search: Search, finding: Named) -> bool:
 
 def beside_zeros(search: Search, finding: Named) -> Named:
     """The finding, with what zeros were taken for in the same sensor among its alternatives: what they left of that may pass for it."""
-    had = {finding.key, *(a.key for a in finding.alternatives)}
     same = [y for y in search.yielded if y.where == finding.where and y.where.startswith(SENSORS) and y.explained > finding.explained]
-    left = {y.key: Rival(*y.key, 0.0) for y in same if y.key not in had and not _is_zero(y.cause)}
-    return replace(finding, alternatives=(*finding.alternatives, *left.values()))
+    return finding.with_rivals(Rival(*y.key, 0.0) for y in same if not _is_zero(y.cause))
 
 
 def take_zeros(search: Search, least: float = 0.0) -> bool:
