@@ -5,6 +5,7 @@ import pytest
 
 from skin_ident.criticism.baseline.fitting import cost_of, fit
 from skin_ident.criticism.baseline.residual import residual
+from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.feigned import by_noise, by_steps
 from skin_ident.criticism.gates.gate import held_out_gain
 from skin_ident.criticism.gates.resolution import resolved
@@ -45,7 +46,8 @@ def asked(effect, encoder, rubbing: float = 0.0):
     after = fit(before.extended(effect), train, noise).model
     explained = cost_of(before, train, noise) - cost_of(after, train, noise)
     gain = held_out_gain(before, after, train, [held], noise)
-    told = resolved(gain, effect.cause, before, after, train, noise, float(np.hypot(np.sqrt(12.0) * encoder[0], encoder[1])))
+    claim = Claim((effect.cause, effect.where), gain, before, after, train)
+    told = resolved(claim, noise, float(np.hypot(np.sqrt(12.0) * encoder[0], encoder[1])))
     by_encoder = by_noise(before, after, train, noise, explained) + by_steps(before, after, train, noise, encoder[1])
     return explained, by_encoder, gain, told
 

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from gate_records import PLAIN, QUICK, WHITE, recorded
 from rows import rows
-from test_gates import PLAIN, QUICK, WHITE, recorded
 from world import make_sessions, write_case
 
 from skin_ident.criticism.baseline.fitting import fit

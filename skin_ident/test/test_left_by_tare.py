@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from gate_records import DEPTH, PLAIN, recorded
 from rows import rows
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
-from test_gates import DEPTH, PLAIN, recorded
 
 from skin_ident.criticism.courses.left_by_tare import Tare
 from skin_ident.criticism.diagnose import diagnose

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from test_gates import DEPTH, PLAIN, recorded
+from gate_records import DEPTH, PLAIN, recorded
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual

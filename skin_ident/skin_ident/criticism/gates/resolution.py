@@ -9,8 +9,9 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from skin_ident.criticism.baseline.residual import damping, residual, stiffness
 from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.feigned import explains_more, is_feigned
-from skin_ident.criticism.gates.gate import MUCH, Gain
+from skin_ident.criticism.gates.gate import MUCH
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.band import Band
 from skin_ident.criticism.sessions.cutoff import dilution
@@ -48,47 +49,37 @@ DILUTED = 0.15  # of the mean square, plain or whitened, that noise of what driv
 Part = Callable[[Session], np.ndarray]  # a mask (n,) of the samples that count
 
 
-def of_the_converter(gain: Gain, cause: str, train: list[Session]) -> bool:
+def of_the_converter(claim: Claim) -> bool:
     """Whether what bends with the reading of a channel may be the integral nonlinearity of its converter, which good ones have."""
-    return cause in OF_READING and gain.squares <= (INTEGRAL * converter_step(train, gain.channel)) ** 2
+    return claim.cause in OF_READING and claim.gain.squares <= (INTEGRAL * converter_step(claim.train, claim.channel)) ** 2
 
 
-def resolved(
-    gain: Gain,
-    cause: str,
-    before: Model,
-    after: Model,
-    train: list[Session],
-    noise: Whitener | None,
-    encoder_step: float,
-    strict: bool = False,
-) -> bool:
+def resolved(claim: Claim, noise: Whitener | None, encoder_step: float, strict: bool = False) -> bool:
     """Whether the gain is more than encoder and converters leave open, in all or where the stage moves: one that trembles at rest does so
     no more while it moves. What an encoder may do at most is far more than it does of most causes: where all hangs on it, it is asked what
-    it feigns, with the `noise` of the channels; None where a model `after` does not say it all."""
-    still, moving = _left_open(gain, cause, before, after, train, encoder_step, strict)
+    it feigns, with the `noise` of the channels; None where the model `after` does not say it all."""
+    train, fits = claim.train, (claim.before, claim.after, claim.train)
+    still, moving = _left_open(claim, encoder_step, strict)
     moves, step = partial(_moves, encoder_step), without_noise(encoder_step, train)
-    asked = noise is not None and train[0].drive is None and encoder_step > 0.0
-    if gain.squares > still or (encoder_step > 0.0 and _fall_in(moves, gain.channel, before, after, train) > max(moving, PASSING * still)):
-        return not (asked and gain.squares < SURELY * still and is_feigned(before, after, train, noise, step))
-    if not asked or gain.squares <= _uneven(gain, train):
+    asked = noise is not None and not claim.driven and encoder_step > 0.0
+    if claim.gain.squares > still or (encoder_step > 0.0 and _fall_in(moves, claim) > max(moving, PASSING * still)):
+        return not (asked and claim.gain.squares < SURELY * still and is_feigned(*fits, noise, step))
+    if not asked or claim.gain.squares <= _uneven(claim):
         return False
-    return held_depths(train, step) > MANY and explains_more(before, after, train, noise, step)
+    return held_depths(train, step) > MANY and explains_more(*fits, noise, step)
 
 
-def _noise_at_most(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> float:
+def _noise_at_most(claim: Claim) -> float:
     """What white noise of the encoder explains at most, N^2: it averages out within the band, and what smooths the depth, or leaves some of
     the damping to something else, spares the forces what is left of it."""
-    k, drag = stiffness(before, gain.channel), _drag(cause, before, after, gain.channel)
-    if cause not in SMOOTHING:
+    train, k, drag = claim.train, stiffness(claim.before, claim.channel), _drag(claim)
+    if claim.cause not in SMOOTHING:
         return OPEN * _trembling(train, k, 0.0) ** 2
     # Such a cause also spares the fit what noise of the depth has made of damping.
     return OPEN * _trembling(train, k, drag) ** 2 + (drag * dilution(train) * _speed_rms(train)) ** 2
 
 
-def _left_open(
-    gain: Gain, cause: str, before: Model, after: Model, train: list[Session], encoder_step: float, strict: bool
-) -> tuple[float, float]:
+def _left_open(claim: Claim, encoder_step: float, strict: bool) -> tuple[float, float]:
     """The most that encoder and converters leave open of a channel, N^2, in all and where the stage moves.
 
     Steps of the encoder leave a force, the same one wherever the plunger comes back to, so that held-out sessions repeat it, and a zero of
@@ -97,50 +88,53 @@ def _left_open(
     samples in any session, and those speeds, too, unless the likelihood gains much by it and nobody is `strict`. An error of the depth
     shows in every channel: where a gain is of one alone, and another is left with less than it would be, there is none so large; at a few
     depths the other's own stiffness may have taken it."""
-    k, b, drag = stiffness(before, gain.channel), before.dispersion.b1 + before.dispersion.b2, _drag(cause, before, after, gain.channel)
-    uneven, by_noise = _uneven(gain, train), _noise_at_most(gain, cause, before, after, train)
+    before, train = claim.before, claim.train
+    k, b, drag = stiffness(before, claim.channel), before.dispersion.b1 + before.dispersion.b2, _drag(claim)
     moves, step = partial(_moves, encoder_step), without_noise(encoder_step, train)
     chance = AT_FEW_DEPTHS if held_depths(train, step) < FEW else OPEN
-    unzeroed = UNZEROED * step if cause in OF_READING else 0.0
-    alone = chance == OPEN and len(gain.carried) == 1 and train[0].drive is None
+    unzeroed = UNZEROED * step if claim.cause in OF_READING else 0.0
+    alone = chance == OPEN and len(claim.gain.carried) == 1 and not claim.driven
     left = [(s, residual(before, s)) for s in train] if alone else []
 
     def unread(part: Part | None) -> float:
         """Of the depth, m^2."""
-        return min(chance * unread_depth(train, step, part) ** 2 + unzeroed**2, _shared_depth(before, gain.channel, left, part) ** 2)
+        return min(chance * unread_depth(train, step, part) ** 2 + unzeroed**2, _shared_depth(before, claim.channel, left, part) ** 2)
 
+    uneven, by_noise = _uneven(claim), _noise_at_most(claim)
     still, moving = (k**2 * unread(part) + uneven + by_noise for part in (None, moves))
-    if cause in OF_SPEED:
+    if claim.cause in OF_SPEED:
         beats = OPEN * max((drag * _beat([s], step)) ** 2 for s in train)
         still, moving = still + beats, moving + beats
-        if strict or gain.relative < MUCH:
+        if strict or claim.gain.relative < MUCH:
             resting, passing = ((b * speed) ** 2 for speed in _unread_speeds(train, encoder_step))
             still, moving = still + max(resting, passing), moving + passing
     return still, moving
 
 
-def _uneven(gain: Gain, train: list[Session]) -> float:
+def _uneven(claim: Claim) -> float:
     """What uneven steps of the channel's converter leave open, N^2."""
-    return (UNEVEN * converter_step(train, gain.channel)) ** 2
+    return (UNEVEN * converter_step(claim.train, claim.channel)) ** 2
 
 
-def _drag(cause: str, before: Model, after: Model, channel: str) -> float:
-    """The damping of a channel, N s/m, which what smooths the depth may have left to itself."""
-    return max(damping(m, channel) for m in ((before, after) if cause in SMOOTHING else (before,)))
+def _drag(claim: Claim) -> float:
+    """The damping of the channel, N s/m, which what smooths the depth may have left to itself."""
+    models = (claim.before, claim.after) if claim.cause in SMOOTHING else (claim.before,)
+    return max(damping(m, claim.channel) for m in models)
 
 
-def of_the_drive(gain: Gain, cause: str, before: Model, after: Model, train: list[Session]) -> bool:
+def of_the_drive(claim: Claim) -> bool:
     """Whether noise of the force that drives the test may do what a cause explains: what smooths or delays that force keeps some of its
     noise from the taxels of a simulation, and from those alone (W. A. Fuller, Measurement Error Models, 1987, ch. 1). So it is where a
     channel gains little, and where damping explains it mostly while the force rests."""
-    if train[0].drive is None or cause not in SMOOTHING:
+    gain = claim.gain
+    if not claim.driven or claim.cause not in SMOOTHING:
         return False
     if gain.relative < DILUTED and gain.squares < DILUTED * gain.before**2:
         return True
-    if cause not in OF_SPEED:
+    if claim.cause not in OF_SPEED:
         return False
-    falls = _falls(gain.channel, before, after, train)
-    moving = sum(float(np.sum(fall * _driven(s))) for fall, s in zip(falls, train, strict=True))
+    falls = _falls(claim)
+    moving = sum(float(np.sum(fall * _driven(s))) for fall, s in zip(falls, claim.train, strict=True))
     return moving < DRIVEN * sum(float(np.sum(fall)) for fall in falls)
 
 
@@ -240,22 +234,22 @@ def _unread_speeds(sessions: list[Session], encoder_step: float) -> tuple[float,
     return per_length * min(encoder_step, TREMBLING), per_length * encoder_step * float(np.sqrt(2.0 * band.edge * period))
 
 
-def _fall_in(part: Part, channel: str, before: Model, after: Model, sessions: list[Session]) -> float:
-    """Fall of the mean square in `channel` at the samples of a part, N^2."""
+def _fall_in(part: Part, claim: Claim) -> float:
+    """Fall of the mean square in the channel at the samples of a part, N^2."""
     fall, count = 0.0, 0.0
-    for s, each in zip(sessions, _falls(channel, before, after, sessions), strict=True):
+    for s, each in zip(claim.train, _falls(claim), strict=True):
         counts = part(s)
         fall += float(np.sum(each * counts))
-        count += float(np.sum(s.weight[s.channels.index(channel)] * counts))
+        count += float(np.sum(s.weight[s.channels.index(claim.channel)] * counts))
     return fall / max(count, 1.0)
 
 
-def _falls(channel: str, before: Model, after: Model, sessions: list[Session]) -> list[np.ndarray]:
-    """Fall of the squares in `channel`, N^2, of every sample that is believed, (n,) of each session."""
-    rows = [s.channels.index(channel) for s in sessions]
+def _falls(claim: Claim) -> list[np.ndarray]:
+    """Fall of the squares in the channel, N^2, of every sample that is believed, (n,) of each session."""
+    rows = [s.channels.index(claim.channel) for s in claim.train]
     return [
-        s.weight[row] * (residual(before, s)[row] ** 2 - residual(after, settled(after, s))[row] ** 2)
-        for row, s in zip(rows, sessions, strict=True)
+        s.weight[row] * (residual(claim.before, s)[row] ** 2 - residual(claim.after, settled(claim.after, s))[row] ** 2)
+        for row, s in zip(rows, claim.train, strict=True)
     ]
 
 

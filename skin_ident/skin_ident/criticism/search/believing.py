@@ -111,7 +111,7 @@ def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
     """Whether a trial is so little as a good stage or converter does; what is seen of it is noted."""
     effects = instances(trial.fit.model, *trial.key)
     little = all(map(negligible, effects))
-    why = stage_is_off(effects, gain) if little else converter_does(trial.key[0], gain, search.train)
+    why = stage_is_off(effects, gain) if little else converter_does(search.claim(trial.key, gain, trial.fit.model))
     if why:
         search.hardware[trial.key] = why
     return bool(why) or little
@@ -119,8 +119,7 @@ def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
 
 def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[Key, NotNamed]:
     """What the steps of an encoder do in place of a trial: all of it, or of those that explain as much a zero of depth that they hide."""
-    models = search.present.model, trial.fit.model
-    encoder = encoder_does(trial.key, gain, *models, search.train, search.noise, search.encoder_step)
+    encoder = encoder_does(search.claim(trial.key, gain, trial.fit.model), search.noise, search.encoder_step)
     if encoder:
         return {trial.key: encoder}
     as_good = [t for t in rivals if t.score > trial.score - CHANCE and t.key[0] == SHIFT]

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from skin_ident.criticism.baseline.fitting import ITERATIONS, Fit, fit, fit_effects
 from skin_ident.criticism.baseline.unknowns import effect_unknowns
+from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.hardware import encoder_does
 from skin_ident.criticism.search.named import Named, NotNamed
@@ -48,7 +49,7 @@ def _wrong(search: Search, given: Model, before: Fit, after: Fit, refit_before: 
         return False, None
     # Noise of the depth, or of a force that drives the test, does as much to damping.
     as_if = DAMPING if _but_for_damping(given, after.model) else PARAMETERS
-    why = encoder_does(as_if, gain, before.model, after.model, search.train, search.noise, search.encoder_step)
+    why = encoder_does(Claim(as_if, gain, before.model, after.model, search.train), search.noise, search.encoder_step)
     return why is None, why
 
 

@@ -7,12 +7,12 @@ import numpy as np
 from skin_ident.criticism.courses.carriers import DEPTH
 from skin_ident.criticism.courses.left_by_tare import Tare
 from skin_ident.criticism.courses.run import AT_REST, Run, least_depth
+from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.resolution import converter_step, of_the_converter, of_the_drive, resolved, unreadable
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import NotNamed
-from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -22,13 +22,13 @@ FINER = "an encoder, and converters, with finer steps and less noise"
 TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
 
 
-def converter_does(cause: str, gain: Gain, train: list[Session]) -> NotNamed | None:
+def converter_does(claim: Claim) -> NotNamed | None:
     """Why a cause that gains is no finding, where the converter may do it by itself."""
-    if not (gain.passed and of_the_converter(gain, cause, train)):
+    if not (claim.gain.passed and of_the_converter(claim)):
         return None
-    step = converter_step(train, gain.channel)
-    why = f"it would {_worth(gain)}, which a converter with steps of {step:.2g} N may do by itself"
-    return _usual(why, f"a {gain.channel} read in finer steps, or a larger force")
+    step = converter_step(claim.train, claim.channel)
+    why = f"it would {_worth(claim.gain)}, which a converter with steps of {step:.2g} N may do by itself"
+    return _usual(why, f"a {claim.channel} read in finer steps, or a larger force")
 
 
 def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
@@ -40,15 +40,13 @@ def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
     return _usual(f"it would be {found} and {_worth(gain)}, but a good stage is true to no more than {least}", TRUER)
 
 
-def encoder_does(
-    key: Key, gain: Gain, before: Model, after: Model, train: list[Session], noise: Whitener, encoder_step: float
-) -> NotNamed | None:
-    """Why a cause and place that `after` gains by over `before` are no finding, where noise of what drives the test does as much, the
-    encoder could not tell, or steps leave as much open."""
-    if of_the_drive(gain, key[0], before, after, train):
-        why = f"it would {_worth(gain)}, mostly while the driving force rests or little of what there is: the noise of that force may do it"
-        return _usual(why, "a depth beside the force, or a load cell with less noise")
-    return too_short(key, after, encoder_step) or steps_do(key[0], gain, before, after, train, noise, encoder_step)
+def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed | None:
+    """Why a cause that gains is no finding, where noise of what drives the test does as much, the encoder could not tell, or steps leave as
+    much open."""
+    if of_the_drive(claim):
+        worth = f"it would {_worth(claim.gain)}, mostly while the driving force rests or little of what there is"
+        return _usual(f"{worth}: the noise of that force may do it", "a depth beside the force, or a load cell with less noise")
+    return too_short(claim.key, claim.after, encoder_step) or steps_do(claim, noise, encoder_step)
 
 
 def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
@@ -58,16 +56,15 @@ def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
     return _usual(why, FINER) if length else None
 
 
-def steps_do(
-    cause: str, gain: Gain, before: Model, after: Model, train: list[Session], noise: Whitener | None, encoder_step: float
-) -> NotNamed | None:
+def steps_do(claim: Claim, noise: Whitener | None, encoder_step: float) -> NotNamed | None:
     """Why a cause that gains is no finding, where steps of encoder and converters may leave as much open."""
-    if resolved(gain, cause, before, after, train, noise, encoder_step):
+    if resolved(claim, noise, encoder_step):
         return None
+    worth = f"it would {_worth(claim.gain)}"
     if not encoder_step:
-        return _usual(f"it would {_worth(gain)}, which the converters may leave open", "converters with finer steps")
+        return _usual(f"{worth}, which the converters may leave open", "converters with finer steps")
     step = _micrometres(encoder_step)
-    return _usual(f"it would {_worth(gain)}, which the encoder (no finer than {step}) and the converters may leave open", FINER)
+    return _usual(f"{worth}, which the encoder (no finer than {step}) and the converters may leave open", FINER)
 
 
 def stage_does(run: Run, encoder_step: float) -> NotNamed:

@@ -8,6 +8,7 @@ from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.courses.course import worthwhile
 from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import MATERIAL, Gain, deaf, held_out_gain
 from skin_ident.criticism.gates.second_opinion import all_in_turn, halves_in_turn
 from skin_ident.criticism.noise.whitening import Whitener
@@ -177,10 +178,14 @@ class Search:
         """Whether what has been named explains so much more that what gains so may be its imperfect form."""
         return gain.squares <= SHADOW * self.fallen(gain.channel)
 
+    def claim(self, key: Key, gain: Gain, after: Model) -> Claim:
+        """That `after` gains so over the present model by a cause and place."""
+        return Claim(key, gain, self.present.model, after, self.train)
+
     def steps_do(self, key: Key, gain: Gain, after: Model) -> bool:
         """Whether steps of encoder and converters may leave as much open as `after` gains beside a course of sessions, which is noted: all
         else speaks for it."""
-        why = steps_do(key[0], gain, self.present.model, after, self.train, None, self.encoder_step)
+        why = steps_do(self.claim(key, gain, after), None, self.encoder_step)
         self.hardware |= {key: why} if why else {}
         return why is not None
 

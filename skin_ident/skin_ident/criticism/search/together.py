@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
+from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import MATERIAL, MUCH, Gain
 from skin_ident.criticism.gates.resolution import resolved
 from skin_ident.criticism.search.believing import first_believed
@@ -42,13 +43,11 @@ def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | 
     return (alone, replace(first, alternatives=rivals)), second
 
 
-def _no_steps(search: Search, after: Model, both: Gain, causes: set[str]) -> bool:
+def _no_steps(search: Search, after: Model, both: Gain, keys: tuple[Key, Key]) -> bool:
     """Whether two causes gain more than the steps of an encoder leave open, and much where one of them may smooth those."""
     steps = search.encoder_step
-    much = both.relative > MUCH or not (steps and causes & set(FILTERS))
-    return much and all(
-        resolved(both, cause, search.present.model, after, search.train, search.noise, steps, strict=True) for cause in causes
-    )
+    much = both.relative > MUCH or not (steps and any(cause in FILTERS for cause, _ in keys))
+    return much and all(resolved(search.claim(key, both, after), search.noise, steps, strict=True) for key in keys)
 
 
 def _explained(pair: Pair) -> float:
@@ -59,13 +58,15 @@ def _beside(search: Search, first: Trial) -> Pair | None:
     """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together."""
     ahead = search.ahead(first.fit)
     second = first_believed(ahead, ahead.trials(ahead.look()), [])
-    causes = {first.key[0], second[1].cause} if second else set()
-    if second is None or (second[1].cause, second[1].where) == first.key or causes <= set(FILTERS):
+    if second is None or second[1].key == first.key:
+        return None
+    keys = first.key, second[1].key
+    if all(cause in FILTERS for cause, _ in keys):
         return None
     after = second[0].model
     without, gain = beside(ahead, first.key, after)
     both = search.gain(search.present.model, after, "skin")
-    if not (gain and both.passed and _no_steps(search, after, both, causes)):
+    if not (gain and both.passed and _no_steps(search, after, both, keys)):
         return None
     finding = Named(*first.key, gain, first.score, (), without, after)
     return (first.fit, finding), second
@@ -76,5 +77,5 @@ def beside(ahead: Search, key: Key, after: Model) -> tuple[Model, Gain | None]:
     without = fit(lacking(after, *key), ahead.train, ahead.noise).model
     gain = ahead.gain(without, after, key[1])
     told = gain.passed and gain.shows_at(key[1])
-    encoder = encoder_does(key, gain, without, after, ahead.train, ahead.noise, ahead.encoder_step) if told else None
+    encoder = encoder_does(Claim(key, gain, without, after, ahead.train), ahead.noise, ahead.encoder_step) if told else None
     return without, gain if told and encoder is None else None

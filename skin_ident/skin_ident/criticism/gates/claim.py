@@ -1,0 +1,34 @@
+"""That a cause gains, as it is put to what hardware may do instead."""
+
+from dataclasses import dataclass
+
+from skin_ident.criticism.gates.gate import Gain
+from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
+from skin_models.model import Model
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What the model `after` gains over `before` by a cause at a place, `key`; both were fitted to the sessions `train`."""
+
+    key: Key
+    gain: Gain
+    before: Model
+    after: Model
+    train: list[Session]
+
+    @property
+    def cause(self) -> str:
+        """The cause alone."""
+        return self.key[0]
+
+    @property
+    def channel(self) -> str:
+        """Where it gains most."""
+        return self.gain.channel
+
+    @property
+    def driven(self) -> bool:
+        """Whether a force drives the test, and no depth is read."""
+        return self.train[0].drive is not None
