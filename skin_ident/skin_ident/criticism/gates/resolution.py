@@ -29,7 +29,9 @@ OPEN = 2.0  # times the mean square that steps leave open on average: at few dep
 AT_FEW_DEPTHS = 6.0
 FEW, APART = 4.0, 4.0  # depths at which a gain is asked so much, and steps by which two are apart
 SURELY = 12.0  # times what may be left open, from which a gain is asked no further: on average chance makes a tenth of it
-MANY = 15.0  # depths, at fewer of which the rounding of each may be anything, and no drawing anew tells how much it feigns
+# Depths, at fewer of which the rounding of each may be anything, and no drawing anew tells how much it feigns: pyramids of holds have 8
+# where an encoder reads in steps of 20 µm, and full protocols 36 in steps of 5 µm.
+MANY = 15.0
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
 ROUNDED = 0.5  # of a step, by which a tare leaves a zero off
