@@ -1,127 +1,19 @@
 """How often a finding is right: the tables and the figure of doc/reliability.md and doc/worlds.md, from the counts in doc/reliability.csv.
 
-    python bench_reliability.py [--write]        prints the pooled tables; --write puts all tables into the pages, and draws the figure
-
-A row of the CSV is one run of one kind of record in one world. `right` to `unstated` add up to `cases`; `unexplained` is part of `untold`;
-of sound records `right` counts those that stayed silent. `pooled` says whether a row counts in the pooled tables: `yes`; `earlier`, by code
-that is older by days; `again`, records or worlds that the code had been mended by; `beside`, something else than the diagnosis.
-`both` and `both_answered` count records with two effects in which both were named, or both had a right answer, where that was kept.
+python bench_reliability.py [--write]        prints the pooled tables; --write puts all tables into the pages, and draws the figure
 """
 
 import csv
 import re
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
-from scipy.stats import beta
+from reliability_counts import BY, DOC, HIDDEN, NOTHING, WORDS, Pool, Row, interval, pool, pools, read
 
 from skin_ident.criticism.vocabulary import BY_NAME
 
-DOC = Path(__file__).resolve().parents[1] / "doc"
-WORDS = ("right", "rival", "untestable", "untold", "wrong", "unstated")
-NUMBERS = (*WORDS, "unexplained", "extra", "cases")
 MARK = re.compile(r"(<!-- table: (.+?) -->\n).*?(<!-- end of table -->)", re.S)
-
-NOTHING = {
-    "null": "full protocols",
-    "null_poor": "poor protocols",
-    "null_loud": "drawn to be loud",
-    "null_sessions": "5 to 10 sessions over days",
-    "null_other": "other kinds of data",
-    "null_given": "a given model or twin that is right",
-    "null_loop": "closed loop",
-}
-HIDDEN = {
-    "half": "one, half of the noise's size",
-    "noise": "one, of the noise's size",
-    "above": "one, 1 to 4 times the noise",
-    "several": "one, 3 to 6 times the noise",
-    "poor": "one, poor protocols",
-    "pair": "two at once",
-    "sessions": "one, 5 to 10 sessions over days",
-    "pair_sessions": "two, 5 to 10 sessions over days",
-    "other": "one, other kinds of data",
-    "pair_other": "two, other kinds of data",
-    "given": "what a given model or twin has wrong",
-    "loop": "one, closed loop",
-    "pair_loop": "two, closed loop",
-}
-BY = {True: "own world", False: "strangers"}
-
-
-@dataclass(frozen=True)
-class Row:
-    """One line of the CSV."""
-
-    text: dict[str, str]
-    number: dict[str, int]
-
-    @property
-    def own(self) -> bool:
-        """Whether the world is the project's own."""
-        return self.text["world"] in ("own", "loop")
-
-
-@dataclass(frozen=True)
-class Pool:
-    """Counts added up."""
-
-    rows: list[Row]
-
-    def __getattr__(self, name: str) -> int:
-        """Return the sum of a column."""
-        return sum(r.number[name] for r in self.rows)
-
-    def told_of(self, column: str) -> tuple[int, int]:
-        """Return a column that only some rows have, and the records of these rows."""
-        kept = [r for r in self.rows if r.text[column]]
-        return sum(int(r.text[column]) for r in kept), sum(int(r.text["records"]) for r in kept)
-
-    @property
-    def records(self) -> int:
-        """Return how many records the effects were hidden in."""
-        return sum(int(r.text["records"]) for r in self.rows)
-
-    @property
-    def named(self) -> int:
-        """Effects that are named, or a rival of a name."""
-        return self.right + self.rival
-
-    @property
-    def answered(self) -> int:
-        """The same, and effects that are rightly said to be untestable or in doubt."""
-        return self.named + self.untestable
-
-    def span(self) -> str:
-        """Return the lowest and the highest share of right answers among runs of ten effects and more, where there are three."""
-        shares = [100 * Pool([r]).answered / r.number["cases"] for r in self.rows if r.number["cases"] >= 10]
-        return f"{min(shares):.0f} to {max(shares):.0f} %" if len(shares) > 2 else ""
-
-
-def read() -> list[Row]:
-    """Return all counts; a row that does not add up is an error."""
-    rows = []
-    with (DOC / "reliability.csv").open(encoding="utf-8", newline="") as lines:
-        for line, text in enumerate(csv.DictReader(lines), start=2):
-            number = {name: int(text[name] or 0) for name in NUMBERS}
-            if sum(number[w] for w in WORDS) != number["cases"] or number["unexplained"] > number["untold"]:
-                raise SystemExit(f"reliability.csv, line {line} does not add up: {text}")
-            if text["pooled"] == "yes" and text["kind"] not in (*NOTHING, *HIDDEN, "unseen"):
-                raise SystemExit(f"reliability.csv, line {line} is of no kind that is pooled: {text['kind']}")
-            rows.append(Row(text, number))
-    return rows
-
-
-def pool(rows: Iterable[Row], kind: str, own: bool | None = None, words: tuple[str, ...] = ("yes",)) -> Pool:
-    """Return the rows of a kind that count, in one's own world, in strangers', or in both."""
-    return Pool([r for r in rows if r.text["kind"] == kind and r.text["pooled"] in words and own in (None, r.own)])
-
-
-def interval(k: int, n: int) -> tuple[float, float]:
-    """Clopper and Pearson's 95 % interval of a share."""
-    return (float(beta.ppf(0.025, k, n - k + 1)) if k else 0.0, float(beta.ppf(0.975, k + 1, n - k)) if k < n else 1.0)
 
 
 def share(k: int, n: int) -> str:
@@ -130,14 +22,6 @@ def share(k: int, n: int) -> str:
     digits = 1 if k < 0.05 * n or k > 0.95 * n else 0
     ends = [f"{100 * x:.{1 if min(x, 1 - x) < 0.05 and 0 < x < 1 else 0}f}" for x in (low, high)]
     return f"{100 * k / n:.{digits if 0 < k < n else 0}f} % ({' to '.join(ends)})"
-
-
-def pools(rows: list[Row], kinds: dict[str, str]) -> Iterable[tuple[str, str, Pool]]:
-    """All pools that hold anything: what they are of, who hid it, the counts."""
-    for kind, what in kinds.items():
-        for own, by in BY.items():
-            if (p := pool(rows, kind, own)).rows:
-                yield what, by, p
 
 
 def table(head: Iterable[str], body: Iterable[Iterable[object]]) -> str:

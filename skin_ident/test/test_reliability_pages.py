@@ -1,32 +1,31 @@
 """The pages on reliability hold the tables that the counts give, and the counts add up."""
 
-import importlib.util
 import re
+import sys
 from pathlib import Path
 
 import pytest
 
-HERE = Path(__file__).resolve().parents[1]
-_spec = importlib.util.spec_from_file_location("bench_reliability", HERE / "bench" / "bench_reliability.py")
-bench = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(bench)
+sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
+import bench_reliability as bench
+from reliability_counts import DOC, interval, read
 
 
 @pytest.mark.parametrize("name", bench.PAGES)
 def test_the_tables_of_a_page_are_those_of_the_counts(name):
-    page = (HERE / "doc" / name).read_text(encoding="utf-8")
-    assert bench.filled(page, bench.read()) == page, "call bench/bench_reliability.py --write"
+    page = (DOC / name).read_text(encoding="utf-8")
+    assert bench.filled(page, read()) == page, "call bench/bench_reliability.py --write"
 
 
 def test_every_world_has_its_table():
-    page = (HERE / "doc" / "worlds.md").read_text(encoding="utf-8")
+    page = (DOC / "worlds.md").read_text(encoding="utf-8")
     shown = re.findall(r"<!-- table: world (\w+) -->", page)
-    assert sorted(shown) == sorted({r.text["world"] for r in bench.read()})
+    assert sorted(shown) == sorted({r.text["world"] for r in read()})
 
 
 @pytest.mark.parametrize(("k", "n", "low", "high"), [(0, 10, 0.0, 0.3085), (10, 10, 0.6915, 1.0), (5, 10, 0.1871, 0.8129)])
 def test_an_interval_is_that_of_clopper_and_pearson(k, n, low, high):
-    assert bench.interval(k, n) == pytest.approx((low, high), abs=1e-4)
+    assert interval(k, n) == pytest.approx((low, high), abs=1e-4)
 
 
 def test_what_a_target_leaves_open_is_said_to_be_open():
