@@ -1,92 +1,33 @@
 """The installed skin node over real DDS: contacts in, taxels out."""
 
 import math
-import os
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-rclpy = pytest.importorskip("rclpy")
+pytest.importorskip("rclpy")
 pytest.importorskip("skin_testbed_msgs")
 
-from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
-from geometry_msgs.msg import Point, WrenchStamped  # noqa: E402
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue  # noqa: E402
-from rcl_interfaces.srv import SetParameters  # noqa: E402
-from rclpy.executors import SingleThreadedExecutor  # noqa: E402
-from sensor_msgs.msg import Image, JointState, PointCloud2  # noqa: E402
-from skin_testbed_msgs.msg import Contact, ContactArray, TaxelArray, TaxelLayout  # noqa: E402
-from std_srvs.srv import Trigger  # noqa: E402
-from visualization_msgs.msg import MarkerArray  # noqa: E402
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Point, WrenchStamped
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from sensor_msgs.msg import Image, JointState, PointCloud2
+from skin_testbed_msgs.msg import Contact, ContactArray, TaxelArray, TaxelLayout
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
 
-from skin_models.effects.stress_relaxation import StressRelaxation  # noqa: E402
-from skin_models.materials import material  # noqa: E402
-from skin_models.model_file import save_model  # noqa: E402
-from skin_models.ros.processes import Domain, Processes, wait_until  # noqa: E402
-from skin_models.ros.qos import LATCHED  # noqa: E402
-from skin_models.ros.skin_node import indentation  # noqa: E402
-from skin_models.signals import motion  # noqa: E402
+from skin_models.effects.stress_relaxation import StressRelaxation
+from skin_models.materials import material
+from skin_models.model_file import save_model
+from skin_models.ros.qos import LATCHED
+from skin_models.ros.skin_node import indentation
+from skin_models.signals import motion
 
 SILICONE = material("silicone_4mm").model
 WAIT = 30.0
-
-
-class Graph:
-    """The test's own node in the domain of the process under test; callbacks run while something is waited for."""
-
-    def __init__(self, domain):
-        self.context = rclpy.Context()
-        rclpy.init(context=self.context, domain_id=domain.id)
-        self.node = rclpy.create_node("test", context=self.context)
-        self.executor = SingleThreadedExecutor(context=self.context)
-        self.executor.add_node(self.node)
-
-    def hear(self, kind, topic, qos=200):
-        heard = []
-        self.node.create_subscription(kind, topic, heard.append, qos)
-        return heard
-
-    def spin(self, seconds):
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            self.executor.spin_once(timeout_sec=0.02)
-
-    def until(self, condition, what):
-        def check():
-            self.executor.spin_once(timeout_sec=0.02)
-            return condition()
-
-        return wait_until(check, WAIT, what, period=0.0)
-
-    def call(self, kind, name, request):
-        client = self.node.create_client(kind, name)
-        self.until(client.service_is_ready, name)
-        future = client.call_async(request)
-        self.until(future.done, f"an answer of {name}")
-        return future.result()
-
-    def publisher(self, kind, topic):
-        publisher = self.node.create_publisher(kind, topic, 200)
-        self.until(publisher.get_subscription_count, f"a subscriber of {topic}")
-        return publisher
-
-    def close(self):
-        self.node.destroy_node()
-        rclpy.shutdown(context=self.context)
-
-
-@pytest.fixture
-def graph(monkeypatch):
-    with Domain() as domain:
-        for name, value in domain.environment().items():
-            monkeypatch.setenv(name, value)
-        graph = Graph(domain)
-        with Processes({**os.environ, **domain.environment()}) as graph.processes:
-            yield graph
-        graph.close()
 
 
 def start(graph, **parameters):

@@ -12,23 +12,11 @@ import pytest
 
 pytest.importorskip("skin_testbed_msgs")
 
-from skin_models.ros.processes import Domain, Process, executable
+from skin_models.ros.processes import Domain, Launch, executable
 from skin_testbed_driver.ros.driver_settings import DriverSettings
 from skin_testbed_driver.ros.recorder import RecorderSettings
 
 LAUNCH = Path(__file__).parents[1] / "launch" / "testbed_launch.py"
-RUN = """
-import sys
-from launch import LaunchDescription, LaunchService
-from launch.actions import IncludeLaunchDescription
-from launch.launch_description_sources import PythonLaunchDescriptionSource
-path, *arguments = sys.argv[1:]
-service = LaunchService()
-source = PythonLaunchDescriptionSource(path)
-pairs = [argument.split(":=") for argument in arguments]
-service.include_launch_description(LaunchDescription([IncludeLaunchDescription(source, launch_arguments=pairs)]))
-sys.exit(service.run())
-"""
 
 
 def nodes() -> list[dict[str, ast.expr]]:
@@ -91,11 +79,13 @@ def test_its_parts_work_together_started_one_by_one(graph):
 def test_the_launch_file_brings_up_and_takes_down_the_testbed(tmp_path):
     with Domain() as domain:
         arguments = [f"record:={tmp_path / 's'}", "time_scale:=5.0", "namespace:=left", "compare:=silicone_4mm"]
-        launch = Process([sys.executable, "-c", RUN, str(LAUNCH), *arguments], domain.environment(), "launch")
-        for words in ("sampling at 100 Hz", "ready for goals", "recording to", "silicone 4 mm"):
-            launch.wait_for_output(words, 90.0)
-        assert launch.end(30.0) == 0, launch.output()
-    assert len(re.findall("has finished cleanly", launch.output())) == 4, launch.output()
+        launch = Launch(LAUNCH, arguments, domain.environment())
+        try:
+            for words in ("sampling at 100 Hz", "ready for goals", "recording to", "silicone 4 mm"):
+                launch.wait_for_output(words, 90.0)
+        finally:
+            ended = launch.end(30.0)
+    assert ended == 0 and len(re.findall("has finished cleanly", launch.output())) == 4, launch.output()
     assert list((tmp_path / "s").glob("*.mcap"))
 
 

@@ -4,7 +4,7 @@
         driver = processes.start("skin_testbed_driver", "driver_node", parameters={"seed": 1})
         driver.wait_for_output("ready", 20.0)
 
-Works from the installed files alone: no `ros2` command line, no launch.
+Works from the installed files alone: no `ros2` command line, and no launch but for `Launch`.
 """
 
 import ctypes
@@ -30,6 +30,19 @@ from skin_models.errors import SkinError
 # Above 101 the ports of a domain reach into the range from which Linux hands out ephemeral ports.
 _DOMAINS = range(1, 102)
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
+
+# What `ros2 launch` does with a file and arguments such as `model:=a.yaml`.
+_LAUNCH = """
+import sys
+from launch import LaunchDescription, LaunchService
+from launch.actions import IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+source = PythonLaunchDescriptionSource(sys.argv[1])
+pairs = [argument.split(":=", 1) for argument in sys.argv[2:]]
+service = LaunchService()
+service.include_launch_description(LaunchDescription([IncludeLaunchDescription(source, launch_arguments=pairs)]))
+sys.exit(service.run())
+"""
 
 
 def executable(package: str, name: str) -> Path:
@@ -143,6 +156,19 @@ class Process:
         except subprocess.TimeoutExpired:
             self.kill()
             return self._popen.returncode
+
+
+class Launch(Process):
+    """A running launch file, where launch is installed. Signals reach all that it has started, too, as ctrl-c in its terminal does."""
+
+    def __init__(self, file: Path, arguments: Sequence[str], environment: Mapping[str, str]) -> None:
+        """Start `file` as `ros2 launch` does, with `arguments` such as `model:=a.yaml`."""
+        super().__init__([sys.executable, "-c", _LAUNCH, str(file), *arguments], environment, file.name)
+
+    def send(self, number: int) -> None:
+        """Send a signal to it and to what it has started, if it still runs."""
+        if self.status is None:
+            os.killpg(self.pid, number)
 
 
 def _die_with_parent() -> Callable[[], None] | None:
