@@ -72,7 +72,7 @@ class Presses:
 
     @property
     def patches(self) -> Patches:
-        """Where they are."""
+        """Where they press, on what radius, and how deep."""
         return Patches(self.position, self.radius, self.depth)
 
     @classmethod

@@ -91,7 +91,7 @@ def pattern(values: Mapping[str, float], unit: str) -> str:
 
 
 def span(values: Collection[float], unit: str) -> str:
-    """The range of numbers."""
+    """The range of numbers in the SI `unit`, as words that follow a noun: `between −3.6 % and +1.2 %`."""
     return f"{RANGE} {size(min(values), unit)} and {size(max(values), unit)}"
 
 

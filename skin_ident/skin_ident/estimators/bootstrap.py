@@ -36,7 +36,7 @@ class Bootstrap:
     stretch: float
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Percentile interval."""
+        """Between which ends, SI, the middle `level` of what was drawn of a parameter lies."""
         drawn = self.values[:, self.names.index(name)]
         low, high = np.percentile(drawn, [50 * (1 - level), 50 * (1 + level)])
         return float(low), float(high)

@@ -41,7 +41,7 @@ class Memory:
 
     @property
     def forgetting(self) -> float:
-        """Lambda per kept row."""
+        """By what the sums are multiplied before a kept row is added: exp(-time between two such rows / window)."""
         return float(np.exp(-self.every * self.dt / self.window))
 
 

@@ -45,7 +45,7 @@ class TransferFunction:
 
     @property
     def gain(self) -> float:
-        """Static gain."""
+        """Output over input at rest, in the units of the two."""
         return self.numerator[-1] / self.denominator[-1]
 
     def at(self, omega: np.ndarray) -> np.ndarray:

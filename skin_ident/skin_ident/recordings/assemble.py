@@ -39,7 +39,7 @@ class Channels:
     dead: tuple[str, ...] = ()
 
     def only(self, keep: Sequence[bool]) -> "Channels":
-        """Some of the rows."""
+        """The rows that a mask (rows,) keeps, with all that is known of them."""
         mine, steps = np.asarray(keep, bool), self.steps and tuple(compress(self.steps, keep))
         digits = None if self.digits is None else self.digits[mine]
         read = self.read and (self.read[0], self.read[1][mine])

@@ -41,7 +41,7 @@ class Places:
         return self.first + self.step * (self.count - 1) if self.step else int(self.starts[-1])
 
     def only(self, keep: np.ndarray) -> "Places":
-        """Some of the messages."""
+        """Those of the messages that a mask (count,) keeps, in their order."""
         return self if keep.all() else Places(self.buffer, self.starts[keep])
 
     def moved(self, by: int) -> "Places":
@@ -71,7 +71,7 @@ class Places:
         return same
 
     def raw(self, i: int, size: int) -> bytes:
-        """The i-th message."""
+        """The first `size` bytes of the i-th message."""
         start = int(self.starts[i]) if self._starts is not None or not self.step else self.first + i * self.step
         return bytes(self.buffer[start : start + size])
 

@@ -20,7 +20,7 @@ GIVEN_NUMBERS = {False: "were given", True: "are those of the recorded twin, as 
 
 
 def parameters(v: View) -> Safe | None:
-    """Before and after."""
+    """The section of the model's parameters, those before beside those after; None where neither is known."""
     if not v.before and not v.after:
         return None
     note = (

@@ -57,7 +57,7 @@ class Instances:
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
-        """The effects themselves."""
+        """Those of its model that carry its cause at its place."""
         return instances(self.trial.fit.model, *self.key)
 
     def have(self, *forms: type[Effect]) -> bool:

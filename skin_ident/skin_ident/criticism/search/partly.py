@@ -146,7 +146,7 @@ class _Ground:
 
     @property
     def charge(self) -> float:
-        """Of every number."""
+        """What every number more costs, twice nats."""
         return float(np.log(max(np.count_nonzero(self.left), 2)))
 
     def seen(self) -> list[_Seen]:

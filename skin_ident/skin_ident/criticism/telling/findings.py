@@ -220,7 +220,8 @@ def as_findings(
     given: bool,
     experiments: Experiments,
 ) -> dict[str, Any]:
-    """The whole of findings.json."""
+    """The whole of findings.json. `train` and `held` are the sessions before anything was found to be their own; `given`: the baseline is a
+    model that somebody gave, whose numbers have no standard errors."""
     before = [[c.before(own, s) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
     baseline = described(c.baseline.model, c.baseline.unknowns, {} if given else c.baseline.std, *before)
     baseline |= {"given": True} if given else {}
