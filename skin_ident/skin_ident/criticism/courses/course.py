@@ -38,13 +38,11 @@ MOMENTS = 24  # where a step is looked for first, evenly through a session
 SHARPEST = 6  # and where a single one would explain most
 MOST_STEPS = 4  # of one session
 SEEN = 0.01  # of what a step would change if it was there from the start on, the least that must be left to tell of it
-SECANTS = 2  # times that a delay is fitted once more, with what delays of that size change;
-SHORT = 0.1  # of a period of the band's edge: once is enough for less
+SECANTS = 2  # times that a delay is fitted once more, with what delays of that size change
+SHORT = 0.1  # of a period of the band's edge, the delay below which once more is enough
 LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
 KNOT_S = {ZERO: 20.0, DELAY: 5.0}  # between the knots of a bend; motion tells of a delay wherever it is, of a zero only what noise leaves
-MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 ALIKE = 0.95  # of the likelihood gain of a slope in one channel, which the same in all must reach to go before it
-BEHIND = 0.9  # and to be tried at all, where held-out data refuse that cause
 
 Solution = tuple[dict[str, np.ndarray], float, float]  # amplitudes by session, what they explain less their charge, and that charge
 

@@ -2,7 +2,6 @@
 
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE
-from skin_ident.criticism.courses.course import BEHIND, MARGIN
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.believing import first_believed
@@ -12,6 +11,8 @@ from skin_ident.criticism.search.rivals import CHANCE
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
 
+MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
+BEHIND = 0.9  # times the same to be tried at all, where held-out data refuse that cause
 BESIDE = 0.6  # of what a course explains that predicts nothing, the least that a shared cause must explain to be asked beside it
 
 
