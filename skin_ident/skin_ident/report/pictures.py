@@ -127,9 +127,9 @@ def _left(seen: Focus, v: View) -> Figure:
     axes = figure.subplots(1, len(moving) + 1, squeeze=False)[0]
     small, name = _small(seen, unit, v)
     every = max(1, trace.t.size // 6000)
+    told = trace.compared & ~(np.nan_to_num(trace.depth) < 0.0) if trace.depth is not None else trace.compared  # in contact
     for kind, label, curves in simulations(trace):
         left = trace.measured[seen.row] - curves[seen.row]
-        told = trace.compared & ~(np.nan_to_num(trace.depth) < 0.0) if trace.depth is not None else trace.compared  # in contact
         for ax, (quantity, _) in zip(axes, moving, strict=False):
             ax.plot(1e3 * quantity[told][::every], small * left[told][::every], ".", ms=1.5, alpha=0.5, color=COLOURS[kind])
         if trace.t.size >= 64:

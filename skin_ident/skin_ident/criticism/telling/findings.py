@@ -171,14 +171,16 @@ def _separating(named: Named, experiments: Experiments) -> tuple[str, dict[str, 
 def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
     """For causes that telemetry decides: empty where it looked, or why it could not."""
     declared = recordings[0].declared
-    undeclared = "rig.yaml does not declare"
-    words = {"outliers": "", "dead_taxel": "", "data_error": "", "interference": "", "saturation": ""}
-    words["quantization"] = ""  # but for `_steps_seen`
-    words["noise"] = "" if declared.force_noise_n or declared.taxel_noise_n else f"{undeclared} a noise level"
-    words["parameters"] = "" if given else "no model was given to compare with"
-    if not len(recordings[0].taxels):
-        words["dead_taxel"] = "there is no taxel in these recordings"
-    return words
+    return {
+        "outliers": "",
+        "dead_taxel": "" if len(recordings[0].taxels) else "there is no taxel in these recordings",
+        "data_error": "",
+        "interference": "",
+        "saturation": "",
+        "quantization": "",  # but for `_steps_seen`
+        "noise": "" if declared.force_noise_n or declared.taxel_noise_n else "rig.yaml does not declare a noise level",
+        "parameters": "" if given else "no model was given to compare with",
+    }
 
 
 def _steps_seen(recordings: list) -> dict[str, NotNamed]:
