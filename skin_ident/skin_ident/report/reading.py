@@ -146,7 +146,7 @@ def _bent(name: str, entry: dict[str, Any]) -> tuple[Amount, Amount]:
 
 
 def _gain(g: dict[str, Any], channels: tuple[str, ...], baseline: dict[str, Any], held_out: Any) -> Gain:
-    low, high = (*map(finite, sequence(g.get("ci95"))), None, None)[:2]
+    low, high = _interval(g)
     channel = text(g.get("channel")) or (channels[0] if channels else "")
     unit = text(g.get("unit")) or text(mapping(mapping(baseline.get("rmse")).get(channel)).get("unit")) or "N"
     return Gain(
@@ -158,6 +158,12 @@ def _gain(g: dict[str, Any], channels: tuple[str, ...], baseline: dict[str, Any]
         unit=unit,
         held_out=text(g.get("held_out") or held_out),
     )
+
+
+def _interval(gain: dict[str, Any]) -> tuple[float | None, float | None]:
+    """The ends of what a gain lies between; None where one is not known."""
+    low, high, *_ = (*map(finite, sequence(gain.get("ci95"))), None, None)
+    return low, high
 
 
 def _alternative(a: Any, evidence: dict[str, Any]) -> tuple[str, str, str]:
@@ -192,7 +198,7 @@ def _error(channel: str, before: dict, after: dict, floor: Any, gain: dict) -> C
     pairs = [(finite(before.get(k)), finite(after.get(k))) for k in ("train", "held_out")]
     if gain.get("tested_on") == EACH_IN_TURN:
         pairs[1] = (finite(gain.get("held_out_rmse_before")), finite(gain.get("held_out_rmse_after")))
-    low, high = (*map(finite, sequence(gain.get("ci95"))), None, None)[:2]
+    low, high = _interval(gain)
     interval = None if low is None or high is None or low == high == 0.0 else (low, high)
     floor = finite(floor)
     left = pairs[1][1] if pairs[1][1] is not None else pairs[0][1]
