@@ -13,7 +13,6 @@ import time
 import numpy as np
 from session import Session
 
-SPEED = 5e-4  # m/s
 BACK = "{type: straight_line, to_mm: -0.2, speed_mm_s: 5}"
 RAMP = "{type: straight_line, to_mm: 1.5, speed_mm_s: 0.5}"
 SHORT = 5e-6  # m
