@@ -94,7 +94,8 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
     falls = [
         cost_of(search.present.model, search.held, search.noise) - cost_of(search.present.model, s, search.noise) for s in (own, *courses)
     ]
-    ahead = AHEAD if _told_from_skin(search, alone) else 1.0
+    few_zeros = len(search.train) < PATTERN and all(r.course.carrier == DEPTH for r in alone)
+    ahead = 1.0 if few_zeros else AHEAD
     return falls[0] > ahead * max(falls[1:], default=0.0) and take_own_skin(search, explained, 0.0, [])
 
 
