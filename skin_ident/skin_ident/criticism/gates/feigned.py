@@ -32,16 +32,20 @@ FEIGNED = 0.5  # of what is explained, from which on it is no cause, whatever bo
 
 def explains_more(before: Model, after: Model, train: list[Session], noise: Whitener, step: float) -> bool:
     """Whether `after` explains clearly more than white noise of the encoder and its steps of `step` m feign together."""
-    explained = cost_of(before, train, noise) - cost_of(after, train, noise)
-    feigned = OF_NOISE * by_noise(before, after, train, noise, explained) + OF_STEPS * by_steps(before, after, train, noise, step)
-    return explained > feigned
+    explained, of_noise, of_steps = _asked(before, after, train, noise, step)
+    return explained > OF_NOISE * of_noise + OF_STEPS * of_steps
 
 
 def is_feigned(before: Model, after: Model, train: list[Session], noise: Whitener, step: float) -> bool:
     """Whether white noise of the encoder and its steps of `step` m feign most of what `after` explains."""
+    explained, of_noise, of_steps = _asked(before, after, train, noise, step)
+    return of_noise + of_steps > FEIGNED * explained
+
+
+def _asked(before: Model, after: Model, train: list[Session], noise: Whitener, step: float) -> tuple[float, float, float]:
+    """What `after` explains, and what noise and steps feign of it, twice nats."""
     explained = cost_of(before, train, noise) - cost_of(after, train, noise)
-    by_encoder = by_noise(before, after, train, noise, explained) + (by_steps(before, after, train, noise, step) if step else 0.0)
-    return by_encoder > FEIGNED * explained
+    return explained, by_noise(before, after, train, noise, explained), by_steps(before, after, train, noise, step)
 
 
 def by_noise(before: Model, after: Model, train: list[Session], noise: Whitener, explained: float) -> float:
@@ -56,6 +60,8 @@ def by_noise(before: Model, after: Model, train: list[Session], noise: Whitener,
 
 def by_steps(before: Model, after: Model, train: list[Session], noise: Whitener, step: float) -> float:
     """The most that steps of `step` m feign, twice nats, of `DRAWS`."""
+    if not step:
+        return 0.0
     rng = np.random.default_rng(SEED)
     return max(_explained(before, after, [_made(before, s, step, phase, rng) for s in train], noise) for phase in rng.random(DRAWS))
 

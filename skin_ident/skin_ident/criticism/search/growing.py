@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.baseline.fitting import Fit, fit, fit_effects
+from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.baseline.unknowns import unknowns
 from skin_ident.criticism.noise.whitening import Whitener
@@ -13,6 +14,7 @@ from skin_ident.criticism.search.proposals import PROBE, Direction
 from skin_ident.criticism.search.ranking import Ranked
 from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
@@ -152,6 +154,12 @@ def determined(trial: Fit, std: dict[str, float] | None = None) -> bool:
     sizes = [p for p in parameters_of(trial.model.effects[last]) if p.role == AMPLITUDE]
     std = trial.std if std is None else std
     return any(abs(p.value) > SURE * std.get(trial.model.listed_as(last, p.name), 0.0) for p in sizes)
+
+
+def felt(model: Model, key: Key, sessions: list[Session]) -> np.ndarray:
+    """What a cause at a place changes in every channel of the sessions, (C,): the root of the sum of squares, N."""
+    without = lacking(model, *key)
+    return np.sqrt(sum(np.sum((simulated(model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
 
 
 def unlike_skin(model: Model) -> bool:

@@ -28,7 +28,7 @@ from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_ga
 from skin_ident.criticism.gates.second_opinion import halves_in_turn
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.believing import believed_in_part
-from skin_ident.criticism.search.growing import lacking
+from skin_ident.criticism.search.growing import felt, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own_skin import PATTERN
 from skin_ident.criticism.search.plausible import plausible
@@ -218,9 +218,9 @@ def _strays_as_skin_does(tried: _Tried) -> bool:
     key, model, sessions = tried.trial.key, tried.trial.fit.model, tried.ahead.train
     if key[1] != "skin" or len(sessions) >= PATTERN:
         return False
-    pairs = [(simulated(model, s), simulated(lacking(model, *key), s)) for s in sessions if key not in s.lacks]
-    force, change = (np.sqrt(sum(np.sum(y**2, axis=1) for y in ys)) for ys in ([b for _, b in pairs], [a - b for a, b in pairs]))
-    return bool(np.all(change < SLIGHT * force))
+    having, without = [s for s in sessions if key not in s.lacks], lacking(model, *key)
+    force = np.sqrt(sum(np.sum(simulated(without, s) ** 2, axis=1) for s in having))
+    return bool(np.all(felt(model, key, having) < SLIGHT * force))
 
 
 def _gain(search: Search, tried: _Tried) -> Gain:

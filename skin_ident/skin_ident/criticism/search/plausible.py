@@ -6,7 +6,7 @@ import numpy as np
 
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.unknowns import LATE, least_damping
-from skin_ident.criticism.search.growing import instances, lacking, unlike_skin
+from skin_ident.criticism.search.growing import felt, instances, lacking, unlike_skin
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.pull import is_pulled
@@ -75,9 +75,8 @@ def _passes_by_the_load_cell(trial: Trial, sessions: list[Session]) -> bool:
         return False
     if "force" not in channels or len(channels) == 1:
         return False
-    without = lacking(trial.fit.model, *trial.key)
-    felt = np.sqrt(sum(np.sum((simulated(trial.fit.model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
-    return not felt[0] > FELT * felt[1:].max()  # nor where nothing of it is a number
+    changed = felt(trial.fit.model, trial.key, sessions)
+    return not changed[0] > FELT * changed[1:].max()  # nor where nothing of it is a number
 
 
 RULES: tuple[Callable[[Trial, list[Session]], bool], ...] = (

@@ -26,5 +26,5 @@ def rounding(s: Session, step: float, phase: float, rng: np.random.Generator) ->
     """The session, driven by a depth, whose way is read in steps of `step` m, which begin at `phase` of one, from a zero that is off by a
     quarter of a step at most, as one is that a reading has set."""
     x = s.motion.x
-    read = step * (np.round(x / step - phase) + phase) if step else x
+    read = step * (np.round(x / step - phase) + phase)
     return read_again(s, read - x + UNZEROED * step * rng.uniform(-1.0, 1.0))

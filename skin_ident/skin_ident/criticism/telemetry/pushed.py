@@ -35,7 +35,7 @@ def not_shared(
     away: list[np.ndarray], c: int, residuals: list[np.ndarray], paths: Sequence[np.ndarray], dt: float, reads: float
 ) -> list[np.ndarray]:
     """The excursions `away` of channel `c`, masks (N,) of each session whose model leaves `residuals` (C, N) N, without those that begin
-    where the plunger clearly speeds up along `paths` (N,) m, and that another channel shares: they tell of the motion."""
+    where the plunger speeds up along `paths` (N,) m, and that another channel shares: they tell of the motion."""
     if not paths:
         return away
     kept = []
