@@ -5,10 +5,12 @@ predicted by models that were fitted without it. Where a single session moves so
 can know it; then one half of every session is predicted by models that were fitted to the other half. Sessions are the better judges, for
 noise that wanders is less like itself from one to the next: halves are asked last, and for more.
 
-Where gains or contacts differ from session to session, a channel may be farther off with the better model than with a worse one by its
-scale alone. That is another cause, and says nothing of the one that is asked.
+Skin that is another in a session that was held out may leave more there than a cause gains: then every session is asked once more beside
+numbers of its own (see `another_skin`). Where gains or contacts differ from session to session, a channel may be farther off with the
+better model than with a worse one by its scale alone. That is another cause, and says nothing of the one that is asked.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +18,7 @@ import numpy as np
 from skin_ident.criticism.baseline.own_shares import regression
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.settling import settled
+from skin_ident.criticism.gates.another_skin import left_beside_own_skin, of_the_skin
 from skin_ident.criticism.gates.gate import CLEAR, Asked, Gain, gain_of_residuals, in_turn, left_by, left_in_held, refitted
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
@@ -24,11 +27,17 @@ from skin_models.model import Model
 SCALES = (0.5, 2.0)  # between which a factor is another gain or contact
 
 
-def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
-    """What `after` gains over `before` in all sessions: training ones predicted by fits to the others, held-out ones by those to all."""
+def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Iterator[Gain]:
+    """What `after` gains over `before` in all sessions: training ones predicted by fits to the others, held-out ones by those to all; then
+    the same where each has a skin of its own, unless they press at several places, and have shares of their own."""
     asked = in_turn(before, after, train, noise)
+    sessions = [*(s for s, _, _ in asked), *held]
     left = [a + b for a, b in zip(left_by(asked), left_in_held(before, after, train, held, noise), strict=True)]
-    return gain_of_residuals(*left, [*(s for s, _, _ in asked), *held], noise, "every session in turn")
+    yield gain_of_residuals(*left, sessions, noise, "every session in turn")
+    if train[0].spread is None and of_the_skin(before, train[0]):
+        asked += [(s, before, after) for s in held]
+        left = [[left_beside_own_skin(models[i], s, noise) for s, *models in asked] for i in (0, 1)]
+        yield gain_of_residuals(*left, sessions, noise, "every session in turn, with a skin of its own")
 
 
 def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whitener) -> Gain:

@@ -1,5 +1,7 @@
 """Which is believed: a cause that all sessions share, or what each has of its own."""
 
+from dataclasses import replace
+
 from skin_ident.criticism.baseline.fitting import Fit
 from skin_ident.criticism.courses.carriers import DELAY, SLOPE
 from skin_ident.criticism.courses.kinds import CONSTANT
@@ -13,6 +15,7 @@ from skin_ident.criticism.search.trial import Trial
 
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 BEHIND = 0.9  # times the same to be tried at all, where held-out data refuse that cause
+NEARLY = 0.9  # of what a course that bends explains, which one that lasts must
 BESIDE = 0.6  # of what a course explains that predicts nothing, the least that a shared cause must explain to be asked beside it
 
 
@@ -30,15 +33,23 @@ def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[
     same, score = bool(trials) and trials[0].key == first.course.key, first.score
     if same and not leads:  # in another form than the best trial, which has been refitted, too
         score = max(score, fit_beside(search, first)[1])
-    own = own_course(search, runs, trials) if leads or (same and score > best) else None
+    own = _own(search, runs, trials) if leads or (same and score > best) else None
     if own:
         return own, None
     if leads and first.course.carrier == DELAY:
         return choose(search, trials, [r for r in runs if r.course.carrier != DELAY])
     shared = first_believed(search, trials, runs) if not leads or best > BESIDE * first.score else None
     if not (shared or leads) and score > BEHIND * best:
-        return own_course(search, runs, trials), None
+        return _own(search, runs, trials), None
     return None, shared
+
+
+def _own(search: Search, runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
+    """A finding from the first of the courses, or, where that bends and predicts nothing, from the constant that is nearly all of it: what
+    bends there is of another cause."""
+    first = runs[0]
+    kept = [r for r in runs[1:] if r.course == replace(first.course, shape=CONSTANT) and r.score > NEARLY * first.score]
+    return next(filter(None, (own_course(search, [r, *(o for o in runs if o is not r)], trials) for r in (first, *kept))), None)
 
 
 def _is_one_number(run: Run) -> bool:

@@ -18,11 +18,12 @@ from scipy.linalg import block_diag
 
 from skin_ident.criticism.baseline.fitting import cost_of, fit, tangents, whitened
 from skin_ident.criticism.baseline.residual import placed, residual, stiffness
-from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values
+from skin_ident.criticism.baseline.unknowns import Unknown, unknowns
 from skin_ident.criticism.courses.carriers import DEPTH, SLOPE
 from skin_ident.criticism.courses.course import added, basis
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import LEAST, Run
+from skin_ident.criticism.gates.another_skin import STRAYS, changes, of_the_skin
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.said import Said
@@ -35,8 +36,6 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS
 from skin_models.model import Model
 
-NUMBERS = ("k1", "b1", "k2", "b2")  # that a session may have of its own
-STRAYS = 0.03  # of every number, from session to session
 FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
 AHEAD = 1.1  # times what a course explains, which other numbers must to go before it
 PATTERN = 4  # sessions in which a gain that steps differs from skin that strays
@@ -163,15 +162,12 @@ def _settle_train(search: Search) -> None:
 
 
 def _which(search: Search) -> tuple[Unknown, ...]:
-    s = search.train[0]
-    return tuple(u for u in unknowns(search.present.model, s) if u.label in NUMBERS) if s.drive is None else ()
+    return of_the_skin(search.present.model, search.train[0])
 
 
 def _rows(search: Search, s: Session) -> np.ndarray:
     """What a unit of each theta changes in a session, whitened, (R, U)."""
-    which, model = _which(search), search.present.model
-    shares = values(model, which) / scales(model, which)
-    return stack([tangents(model, [s], which)[0] * shares[:, None, None]], [s], search.noise)
+    return stack([changes(search.present.model, s)], [s], search.noise)
 
 
 def _present(search: Search, s: Session) -> np.ndarray:

@@ -176,7 +176,8 @@ class Search:
 
     def shadows(self, gain: Gain) -> bool:
         """Whether what has been named explains so much more that what gains so may be its imperfect form."""
-        return gain.squares <= SHADOW * self.fallen(gain.channel)
+        most = self.fallen(gain.channel)
+        return most > 0.0 and gain.squares <= SHADOW * most
 
     def claim(self, key: Key, gain: Gain, after: Model) -> Claim:
         """That `after` gains so over the present model by a cause and place."""
@@ -207,8 +208,8 @@ class Search:
         alone = held_out_gain(*models, self.held, self.noise) if cannot else first
         if alone.is_against or alone.spoilt:
             return first
-        other = halves_in_turn(*models, self.noise) if cannot else all_in_turn(*models, self.held, self.noise)
-        return other if other.passed else first
+        others = [halves_in_turn(*models, self.noise)] if cannot else all_in_turn(*models, self.held, self.noise)
+        return next((other for other in others if other.passed), first)
 
     def accept(self, after: Fit, finding: Named) -> None:
         """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
