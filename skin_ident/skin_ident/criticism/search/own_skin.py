@@ -67,12 +67,12 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
 
 def _told_from_skin(search: Search, runs: list[Run]) -> list[Run]:
     """Those of the `runs` that may be told from a skin that strays."""
-    return [r for r in runs if len(search.train) >= PATTERN or not _strays_as_skin_does(r)]
+    return [r for r in runs if len(search.train) >= PATTERN or not _may_be_skin(r)]
 
 
-def _strays_as_skin_does(run: Run) -> bool:
-    """Whether a gain differs between sessions by no more than skin does, about its mean, or from one to the next; or it is a zero of depth,
-    that a slope makes up for."""
+def _may_be_skin(run: Run) -> bool:
+    """Whether a run is a gain that differs between sessions by no more than skin does, about its mean, or from one to the next; or a zero
+    of depth, that a slope makes up for."""
     if run.course.carrier == DEPTH:
         return True
     return run.course.carrier == SLOPE and run.largest < (NATURAL / 2.0 if run.course.shape == CONSTANT else NATURAL)

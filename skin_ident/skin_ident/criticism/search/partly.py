@@ -82,7 +82,7 @@ def take_partly(search: Search, last: Survey, best: float) -> bool:
         return False
     first, *others = tried
     numbers = ground.of_other_numbers({s.name for s in first.ahead.train if first.trial.key not in s.lacks})
-    if first.score <= reach(numbers) or (numbers > AS_WELL * first.score and _strays_as_skin_does(first)):
+    if first.score <= reach(numbers) or (numbers > AS_WELL * first.score and _too_slight_to_tell(first)):
         return False
     gain = _gain(search, first)
     if not believed_in_part(first.ahead, first.trial, gain):
@@ -213,8 +213,8 @@ def _lacks(search: Search, after: Fit, s: Session, key: Key) -> bool:
     return lacking < having - TELLS
 
 
-def _strays_as_skin_does(tried: _Tried) -> bool:
-    """Whether a cause of the skin changes so little in the few sessions that have it that nobody knows it from another day's skin."""
+def _too_slight_to_tell(tried: _Tried) -> bool:
+    """Whether a cause of the skin changes so little, and sessions are so few, that nobody knows it from another day's skin."""
     key, model, sessions = tried.trial.key, tried.trial.fit.model, tried.ahead.train
     if key[1] != "skin" or len(sessions) >= PATTERN:
         return False
