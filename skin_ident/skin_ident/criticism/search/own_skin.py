@@ -65,9 +65,14 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
     return True
 
 
+def too_few_for_a_pattern(sessions: list[Session]) -> bool:
+    """Whether sessions cannot show how something goes from one to the next, by which a gain is known from a skin that strays."""
+    return len(sessions) < PATTERN
+
+
 def _told_from_skin(search: Search, runs: list[Run]) -> list[Run]:
     """Those of the `runs` that may be told from a skin that strays."""
-    return [r for r in runs if len(search.train) >= PATTERN or not _may_be_skin(r)]
+    return [r for r in runs if not _may_be_skin(r)] if too_few_for_a_pattern(search.train) else runs
 
 
 def _may_be_skin(run: Run) -> bool:
@@ -81,21 +86,19 @@ def _may_be_skin(run: Run) -> bool:
 def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> bool:
     """The same of what is left in held-out sessions alone, unless `runs` of those that were fitted explain more of these than the numbers
     do, `of_train`."""
-    if not _asked(search) or not search.held:
+    if not _asked(search) or not search.held or (runs and AHEAD * runs[0].score > of_train):
         return False
     each = [_of_one(search, s) for s in search.held]
     explained = sum(x for _, x in each) * all(np.abs(theta).max() <= FARTHEST for theta, _ in each)
-    if runs and AHEAD * runs[0].score > of_train:
-        return False
-    alone = courses_alone(search)[:1]
-    courses = [added(search.held, r.values) for r in alone]
-    own = [_with(s, search, theta) for s, (theta, _) in zip(search.held, each, strict=True)]
-    falls = [
-        cost_of(search.present.model, search.held, search.noise) - cost_of(search.present.model, s, search.noise) for s in (own, *courses)
-    ]
-    few_zeros = len(search.train) < PATTERN and all(r.course.carrier == DEPTH for r in alone)
-    ahead = 1.0 if few_zeros else AHEAD
-    return falls[0] > ahead * max(falls[1:], default=0.0) and take_own_skin(search, explained, 0.0, [])
+    with_own_skin = [_with(s, search, theta) for s, (theta, _) in zip(search.held, each, strict=True)]
+    best = courses_alone(search)[:1]
+    now, by_skin, *by_course = (
+        cost_of(search.present.model, sessions, search.noise)
+        for sessions in (search.held, with_own_skin, *(added(search.held, r.values) for r in best))
+    )
+    zeros_of_few = too_few_for_a_pattern(search.train) and all(r.course.carrier == DEPTH for r in best)
+    ahead = 1.0 if zeros_of_few else AHEAD  # such a zero may be a skin that strays; a gain of held-out sessions alone is told from one
+    return now - by_skin > ahead * max((now - cost for cost in by_course), default=0.0) and take_own_skin(search, explained, 0.0, [])
 
 
 def _asked(search: Search) -> bool:

@@ -30,7 +30,7 @@ from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.believing import believed_in_part
 from skin_ident.criticism.search.growing import felt, lacking
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.own_skin import PATTERN
+from skin_ident.criticism.search.own_skin import too_few_for_a_pattern
 from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.search.ranking import AT_FULL_RATE
 from skin_ident.criticism.search.rivals import PROMISING, Rival, reach
@@ -216,7 +216,7 @@ def _lacks(search: Search, after: Fit, s: Session, key: Key) -> bool:
 def _too_slight_to_tell(tried: _Tried) -> bool:
     """Whether a cause of the skin changes so little, and sessions are so few, that nobody knows it from another day's skin."""
     key, model, sessions = tried.trial.key, tried.trial.fit.model, tried.ahead.train
-    if key[1] != "skin" or len(sessions) >= PATTERN:
+    if key[1] != "skin" or not too_few_for_a_pattern(sessions):
         return False
     having, without = [s for s in sessions if key not in s.lacks], lacking(model, *key)
     force = np.sqrt(sum(np.sum(simulated(without, s) ** 2, axis=1) for s in having))
