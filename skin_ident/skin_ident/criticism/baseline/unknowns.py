@@ -52,13 +52,12 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
     names = (*names, "m") if session.free_mass else names
     under_taxels, in_all = least_damping(model.dispersion, LATE * session.period)
-    beside = "b1" if "b1" in names else ""  # material tests know b2 alone
-    least = {"b1": under_taxels, "b2": in_all if beside else in_all - model.dispersion.b1}
-    most = {"m": session.heaviest}
+    least, most = {"b1": under_taxels, "b2": in_all}, {"m": session.heaviest}
     for p in parameters_of(model.dispersion):
         if p.name in names:
             within = replace(p, lower=max(p.lower, least.get(p.name, p.lower)), upper=min(p.upper, most.get(p.name, p.upper)))
-            yield Unknown("dispersion", within, p.name, beside if p.name == "b2" else "")
+            u = Unknown("dispersion", within, p.name, "b1" if p.name == "b2" else "")
+            yield u if not u.beside or u.beside in names else _by_itself(u, model.dispersion.b1)  # material tests know b2 alone
 
 
 def least_damping(skin: Dispersion, late: float) -> tuple[float, float]:
@@ -75,17 +74,25 @@ def _of_shares(model: Model) -> Iterator[Unknown]:
             yield Unknown("shares", Parameter(str(i), "1", share, 0.0, 10.0, typical=1.0), f"share_{i}")
 
 
+def _by_itself(u: Unknown, other: float) -> Unknown:
+    """The unknown with a lower bound of its own: that of its sum with another one which is not fitted and stays at the value `other`."""
+    return replace(u, beside="", parameter=replace(u.parameter, lower=u.parameter.lower - other))
+
+
 def those_told(which: tuple[Unknown, ...], model: Model, told: Callable[[Unknown], bool]) -> tuple[Unknown, ...]:
-    """Those of the unknowns that are `told`; what bounds one beside another that is not holds beside the value that this has in `model`."""
+    """Those of the unknowns that are `told`; what bounds one beside another that is not holds beside the value that this has in `model`,
+    and leaves the value that the one has there."""
     kept = [u for u in which if told(u)]
     labels = {u.label for u in kept}
     fixed = {u.label: _value(model, u) for u in which if u.label not in labels}
 
-    def by_itself(u: Unknown) -> Unknown:
-        lower = u.parameter.lower - fixed[u.beside]
-        return replace(u, beside="", parameter=replace(u.parameter, lower=min(lower, _value(model, u))))
+    def reachable(u: Unknown) -> Unknown:
+        # Here the numbers come from a fit of other sessions, to whose bounds this one's need not agree, and must not jump before anything
+        # speaks for it. A fit of all is held to the bound whatever it began with: damping below nothing would hide a cause.
+        own = _by_itself(u, fixed[u.beside])
+        return replace(own, parameter=replace(own.parameter, lower=min(own.parameter.lower, _value(model, u))))
 
-    return tuple(by_itself(u) if u.beside in fixed else u for u in kept)
+    return tuple(reachable(u) if u.beside in fixed else u for u in kept)
 
 
 def effect_unknowns(model: Model) -> Iterator[Unknown]:
