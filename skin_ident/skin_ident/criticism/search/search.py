@@ -1,5 +1,7 @@
 """The loop of a search for causes: survey, try the best few, let held-out sessions decide, repeat."""
 
+from dataclasses import dataclass
+
 from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.choosing import choose
@@ -30,6 +32,20 @@ def run(search: Search, fitted: Fit) -> None:
             return
 
 
+@dataclass(frozen=True)
+class _Look:
+    """What a look at the residual has shown: the survey of all causes, those that were tried and what sessions may have of their own, the
+    best first; what the `best` of both explains of what was fitted, and what numbers of a skin of each session's own do (`of_skin`); and
+    the fit with another `mass` that may be taken where no cause is found."""
+
+    survey: Survey
+    trials: list[Trial]
+    runs: list[Run]
+    best: float
+    of_skin: float
+    mass: Fit | None
+
+
 def _round(search: Search) -> bool:
     """Take what explains most of what the present model leaves, and is believed; return whether to look again."""
     search.begin_round()
@@ -41,8 +57,8 @@ def _round(search: Search) -> bool:
     if mass and weighs(search, mass, best):
         weigh(search, mass)
         return True
-    last_resort = mass if mass and may_wait(search, mass) else None
     of_skin = explained_by_own_skin(search)
+    look = _Look(last, trials, runs, best, of_skin, mass if mass and may_wait(search, mass) else None)
     if take_partly(search, last, max(best, of_skin)):
         search.end_round(last, search.named[-1].cause)
         return True
@@ -50,45 +66,48 @@ def _round(search: Search) -> bool:
         return True
     if take_own_skin(search, of_skin, best, runs):
         return True
-    own, shared = choose(search, trials, runs)
+    return _take_believed(search, look) or _believing_none(search, look)
+
+
+def _take_believed(search: Search, look: _Look) -> bool:
+    """Take the cause that is believed, of all sessions or of each its own, or the zeros that explain what it would; return whether there
+    was any."""
+    own, shared = choose(search, look.trials, look.runs)
     if own and not take_tare(search, own[1]):
-        search.end_round(last, own[1].cause)
+        search.end_round(look.survey, own[1].cause)
         take_course(search, *own)
     elif shared and not (take_tare(search, shared[1]) or unstuck(search, *shared)):
-        search.end_round(last, shared[1].cause)
+        search.end_round(look.survey, shared[1].cause)
         after, finding = shared
-        search.accept(after, _beside_dropped(search, last, beside_zeros(search, finding)))
-    return bool(own or shared) or _believing_none(search, last, trials, runs, best, of_skin, last_resort)
+        search.accept(after, _beside_dropped(search, look.survey, beside_zeros(search, finding)))
+    return bool(own or shared)
 
 
-def _believing_none(
-    search: Search, last: Survey, trials: list[Trial], runs: list[Run], best: float, of_skin: float, mass: Fit | None
-) -> bool:
+def _believing_none(search: Search, look: _Look) -> bool:
     """Take what else may be there where no cause is believed, the plainest first: zeros as tares leave them, if it is not hardware or doubt
     that keeps a cause from being named; skin that is another in every session, or in held-out ones; what else is wrong in these alone;
-    another `mass`; two causes that hide each other; a wave. `best` is what any cause explains of what was fitted, `of_skin` what other
-    numbers do. Return whether to look again."""
+    another mass; two causes that hide each other; a wave. Return whether to look again."""
     if not (search.doubts or search.hardware) and take_zeros(search):
         return True
-    if take_own_skin(search, of_skin, best, []) or take_own_skin_of_held(search, of_skin, runs):
+    if take_own_skin(search, look.of_skin, look.best, []) or take_own_skin_of_held(search, look.of_skin, look.runs):
         return True
     if take_alone(search):
-        search.end_round(last, search.named[-1].cause)
+        search.end_round(look.survey, search.named[-1].cause)
         return True
-    if mass and not search.named:
-        weigh(search, mass)
+    if look.mass and not search.named:
+        weigh(search, look.mass)
         return True
-    by_hardware = any(t.key in search.hardware and t.score > reach(best) for t in trials)
-    pair = () if search.named or search.stage or by_hardware else two_at_once(search, trials, runs)
+    by_hardware = any(t.key in search.hardware and t.score > reach(look.best) for t in look.trials)
+    pair = () if search.named or search.stage or by_hardware else two_at_once(search, look.trials, look.runs)
     if pair:
-        search.end_round(last, pair[0][1].cause)
+        search.end_round(look.survey, pair[0][1].cause)
         for after, finding in pair:
             search.accept(after, finding)
         return True
     if take_wave(search):
-        search.end_round(last, search.named[-1].cause)
+        search.end_round(look.survey, search.named[-1].cause)
         return True
-    search.end_round(last, None, refused=max((t.score for t in trials), default=0.0))
+    search.end_round(look.survey, None, refused=max((t.score for t in look.trials), default=0.0))
     return False
 
 
