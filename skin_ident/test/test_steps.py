@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from skin_ident.criticism.noise.growth import Growth
 from skin_ident.criticism.noise.steps import sharpest
-from skin_ident.criticism.noise.whitening import fit_whitener
+from skin_ident.criticism.noise.whitening import Given, fit_whitener
 
 
 def coloured(rng, channels=2, n=1500, pole=0.99):
@@ -54,6 +54,6 @@ def test_a_step_is_found_where_the_noise_is_white_and_there_is_no_filter():
     t = np.arange(300) / 25.0
     plain, carrier = rng.standard_normal((2, 300)), np.ones((2, 300))
     session = seen(np.ones(plain.shape), t=t)
-    noise = fit_whitener([plain], [session], order=0)
+    noise = fit_whitener([plain], [session], given=Given(order=0))
     moments = sharpest(carrier, noise.apply(plain + 3.0 * (t >= 6.0), session), session, noise, most=1)
     assert moments == pytest.approx([6.0], abs=0.1)

@@ -13,7 +13,7 @@ import numpy as np
 from skin_ident.criticism.baseline.residual import residual, simulated_again
 from skin_ident.criticism.baseline.unknowns import Unknown, effect_unknowns, lowest, scales, unknowns, values, with_values
 from skin_ident.criticism.noise.growth import Growth
-from skin_ident.criticism.noise.whitening import Whitener, fit_whitener, stack, with_growth
+from skin_ident.criticism.noise.whitening import Given, Whitener, fit_whitener, stack, with_growth
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 from skin_models.parameter import SHAPE
@@ -94,7 +94,7 @@ def fit(
 def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None, mix: np.ndarray | None = None) -> Whitener:
     """The noise of sessions where all that a model leaves of them is taken for it, and it `grows` so with the load, or is steady; of
     uncorrelated mixtures of the channels, or of those of a given `mix`."""
-    return fit_whitener([residual(model, s) for s in sessions], sessions, grows=grows, mix=mix)
+    return fit_whitener([residual(model, s) for s in sessions], sessions, given=Given(grows=grows, mix=mix))
 
 
 def grown_noise_of(model: Model, sessions: list[Session]) -> Whitener:

@@ -25,7 +25,7 @@ from skin_ident.criticism.courses.kinds import WAVE, Course
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.gates.uncertain import beside_uncertainty
-from skin_ident.criticism.noise.whitening import Whitener, fit_whitener
+from skin_ident.criticism.noise.whitening import Given, Whitener, fit_whitener
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import sensor_of
@@ -78,7 +78,7 @@ def find_wave(model: Model, train: list[Session], held: list[Session], noise: Wh
         return None
     best = max(able, key=lambda w: w.part)
     after = [x - s.band.thin(best.values[s.name]) for x, s in zip(e, sessions, strict=True)][len(train) :]
-    colour = fit_whitener(after, held, grows=noise.growth)
+    colour = fit_whitener(after, held, given=Given(grows=noise.growth))
     return best, gain_of_residuals(e[len(train) :], after, held, colour, ", ".join(s.name for s in held))
 
 

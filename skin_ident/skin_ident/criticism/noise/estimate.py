@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from skin_ident.criticism.noise.taken import taken
-from skin_ident.criticism.noise.whitening import Stacked, Whitener, fit_whitener, order_for, stack, white, with_growth
+from skin_ident.criticism.noise.whitening import Given, Stacked, Whitener, fit_whitener, order_for, stack, white, with_growth
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
@@ -44,7 +44,8 @@ def _pass(residuals: list[np.ndarray], every: Stacked, own: int, offered: np.nda
     asked = [replace(s, weight=s.weight * noise.believed(s)) for s in every.sessions]  # what is left of the others may be anything
     left = _less(residuals, every.rows, z)
     gone = taken([a[z != 0.0] for a in every.rows], left, [s.weight for s in asked])
-    fitted = with_growth(fit_whitener(left, asked, gone, noise.order, floor=noise.floor), left, asked, gone)
+    steady = fit_whitener(left, asked, gone, Given(noise.order, floor=noise.floor))
+    fitted = with_growth(steady, left, asked, gone)
     return fitted, _words(fitted, asked, np.count_nonzero(z[own:]), np.count_nonzero(offered[own:]))
 
 

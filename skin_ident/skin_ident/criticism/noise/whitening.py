@@ -138,40 +138,50 @@ class Whitener:
         return {}
 
 
+@dataclass(frozen=True)
+class Given:
+    """What of a noise model is given, and not fitted: the `order` of the filters, else the highest that the residuals bear; how the noise
+    `grows` with the load, else not at all; the `mix` (C, C), else that which makes the channels uncorrelated; and the `floor` (C, C) N^2.
+    That is given where the words of two noise models are compared: one that falls with what is taken out would shorten them."""
+
+    order: int | None = None
+    grows: Growth | None = None
+    mix: np.ndarray | None = None
+    floor: np.ndarray | None = None
+
+
+NOTHING = Given()
+
+
 def fit_whitener(
-    residuals: list[np.ndarray],
-    sessions: list[Channels],
-    taken: np.ndarray | None = None,
-    order: int | None = None,
-    grows: Growth | None = None,
-    floor: np.ndarray | None = None,
-    mix: np.ndarray | None = None,
+    residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None, given: Given = NOTHING
 ) -> Whitener:
-    """The noise model of residuals [(C, n), …], from each channel of which what was fitted and subtracted has `taken` so many degrees of
-    freedom (2, C), in all and at the lowest frequencies; of the highest `order` that they bear, unless it is given. The noise `grows` so
-    with the load, or is steady. A `floor` (C, C) N^2 is given where the words of two noise models are compared: one that falls with what
-    is taken out would shorten them. The mixtures are uncorrelated ones unless their `mix` is given. Constant channels are given a tiny
-    floor so that nothing divides by zero."""
-    n_channels, order = residuals[0].shape[0], order_for([s.weight for s in sessions]) if order is None else order
-    grows = grows or Growth.none(n_channels)
+    """The noise model of residuals [(C, n), …], N, from each channel of which what was fitted and subtracted has `taken` so many degrees of
+    freedom (2, C), in all and at the lowest frequencies."""
+    n_channels, together = len(residuals[0]), [s.weight.min(axis=0) for s in sessions]
+    order = order_for([s.weight for s in sessions]) if given.order is None else given.order
+    grows = given.grows or Growth.none(n_channels)
     begun = Whitener(np.eye(n_channels), np.ones((n_channels, 1)), np.zeros((n_channels, MEMORIES.size)), np.eye(n_channels), grows)
-    steady, weights = [begun.steady(e, s) for e, s in zip(residuals, sessions, strict=True)], [s.weight for s in sessions]
-    kept = np.concatenate([e[:, w.min(axis=0) > 0] for e, w in zip(steady, weights, strict=True)], axis=1)
+    steady = [begun.steady(e, s) for e, s in zip(residuals, sessions, strict=True)]
+    kept = np.concatenate([e[:, w > 0] for e, w in zip(steady, together, strict=True)], axis=1)
     energy = np.atleast_2d(kept @ kept.T / max(kept.shape[1], 1))
-    floor = FLOOR * energy if floor is None else floor
-    vectors = np.linalg.eigh(energy)[1] if mix is None else mix.T
-    mixed = [vectors.T @ e for e in steady]
-    together = [w.min(axis=0) for w in weights]
-    unseen = np.zeros((2, n_channels)) if taken is None else taken @ vectors**2
-    guard = np.diag(vectors.T @ floor @ vectors)
+    floor = FLOOR * energy if given.floor is None else given.floor
+    mix = np.linalg.eigh(energy)[1].T if given.mix is None else given.mix
+    mixed, guard = [mix @ e for e in steady], np.diag(mix @ floor @ mix.T)
+    unseen = np.zeros((2, n_channels)) if taken is None else taken @ mix.T**2
     fitted = (fit_predictor([m[c] for m in mixed], together, order, unseen[:, c], guard[c]) for c in range(n_channels))
     filters, slow = zip(*fitted, strict=True)
-    unit = replace(begun, mix=vectors.T, filters=np.array(filters), slow=np.array(slow), floor=floor)
-    w = np.concatenate([unit.apply(e, s) for e, s in zip(residuals, sessions, strict=True)], axis=1)
+    unit = replace(begun, mix=mix, filters=np.array(filters), slow=np.array(slow), floor=floor)
+    return replace(unit, root=_root(np.concatenate([unit.apply(e, s) for e, s in zip(residuals, sessions, strict=True)], axis=1)))
+
+
+def _root(w: np.ndarray) -> np.ndarray:
+    """The lower Cholesky factor (C, C) of the covariance of innovations (C, n), of which zeros are none. A constant channel is given a tiny
+    one, so that nothing divides by zero."""
     used = np.any(w != 0.0, axis=0)
     covariance = np.atleast_2d(w[:, used] @ w[:, used].T / max(used.sum(), 1))
-    tiny = np.diag(np.full(n_channels, 1e-18) + 1e-6 * np.diag(covariance))
-    return replace(unit, root=np.linalg.cholesky(covariance + tiny))
+    tiny = np.diag(np.full(len(w), 1e-18) + 1e-6 * np.diag(covariance))
+    return np.linalg.cholesky(covariance + tiny)
 
 
 def with_growth(steady: Whitener, residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None) -> Whitener:
@@ -179,7 +189,8 @@ def with_growth(steady: Whitener, residuals: list[np.ndarray], sessions: list[Ch
     Not of what a wrong model leaves: its errors grow with the load, too."""
     apart = [steady.mix.T @ steady.root @ steady.apply(e, s) for e, s in zip(residuals, sessions, strict=True)]  # by channel, N
     grows = growth(apart, sessions)
-    return fit_whitener(residuals, sessions, taken, steady.order, grows, steady.floor) if grows.is_any else steady
+    given = Given(steady.order, grows, floor=steady.floor)
+    return fit_whitener(residuals, sessions, taken, given) if grows.is_any else steady
 
 
 def order_for(weights: list[np.ndarray]) -> int:
