@@ -38,7 +38,7 @@ def pictures(told: Told) -> dict[str, Callable[[], Figure]]:
 
 
 def save(figure: Figure, target) -> None:
-    """Write a figure as PNG to an open file."""
+    """Write a figure as PNG to `target`, a path or an open file."""
     FigureCanvasAgg(figure).print_png(target)
 
 

@@ -8,7 +8,6 @@ from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.report.errors import ReportError
 from skin_ident.report.markdown import markdown
 from skin_ident.report.page import page
-from skin_ident.report.pictures import pictures, save
 from skin_ident.report.story import tell
 
 PICTURES = ("before_after.png", "residual.png", "evidence.png")
@@ -22,11 +21,13 @@ def write_report(outcome: Outcome, directory: Path, diagnosis: Path | None = Non
     Every file is written under a partial name first; all are put in place together, report.html last. Pictures of an earlier report
     that this one does not have are removed. Raises `ReportError` where the directory cannot be written.
     """
+    from skin_ident.report.pictures import pictures, save  # drawing costs a second of start-up that a refusal should not
+
     directory = Path(directory)
     told = tell(outcome, "" if diagnosis is None or diagnosis.resolve() == directory.resolve() else str(diagnosis.resolve()))
     drawn = pictures(told)
     names = tuple(n for n in PICTURES if n in drawn)
-    writers: dict[str, Callable[[Path], None]] = {name: _picture(drawn[name]) for name in names}
+    writers: dict[str, Callable[[Path], None]] = {name: lambda path, name=name: save(drawn[name](), path) for name in names}
     writers[TEXT] = lambda path: _text(path, markdown(told, names))
     writers[PAGE] = lambda path: _text(path, page(told))
     try:
@@ -44,14 +45,6 @@ def write_report(outcome: Outcome, directory: Path, diagnosis: Path | None = Non
     except OSError as error:
         raise ReportError(f"cannot write the report into {directory}: {error.strerror or error}") from error
     return directory / PAGE
-
-
-def _picture(draw) -> Callable[[Path], None]:
-    def write(path: Path) -> None:
-        with path.open("wb") as out:
-            save(draw(), out)
-
-    return write
 
 
 def _text(path: Path, content: str) -> None:
