@@ -9,7 +9,6 @@ from scipy.signal import lfilter
 from test_faults import session
 from world import make_sessions, write_case
 
-from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.estimators.fit import fit_recordings
@@ -19,6 +18,7 @@ from skin_ident.report.gains import better
 from skin_ident.report.markdown import markdown
 from skin_ident.report.reading import view
 from skin_ident.report.story import tell
+from skin_ident.report.terminal import summary
 
 
 def bent(r, power):

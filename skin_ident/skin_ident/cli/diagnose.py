@@ -10,31 +10,18 @@ from pathlib import Path
 from typing import Any
 
 from skin_ident.cli import common
-from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.diagnose import are_scans, diagnose
 from skin_ident.criticism.telling.outcome import Outcome
-from skin_ident.criticism.vocabulary import place_of
-from skin_ident.estimators.figures import plus_minus
 from skin_ident.recordings.carried import with_warnings_of
 from skin_ident.recordings.chosen import only_taxels
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import find, load
+from skin_ident.report import save_traces, write_report
+from skin_ident.report.terminal import summary
 from skin_models.model_file import load_model, save_model
 
 BASELINE, MODEL = "baseline.yaml", "model.yaml"
 BATTERY = re.compile(r"separating(_[1-9]\d*)?\.yaml")  # as separating_experiments names them
-
-VERDICTS = {
-    "nothing_wrong": "nothing wrong: what is left looks like noise",
-    "explained": "explained: with these causes, what is left looks like noise",
-    "partly_explained": "partly explained: something systematic is left",
-    "unexplained": "unexplained: the simulation is wrong, and no cause of the catalogue says why",
-}
-
-SHORT_OF_NOISE = {
-    "nothing_wrong": "nothing wrong that could be named: what is left",
-    "explained": "explained as far as causes could be named: what is left",
-}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -110,8 +97,6 @@ def warned(recording, said: str):
 
 def write(outcome: Outcome, folder: Path) -> None:
     """Write findings.json, model.yaml (and baseline.yaml, what it started from), separating batteries, the report, and what renders it."""
-    from skin_ident.report import save_traces, write_report  # drawing costs a second of start-up that a refusal should not
-
     write_report(outcome, folder)
     save_traces(outcome, folder)
     if outcome.model is not None:
@@ -133,72 +118,6 @@ def _remove_earlier(outcome: Outcome, folder: Path) -> None:
     for file in earlier:
         if file.name not in again and (file.name in (BASELINE, MODEL) or BATTERY.fullmatch(file.name)):
             file.unlink()
-
-
-def summary(findings: dict[str, Any]) -> str:
-    """The findings as a person wants them in a terminal."""
-    from skin_ident.report.sessions import most_left  # as in `write`
-
-    lines = [_verdict(findings)]
-    lines += [f"  ({', '.join(f'{i} is {name}' for i, name in findings['taxels'].items())})"] if "taxels" in findings else []
-    taxels = sum(channel.startswith("taxel") for channel in findings["baseline"].get("rmse", ()))
-    for f in findings["findings"]:
-        some = f", {f['evidence']['pattern']}" if f["evidence"].get("only_in") and f["evidence"].get("pattern") else ""
-        lines += [f"\n  {_placed(f, taxels)}{some}: {f['means']}", *_sizes(f), *_worth(f["gain"])]
-        lines += [f"    cannot be told from: {_placed(a, taxels)}" for a in f["alternatives"]]
-        lines += [f"    {f['separating_experiment']}"] if f["separating_experiment"] else []
-    lines += [f"\n  in doubt: {_placed(u, taxels)}: {u['because']}" for u in _doubts(findings)]
-    most = most_left(findings["verdict"], findings.get("systematic_rest"), findings.get("recordings", ()))
-    lines += [f"\n  {most}"] if most else []
-    held = findings["baseline"].get("held", {})
-    lines += [f"\n  {name} held at {h['value']:.3g} {h['unit']}: {h['because']}" for name, h in held.items()]
-    lines += [f"\nwarning: {w}" for w in findings.get("warnings", [])]
-    return "\n".join(lines)
-
-
-def _placed(entry: dict[str, Any], taxels: int) -> str:
-    """A cause and its place, as they are called; of several taxels `taxel` is all of them."""
-    if entry["where"] == "clock":
-        whose = entry.get("channel_clock", "")
-        return f"{entry['cause']} in {place_of(entry['cause'], f'clock_{whose}'.rstrip('_'))}"
-    return f"{entry['cause']} in {'all taxels' if taxels > 1 and entry['where'] == 'taxel' else 'the ' + entry['where']}"
-
-
-def _verdict(findings: dict[str, Any]) -> str:
-    above = above_noise(findings)
-    if above and findings["verdict"] in SHORT_OF_NOISE:
-        return f"{SHORT_OF_NOISE[findings['verdict']]} of {above[0]} is {above[1]:.2f} times what noise alone leaves"
-    if findings["verdict"] == "nothing_wrong" and _doubts(findings):
-        return "nothing wrong beyond doubt"
-    return VERDICTS[findings["verdict"]]
-
-
-def _doubts(findings: dict[str, Any]) -> list[dict[str, Any]]:
-    return [u for u in findings.get("untestable", ()) if u.get("in_doubt")]
-
-
-def _sizes(f: dict[str, Any]) -> list[str]:
-    """Parameters, one a line; what each session has of its own; and what telemetry saw."""
-    sizes = [f"    {name} = {_size(p)}" for name, p in f["parameters"].items()]
-    own = f["evidence"].get("of_each_session") or {}
-    sizes += [f"    {f['evidence']['pattern']}"] if own and f["evidence"].get("pattern") else []
-    sizes += [f"    {session}: {course}" for session, course in own.items()]
-    return sizes + ([f"    {f['evidence']['why']}"] if f["evidence"].get("why") and not own else [])
-
-
-def _size(p: dict[str, Any]) -> str:
-    """A number with its standard error, where it has one, and its unit."""
-    value = plus_minus(p["value"], p["std"]) if p.get("std") else f"{p['value']:.4g}"
-    return f"{value} {'' if p['unit'] == '1' else p['unit']}".rstrip()
-
-
-def _worth(gain: dict[str, Any]) -> list[str]:
-    """The fall of the held-out error, where it was measured."""
-    if gain["held_out_rmse_before"] is None or gain["held_out_rmse_before"] == gain["held_out_rmse_after"]:
-        return []
-    interval = f"falls by {gain['ci95'][0]:.3g} to {gain['ci95'][1]:.3g} {gain['unit']}, 95 %"
-    change = f"{gain['held_out_rmse_before']:.3g} -> {gain['held_out_rmse_after']:.3g} {gain['unit']}"
-    return [f"    held-out error of {gain['channel']}: {change} ({interval})"]
 
 
 def progress_line() -> Callable[[str], None]:

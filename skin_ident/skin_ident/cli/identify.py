@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from skin_ident.cli import common
-from skin_ident.cli.diagnose import progress_line, summary, write
+from skin_ident.cli.diagnose import progress_line, write
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.hiding.drawing import ANYTHING, check_cause, draw
 from skin_ident.hiding.errors import HidingError
@@ -18,6 +18,7 @@ from skin_ident.hiding.simulated_rig import SimulatedRig, varied
 from skin_ident.hiding.writing import check_free, write_recordings
 from skin_ident.recordings.load import load_one
 from skin_ident.recordings.recording import Recording
+from skin_ident.report.terminal import summary
 from skin_ident.separating.loop import Course, Record, until_named
 from skin_models.materials import material
 from skin_models.model import Model

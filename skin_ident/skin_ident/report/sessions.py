@@ -1,6 +1,6 @@
 """Session by session: what each says by itself, what is left of it, and how that goes from one to the next."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -149,15 +149,13 @@ def goes_on_from_day_to_day(v: View) -> str:
     return f"{stiffer[0]} {NO_GAIN}" if len(stiffer) > 1 else stiffer[0] if stiffer else ""
 
 
-def most_left(verdict: str, rest: Any, recordings: Iterable[Any]) -> str:
-    """In which of the `recordings` most is left, by what `systematic_rest` says of it, as words for page and terminal; empty where none
-    stand out, or nothing systematic is left."""
-    m = mapping(rest)
-    some, times = [text(n) for n in sequence(m.get("most_in"))], finite(m.get("times"))
-    if verdict not in (PARTLY, UNEXPLAINED) or not some or times is None:
+def most_left(v: View) -> str:
+    """In which sessions most is left, as words for page and terminal; empty where none stand out, or nothing systematic is left."""
+    some, times = [text(n) for n in sequence(v.most_left.get("most_in"))], finite(v.most_left.get("times"))
+    if v.verdict not in (PARTLY, UNEXPLAINED) or not some or times is None:
         return ""
-    where = when(some, [recording_name(r) for r in recordings]).removesuffix(" alone")
-    what = f"most of what is left of the {signal(text(m.get('channel')))} is {where}"
+    where = when(some, [recording_name(r) for r in v.recordings]).removesuffix(" alone")
+    what = f"most of what is left of the {signal(text(v.most_left.get('channel')))} is {where}"
     return f"{what}: {plain(times, 2)} times as much as in the other sessions"
 
 

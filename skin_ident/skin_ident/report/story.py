@@ -165,7 +165,7 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
         yield Wrong("", f"{nothing} that these data can show. What was ruled out, and what could not be tested, is listed below.")
     elif not v.findings:
         yield Wrong("", "No departure from the model could be named with confidence.")
-    if most := most_left(v.verdict, v.most_left, v.recordings):
+    if most := most_left(v):
         yield Wrong("", sentence(most))
     if changes := goes_on_from_day_to_day(v):
         yield Wrong("From session to session", changes)

@@ -20,10 +20,10 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from skin_ident.cli import common
-from skin_ident.cli.diagnose import summary
 from skin_ident.cli.diagnose import write as write_diagnosis
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.recordings.load import load
+from skin_ident.report.terminal import summary
 from skin_ident.ros.testbed import TARE, Testbed
 from skin_models.catalogue import effect_class
 from skin_models.effect import Effect

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import report_examples as examples
 
-from skin_ident.cli.diagnose import summary
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.named import Named
@@ -24,6 +23,7 @@ from skin_ident.report.markdown import markdown
 from skin_ident.report.pictures import pictures
 from skin_ident.report.reading import view
 from skin_ident.report.story import tell
+from skin_ident.report.terminal import summary
 
 LEFT_OUT = "the moments at which it acts are not compared"
 

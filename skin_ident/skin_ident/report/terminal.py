@@ -1,0 +1,87 @@
+"""The findings as a person wants them in a terminal: what the page says first, with the names that files and options have."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from skin_ident.criticism.vocabulary import place_of
+from skin_ident.estimators.figures import plus_minus
+from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED
+from skin_ident.report.numbers import UNKNOWN
+from skin_ident.report.reading import LONE, view
+from skin_ident.report.sessions import most_left
+from skin_ident.report.tolerant import mapping, place_in, text
+from skin_ident.report.view import Amount, Finding, Gain, View
+
+VERDICTS = {
+    NOTHING: "nothing wrong: what is left looks like noise",
+    EXPLAINED: "explained: with these causes, what is left looks like noise",
+    PARTLY: "partly explained: something systematic is left",
+    UNEXPLAINED: "unexplained: the simulation is wrong, and no cause of the catalogue says why",
+}
+
+SHORT_OF_NOISE = {
+    NOTHING: "nothing wrong that could be named: what is left",
+    EXPLAINED: "explained as far as causes could be named: what is left",
+}
+
+
+def summary(findings: dict[str, Any]) -> str:
+    """The content of findings.json (schema 1) in lines."""
+    v = view(findings)
+    lines = [_verdict(v)]
+    if names := mapping(v.other.get("taxels")):
+        lines.append(f"  ({', '.join(f'{i} is {name}' for i, name in names.items())})")
+    for f in v.findings:
+        lines += _told(f)
+    lines += [f"\n  in doubt: {_placed(text(d.get('cause')), place_in(d))}: {text(d.get('because'))}" for d in v.doubts]
+    if most := most_left(v):
+        lines.append(f"\n  {most}")
+    lines += [f"\n  {a.name} held at {a.value:.3g} {a.unit}: {because}" for a, because in v.held if a.value is not None]
+    lines += [f"\nwarning: {w}" for w in v.warnings]
+    return "\n".join(lines)
+
+
+def _verdict(v: View) -> str:
+    if v.above and v.verdict in SHORT_OF_NOISE:
+        channel, times = v.above
+        return f"{SHORT_OF_NOISE[v.verdict]} of {channel} is {times:.2f} times what noise alone leaves"
+    if v.verdict == NOTHING and v.doubts:
+        return "nothing wrong beyond doubt"
+    return VERDICTS.get(v.verdict, v.verdict)
+
+
+def _told(f: Finding) -> Iterator[str]:
+    """The lines of a finding: its name, its sizes, what it is worth, and what else it may be."""
+    yield f"\n  {_placed(f.cause, f.where)}{f.in_some}: {f.means}"
+    yield from (f"    {a.name} = {_size(a)}" for a in f.amounts)
+    if f.each_session:
+        yield from [f"    {f.goes}"] if f.goes else []
+        yield from (f"    {session}: {course}" for session, course in f.each_session.items())
+    elif why := text(dict(f.evidence).get("why")):
+        yield f"    {why}"
+    yield from _worth(f.gain)
+    yield from (f"    cannot be told from: {_placed(cause, where)}" for cause, where, _ in f.alternatives)
+    if f.separating:
+        yield f"    {f.separating}"
+
+
+def _placed(cause: str, where: str) -> str:
+    """A cause and its place, as findings.json calls them."""
+    if where.startswith("clock"):
+        return f"{cause} in {place_of(cause, where)}"
+    return f"{cause} in {({'taxel': 'all taxels', LONE: 'the taxel'}).get(where, f'the {where}')}"
+
+
+def _size(a: Amount) -> str:
+    """A number with its standard error, where it has one, and its unit."""
+    if a.value is None:
+        return UNKNOWN
+    value = plus_minus(a.value, a.std) if a.std else f"{a.value:.4g}"
+    return f"{value} {'' if a.unit == '1' else a.unit}".rstrip()
+
+
+def _worth(g: Gain) -> Iterator[str]:
+    """The fall of the held-out error, where it was measured."""
+    if None not in (g.before, g.after, g.low, g.high) and g.before != g.after:
+        interval = f"falls by {g.low:.3g} to {g.high:.3g} {g.unit}, 95 %"
+        yield f"    held-out error of {g.channel}: {g.before:.3g} -> {g.after:.3g} {g.unit} ({interval})"
