@@ -23,6 +23,7 @@ from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
 from skin_ident.criticism.telling.given_model import not_there, numbers_fitted
 from skin_ident.criticism.telling.leftover import Rest
 from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key, word_of
+from skin_ident.recordings.recording import Recording
 from skin_ident.separating.choose import Experiment
 from skin_models.model import Model
 from skin_models.parameter import parameters_of
@@ -211,6 +212,18 @@ def _not_findings(c: Criticism, recordings: list, named: set[Key]) -> dict[str, 
     return seen
 
 
+def _recording(r: Recording, held_out: bool) -> dict[str, Any]:
+    """What an entry of `recordings` says whatever was found."""
+    return {
+        "name": r.name,
+        "samples": len(r),
+        "seconds": float(r.t[-1] - r.t[0]),
+        "rate_hz": float(1.0 / r.dt),
+        "held_out": held_out,
+        "warnings": list(r.warnings),
+    }
+
+
 def as_findings(
     c: Criticism,
     symptoms,
@@ -236,31 +249,13 @@ def as_findings(
     excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there)
     return {
         "schema": SCHEMA,
-        "recordings": [
-            {
-                "name": r.name,
-                "samples": len(r),
-                "seconds": float(r.t[-1] - r.t[0]),
-                "rate_hz": float(1.0 / r.dt),
-                "held_out": any(r.name == s.name for s in held),
-                "warnings": list(r.warnings),
-                **each.get(r.name, {}),
-            }
-            for r in recordings
-        ],
+        "recordings": [_recording(r, any(r.name == s.name for s in held)) | each.get(r.name, {}) for r in recordings],
         "baseline": baseline,
         "findings": entries,
         "excluded": excluded,
         "untestable": untestable,
         "extended": described(c.extended.model, _all_of(c) if given else c.extended.unknowns, c.extended.std, list(c.train), list(c.held)),
-        "systematic_rest": {
-            "fall_of_mean_square": rest.fall,
-            "lower_bound": rest.lower,
-            "rmse_before": rest.before,
-            "rmse_after": rest.after,
-            "unit": "N",
-            **most_left(each),
-        },
+        "systematic_rest": rest.as_json | most_left(each),
         "verdict": verdict,
         "warnings": _warnings(recordings),
     }

@@ -34,6 +34,17 @@ class Rest:
     resolution: float
     seconds: float
 
+    @property
+    def as_json(self) -> dict[str, float | str]:
+        """As `systematic_rest` in findings.json has it."""
+        return {
+            "fall_of_mean_square": self.fall,
+            "lower_bound": self.lower,
+            "rmse_before": self.before,
+            "rmse_after": self.after,
+            "unit": "N",
+        }
+
     def is_systematic(self, explained: float) -> bool:
         """Whether the rest deserves the word `unexplained`, next to causes that made a mean square fall by `explained` (N^2)."""
         if not self.seconds:
