@@ -11,7 +11,7 @@ session does not move (F. R. Hampel, J. Am. Stat. Assoc. 69 (1974) 383-393).
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -85,11 +85,30 @@ def louder_than_others(left: Mapping[str, float]) -> Iterator[tuple[list[str], f
         yield [n for n in left if n in names[:k]], float(np.sqrt(np.mean(rms[:k] ** 2) / np.mean(rms[k:] ** 2)))
 
 
-def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
-    """What a session says, by its channels that may be believed."""
-    strongest = f"taxel_{int(np.argmax(placed(model, s).shares))}" if model.shares else ""
-    heard = _heard(s)
-    which = those_told(unknowns(model, s), model, lambda u: _told(u, heard, strongest))
+@dataclass(frozen=True)
+class _Fitted:
+    """The `model` with the unknowns `which` as one session has them, its `zeros` (C,), N, and the `covariance` of both, the scaled unknowns
+    first."""
+
+    model: Model
+    which: tuple[Unknown, ...]
+    zeros: np.ndarray
+    covariance: np.ndarray
+
+    def number(self, of: Callable[[Model], float]) -> Number:
+        """A number of the model, and its standard error."""
+        theta, scale, here = values(self.model, self.which), scales(self.model, self.which), of(self.model)
+        moved = [of(with_values(self.model, self.which, theta + STEP * scale * row)) for row in np.eye(theta.size)]
+        slopes = (np.array(moved) - here) / STEP
+        return float(here), float(np.sqrt(max(slopes @ self.covariance[: theta.size, : theta.size] @ slopes, 0.0)))
+
+    def zero(self, c: int) -> Number:
+        """That of a channel, N, and its standard error."""
+        return float(self.zeros[c]), float(np.sqrt(np.diag(self.covariance)[len(self.which) + c]))
+
+
+def _fitted(model: Model, s: Session, noise: Whitener, which: tuple[Unknown, ...], heard: list[str]) -> _Fitted:
+    """The module's equation, solved for the channels that are `heard`."""
     mask = np.array([channel in heard for channel in s.channels])[:, None]
     s = replace(s, weight=np.where(mask, s.weight, 1.0))  # of what is not heard nothing is asked, and it silences no other channel
     ones = np.eye(len(s.channels))[:, :, None] * np.ones(s.t.size)
@@ -100,21 +119,29 @@ def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
         model = with_values(model, which, values(model, which) + found[: len(which)] * scales(model, which))
     left, free = r - J @ found, int(np.count_nonzero(r)) - len(found)
     covariance = np.linalg.pinv(J.T @ J) * float(left @ left) / max(free, 1)
+    return _Fitted(model, which, found[len(which) :], covariance)
+
+
+def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
+    """What a session says, by its channels that may be believed."""
+    strongest = f"taxel_{int(np.argmax(placed(model, s).shares))}" if model.shares else ""
+    heard = _heard(s)
+    fitted = _fitted(model, s, noise, those_told(unknowns(model, s), model, lambda u: _told(u, heard, strongest)), heard)
     pressing = ["force"] if "force" in heard or s.drive is not None else []
     told = [*pressing, *(channel for channel in (strongest,) if channel in heard)]
 
     def number(of: Callable[[Model, str], float], channel: str) -> Number:
-        return _with_error(lambda m: of(placed(m, s), channel), model, which, covariance)
+        return fitted.number(lambda m: of(placed(m, s), channel))
 
     stiff = {} if s.drive is not None else {channel: number(stiffness, channel) for channel in told}
     ratio = {strongest: number(force_over, strongest)} if {"force", strongest} <= set(stiff) else {}
     slow = {channel: number(recovery, channel) for channel in told}
-    zeros = zip(s.channels, found[len(which) :], np.sqrt(np.diag(covariance)[len(which) :]), strict=True)
+    zeros = {channel: fitted.zero(c) for c, channel in enumerate(s.channels) if channel in heard}
     return {
         "stiffness": {channel: q for channel, q in stiff.items() if 0.0 < q[1] < TELLS * abs(q[0])},
         "ratio": {channel: q for channel, q in ratio.items() if 0.0 < q[1] < TELLS * abs(q[0])},
         "recovery": {channel: q for channel, q in slow.items() if 0.0 < q[1] < max(TELLS * abs(q[0]), s.period)},
-        "zero": {channel: (float(z), float(std)) for channel, z, std in zeros if channel in heard and std > 0.0},
+        "zero": {channel: q for channel, q in zeros.items() if q[1] > 0.0},
     }
 
 
@@ -140,14 +167,6 @@ def force_over(model: Model, channel: str) -> float:
 def recovery(model: Model, channel: str) -> float:
     """How long a channel takes to follow, b / k, s."""
     return damping(model, channel) / stiffness(model, channel)
-
-
-def _with_error(of: Callable[[Model], float], model: Model, which: tuple[Unknown, ...], covariance: np.ndarray) -> Number:
-    """A number of the model, and its standard error by the covariance of its scaled unknowns, which come first in it."""
-    theta, scale, here = values(model, which), scales(model, which), of(model)
-    moved = [of(with_values(model, which, theta + STEP * scale * row)) for row in np.eye(theta.size)]
-    slopes = (np.array(moved) - here) / STEP
-    return float(here), float(np.sqrt(max(slopes @ covariance[: theta.size, : theta.size] @ slopes, 0.0)))
 
 
 def _quantities(own: _Alone) -> dict[str, Any]:
