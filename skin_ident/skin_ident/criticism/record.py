@@ -10,7 +10,7 @@ from skin_ident.criticism.baseline.fitting import fit, noise_of
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.search.weighing import weighed
-from skin_ident.criticism.sessions.cutoff import common_to
+from skin_ident.criticism.sessions.cutoff import Common, common_to
 from skin_ident.criticism.sessions.parting import meeting
 from skin_ident.criticism.sessions.session import Session, prepare, with_lines
 from skin_ident.criticism.sessions.thinner import thinner
@@ -65,43 +65,54 @@ class Inspected:
 
 def inspect(recordings: list) -> Inspected:
     """Look at the records themselves, then at what a first fit leaves at full rate."""
-    units = find_unit_faults(recordings)
-    coarse = [s for s in find_quantization(recordings) if not any(set(s.channels) & set(u.channels) for u in units)]
-    early = [
-        *find_clock_faults(recordings),
-        *find_copies(recordings),
-        *units,
-        *find_more_than_applied(recordings, tuple(c for u in units for c in u.channels)),
-        *find_dead_taxels(recordings),
-        *coarse,
-        *find_encoder_faults(recordings),
-        *_in_the_drive(recordings),
-    ]
+    early = _in_the_records(recordings)
     copies = copies_among(early, recordings[0])
-    mended = [mended_depth(emptied(r, copies), early) for r in recordings]
-    mended = _spread_again(mended, early)
+    mended = _spread_again([mended_depth(emptied(r, copies), early) for r in recordings], early)
     common = common_to(mended, depth_step(mended))
-    sessions = [prepare(r, bad_samples(r, early), common) for r in mended]
-    first, predicted = _first_fit(sessions)
+    sessions, first, predicted = _first_look(mended, early, common)
     crossed = find_crossed(sessions, [s.raw - m for s, m in zip(sessions, predicted, strict=True)])
     if crossed:
         early = [*early, *crossed]
-        sessions = [prepare(r, bad_samples(r, early), common) for r in mended]
-        first, predicted = _first_fit(sessions)
-    stepped = any(s.where == "rig" for s in coarse)
+        sessions, first, predicted = _first_look(mended, early, common)
+    stepped = any((s.cause, s.where) == ("quantization", "rig") for s in early)
     late = _in_residuals(first, predicted, mended, sessions, [s for s in early if s.cause == "data_error"], stepped)
     early, late = _between_levels(early, late)
     dead = {c for s in early if s.cause == "dead_taxel" for c in s.channels}
     early = [s for s in early if s.cause != "quantization" or not dead & set(s.channels)]
     symptoms = (*early, *(s for s in late if not dead & set(s.channels)))
-    mended = _spread_again(mended, symptoms)
+    return _without(symptoms, _spread_again(mended, symptoms), common, copies)
+
+
+def _in_the_records(recordings: list) -> list[Symptom]:
+    """What shows before any model. Steps of a channel in another unit are none of its converter."""
+    units = find_unit_faults(recordings)
+    return [
+        *find_clock_faults(recordings),
+        *find_copies(recordings),
+        *units,
+        *find_more_than_applied(recordings, tuple(c for u in units for c in u.channels)),
+        *find_dead_taxels(recordings),
+        *(s for s in find_quantization(recordings) if not any(set(s.channels) & set(u.channels) for u in units)),
+        *find_encoder_faults(recordings),
+        *_in_the_drive(recordings),
+    ]
+
+
+def _first_look(recordings: list, symptoms: list[Symptom], common: Common) -> tuple[list[Session], Model, list[np.ndarray]]:
+    """The sessions without what `symptoms` rule out, in their `common` band, a first model of them, and what it predicts (C, N), N."""
+    sessions = [prepare(r, bad_samples(r, symptoms), common) for r in recordings]
+    return sessions, *_first_fit(sessions)
+
+
+def _without(symptoms: tuple[Symptom, ...], recordings: list, common: Common, copies: tuple[str, ...]) -> Inspected:
+    """The recordings as sessions without what `symptoms` rule out; `copies` are taxels that repeat another one, and are silent then."""
     clipped = [s for s in symptoms if s.cause == "saturation"]
-    whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), common) for r in mended]
+    whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), common) for r in recordings]
     stuck = _stuck(symptoms) | dict.fromkeys(copies, 0.0)
     if not clipped and not stuck:
         return Inspected(symptoms, whole, whole)
     hard = frozenset(c for s in clipped if "lost" not in s.parameters for c in s.channels)
-    searched = [replace(prepare(r, bad_samples(r, symptoms), common), stuck=stuck, clipped=hard) for r in mended]
+    searched = [replace(prepare(r, bad_samples(r, symptoms), common), stuck=stuck, clipped=hard) for r in recordings]
     return Inspected(symptoms, searched, whole)
 
 
