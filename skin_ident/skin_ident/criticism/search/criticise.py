@@ -2,9 +2,10 @@
 
 from dataclasses import replace
 
-from skin_ident.criticism.baseline.fitting import fit
+from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
+from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.doubt import unproven
 from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
@@ -20,6 +21,8 @@ from skin_ident.criticism.sessions.session import Session, longest
 from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
+from skin_models.dispersion import Dispersion
+from skin_models.effect import Effect
 from skin_models.model import Model
 
 WORSE = 1.1  # times the error of the baseline in a channel, with which an extended model is worse
@@ -38,41 +41,55 @@ def criticise(
 ) -> Criticism:
     """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg,
     assumed unless `mass_declared`; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m; there
-    are at `most` so many rounds.
+    are at `most` so many rounds. Raises `DiagnosisError` where too little of the sessions can be compared.
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
-    surface = surface_of(train)
-    there = dispersion_start([moved(s, surface) for s in train], mass).dispersion if surface else None
-    train, held = ([without_parting(s, start.dispersion) for s in sessions] for sessions in (train, held))
-    if there:
-        train, held = ([without_meeting_at(s, surface, there) for s in sessions] for sessions in (train, held))
-    enough_is_compared(train, held)
+    train, held = _compared(train, held, start.dispersion, mass)
     search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None, mass_declared, most=most)
     noise = noise_beside(start, train, search.which)
     fitted = fit(start, train, noise)
     search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
     search.baseline = fitted
-    run(search, fitted)
-    while len(search.rounds) < search.most and exchange(search):
-        run(search, search.present)
-    if eliminate(search) and _resumed(search):
-        eliminate(search)
+    _name_all(search)
     unweigh(search)
     settle_skin(search)
     tell_of_skin(search)
     if given:
         check_numbers(search, given)
-        baseline = fit(given, train, noise, 0)
-    else:
-        baseline = search.baseline
     told = (tuple(search.named), search.survey(), tuple(search.rounds))
-    c = Criticism(baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
-    plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, search.train, strict=True)]
-    if not given and (search.train[0].free_mass or any(s.skin for s in plain)):
-        weighted = replace(start, effects=search.hanging)
-        c = replace(c, baseline=fit(weighted, weighed(plain, search.train[0].heaviest), noise))
+    c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
+    c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, search.hanging, train, noise))
     return _without_names(c, train, held) if _predicts_worse(c, held) else c
+
+
+def _compared(train: list[Session], held: list[Session], skin: Dispersion, mass: float) -> tuple[list[Session], list[Session]]:
+    """The sessions less the moments when the plunger may have left `skin`, and, where their surface may lie elsewhere than is said, when it
+    may have met it or left it there. Raises `DiagnosisError` where too little remains."""
+    surface = surface_of(train)
+    there = dispersion_start([moved(s, surface) for s in train], mass).dispersion if surface else None
+    train, held = ([without_parting(s, skin) for s in sessions] for sessions in (train, held))
+    if there:
+        train, held = ([without_meeting_at(s, surface, there) for s in sessions] for sessions in (train, held))
+    enough_is_compared(train, held)
+    return train, held
+
+
+def _name_all(search: Search) -> None:
+    """Name one cause after the other, put others into the place of those that they explain more than, and take out what nothing needs."""
+    run(search, search.baseline)
+    while len(search.rounds) < search.most and exchange(search):
+        run(search, search.present)
+    if eliminate(search) and _resumed(search):
+        eliminate(search)
+
+
+def _baseline_beside(c: Criticism, start: Model, hanging: tuple[Effect, ...], train: list[Session], noise: Whitener) -> Fit:
+    """The plain model, fitted again where a mass was, or where sessions have a skin of their own that is no finding: it has these, too."""
+    plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, c.train, strict=True)]
+    if not (c.train[0].free_mass or any(s.skin for s in plain)):
+        return c.baseline
+    return fit(replace(start, effects=hanging), weighed(plain, c.train[0].heaviest), noise)
 
 
 def _predicts_worse(c: Criticism, held: list[Session]) -> bool:
