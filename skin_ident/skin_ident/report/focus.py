@@ -81,7 +81,7 @@ def differs(trace: Trace | ScanTrace) -> bool:
 
 
 def rms(y: np.ndarray) -> float:
-    """Root mean square of the finite samples; 0 where there are none."""
+    """Root mean square of the finite samples of y, of any shape; 0 where there are none."""
     y = y[np.isfinite(y)]
     return float(np.sqrt(np.mean(y**2))) if y.size else 0.0
 

@@ -25,7 +25,7 @@ class Axis:
     log: bool = False
 
     def place(self, values: np.ndarray) -> np.ndarray:
-        """Position of values along the axis, 0 to 1."""
+        """Position of values (n,) along the axis, 0 to 1."""
         if self.log:
             a, b = math.log10(self.low), math.log10(self.high)
             return (np.log10(np.maximum(values, 1e-300)) - a) / (b - a)
@@ -138,7 +138,7 @@ def _piece(line: Line, x: Axis, y: Axis, piece: np.ndarray) -> str:
 
 
 def path(across: np.ndarray, down: np.ndarray) -> str:
-    """Relative moves through whole points."""
+    """Relative moves through whole points (n,)."""
     steps = np.diff(np.stack([across, down], axis=1), axis=0)
     moves = " ".join(f"{a} {b}" for a, b in steps.tolist())
     return f"M{across[0]} {down[0]}" + (f"l{moves.replace(' -', '-')}" if moves else "")

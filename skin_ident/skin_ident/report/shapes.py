@@ -37,7 +37,7 @@ def thinned(x: np.ndarray, y: np.ndarray, buckets: int) -> tuple[np.ndarray, np.
 
 
 def binned(quantity: np.ndarray, residual: np.ndarray, low: float, high: float, bins: int = BINS) -> Binned:
-    """Residual in even bins of `quantity` between `low` and `high`; NaN in bins with too few samples."""
+    """Residual (N,) in even bins of `quantity` (N,) between `low` and `high`; NaN in bins with too few samples."""
     edges = np.linspace(low, high, bins + 1)
     which = np.digitize(quantity, edges[1:-1])
     rows = []
@@ -49,7 +49,7 @@ def binned(quantity: np.ndarray, residual: np.ndarray, low: float, high: float, 
 
 
 def span_of(quantity: np.ndarray) -> tuple[float, float] | None:
-    """The range that holds all but 0.2 % of the samples at either end; None where nothing moves or nothing is known."""
+    """The range that holds all but 0.2 % of the samples (N,) at either end; None where nothing moves or nothing is known."""
     known = quantity[np.isfinite(quantity)] if quantity is not None else np.zeros(0)
     if known.size < 2 * FEWEST:
         return None
@@ -58,7 +58,8 @@ def span_of(quantity: np.ndarray) -> tuple[float, float] | None:
 
 
 def smooth(t: np.ndarray, y: np.ndarray, hz: float | None) -> np.ndarray:
-    """`y` through a Hann window that halves its amplitude at about `hz`, as long as before; `y` itself where there is nothing to smooth."""
+    """`y` (N,), at `t` (N,) s, through a Hann window that halves its amplitude at about `hz`, as long as before; `y` itself where there is
+    nothing to smooth."""
     dt = (t[-1] - t[0]) / max(t.size - 1, 1)
     width = round(1.0 / (hz * dt)) if hz else 0
     if width < 3 or y.size < 3 * width:
@@ -93,5 +94,5 @@ def _smoothed(f: np.ndarray, p: np.ndarray, steps: int = 90) -> tuple[np.ndarray
 
 
 def residuals(trace: Trace, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Measured minus simulated, before and after."""
+    """Measured minus simulated, before and after, (N,) each, N."""
     return trace.measured[row] - trace.baseline[row], trace.measured[row] - trace.extended[row]

@@ -68,7 +68,7 @@ def load_outcome(directory: Path) -> Outcome:
 
 
 def load_findings(directory: Path) -> dict[str, Any]:
-    """The content of findings.json in `directory`."""
+    """The content of findings.json in `directory`. Raises `ReportError` where that cannot be read, or is none."""
     path = Path(directory) / FINDINGS
     try:
         findings = json.loads(path.read_text(encoding="utf-8"))

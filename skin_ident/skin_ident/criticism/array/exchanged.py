@@ -48,7 +48,7 @@ class _Exchange:
     session: int | None = None
 
     def of(self, n: int, session: int) -> np.ndarray:
-        """The order of the n columns of a session."""
+        """The order (n,) of the n columns of a session."""
         order = np.arange(n)
         if self.session in (None, session):
             order[list(self.pair)] = order[list(self.pair[::-1])]

@@ -48,12 +48,12 @@ class Fit:
 
 
 def whitened(model: Model, sessions: list[Session], noise: Whitener) -> np.ndarray:
-    """All whitened residuals of all sessions, in one vector."""
+    """All whitened residuals of all sessions, in one vector (R,), of unit variance where they are noise."""
     return np.concatenate([noise.apply(residual(model, s), s).ravel() for s in sessions])
 
 
 def tangents(model: Model, sessions: list[Session], which: tuple[Unknown, ...]) -> list[np.ndarray]:
-    """d(simulated)/d(scaled unknown) in the common band, (unknowns, C, n) for each session."""
+    """d(simulated)/d(scaled unknown) in the common band, N, (U, C, n) for each session."""
     theta, scale = values(model, which), scales(model, which)
     at_ceiling = theta + STEP * scale > np.array([u.parameter.upper for u in which])
     steps = STEP * scale * np.where(at_ceiling, -1.0, 1.0)
@@ -133,8 +133,8 @@ def _descend(model, sessions, noise, which, J, r, damping):
 
 
 def unpressed(theta: np.ndarray, which: tuple[Unknown, ...], gradient: np.ndarray) -> np.ndarray:
-    """Unknowns not pressed against a bound by the step they would take: `theta` their values, `gradient` J'r. A bound that depends on the
-    others has moved a little since they were fitted."""
+    """Mask (U,) of the unknowns not pressed against a bound by the step they would take: `theta` (U,) their values, `gradient` J'r (U,). A
+    bound that depends on the others has moved a little since they were fitted."""
     lower = lowest(which, theta) + NEAR * np.abs([u.parameter.lower if u.beside else 0.0 for u in which])
     upper = np.array([u.parameter.upper for u in which])
     return ~(((theta <= lower) & (gradient < 0)) | ((theta >= upper) & (gradient > 0)))

@@ -84,7 +84,7 @@ def _of_channel(model: Model, channel: str, sensed: float, dispersed: float) -> 
 
 
 def rmse(residuals: list[np.ndarray], sessions: list[Session]) -> dict[str, float]:
-    """Root mean squared error by channel over sessions, N; samples not believed are left out."""
+    """Root mean squared error by channel over sessions of which this is left, [(C, n), …], N; samples not believed are left out."""
     channels = sessions[0].channels
     square = sum((r**2 * s.weight).sum(axis=1) for r, s in zip(residuals, sessions, strict=True))
     count = sum(s.weight.sum(axis=1) for s in sessions)

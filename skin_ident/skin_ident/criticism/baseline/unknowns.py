@@ -103,7 +103,7 @@ def effect_unknowns(model: Model) -> Iterator[Unknown]:
 
 
 def values(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
-    """Present values of the unknowns."""
+    """Present values of the unknowns (U,), each in the unit of its parameter."""
     return np.array([_value(model, u) for u in which])
 
 
@@ -115,13 +115,13 @@ def _value(model: Model, u: Unknown) -> float:
 
 
 def lowest(which: tuple[Unknown, ...], theta: np.ndarray) -> np.ndarray:
-    """Lower bounds of the unknowns, beside what the others are."""
+    """Lower bounds (U,) of the unknowns, beside what the others are at `theta` (U,)."""
     present = {u.label: value for u, value in zip(which, theta, strict=True)}
     return np.array([u.parameter.lower - (present[u.beside] if u.beside else 0.0) for u in which])
 
 
 def with_values(model: Model, which: tuple[Unknown, ...], theta: np.ndarray) -> Model:
-    """The model with its unknowns set to `theta`, clipped to their bounds."""
+    """The model with its unknowns set to `theta` (U,), clipped to their bounds."""
     dispersion, shares, effects = {}, list(model.shares), [{} for _ in model.effects]
     highest = np.array([u.parameter.upper for u in which])
     alone = np.where([u.beside == "" for u in which], np.clip(theta, lowest(which, theta), highest), theta)
@@ -141,7 +141,7 @@ def with_values(model: Model, which: tuple[Unknown, ...], theta: np.ndarray) -> 
 
 
 def scales(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
-    """A sensible step of each unknown: a share of its value, or of its typical value where that is larger."""
+    """A sensible step (U,) of each unknown: a share of its value, or of its typical value where that is larger."""
     total = model.dispersion.k1 + abs(model.dispersion.k2)
     floor = {"m": 0.1, "b1": 0.02 * total, "b2": 0.02 * total, "k1": total, "k2": total}
 

@@ -58,7 +58,7 @@ def _pushed(model: Model, s: Session, plain: np.ndarray, by: np.ndarray | float 
 
 
 def after_jump(model: Model, s: Session, plain: np.ndarray, moment: float) -> np.ndarray:
-    """Newtons per metre by which the depth read is too small from `moment` on, as the session's filters have smoothed the jump."""
+    """Newtons (C, N) per metre by which the depth read is too small from `moment` on, as the session's filters have smoothed the jump."""
     step, m = (s.motion.t >= moment).astype(float), s.motion
     speed = s.band.speed(step)
     jumped = Motion(m.t, m.x + PROBE * s.band.smooth(step), m.v + PROBE * speed, m.a + PROBE * np.gradient(speed, m.dt), m.dt)

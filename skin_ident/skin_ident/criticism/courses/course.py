@@ -95,7 +95,7 @@ def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
 
 
 def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
-    """The sessions with a course beyond the model."""
+    """The sessions with a course beyond the model: by name of a session what it adds there, (C, N), N."""
     return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
 
 
@@ -175,7 +175,8 @@ def _held_ground(model: Model, held: list[Session], noise: Whitener, free: Open)
 
 
 def basis(A: np.ndarray) -> np.ndarray:
-    """Of the span of the columns of `A` that are not nothing: for one that is, QR would invent a direction."""
+    """An orthonormal basis (R, U) of the span of the columns of `A` (R, M) that are not nothing: for one that is, QR would invent a
+    direction."""
     return np.linalg.qr(A[:, np.any(A != 0.0, axis=0)])[0]
 
 

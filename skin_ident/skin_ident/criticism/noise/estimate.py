@@ -71,8 +71,8 @@ def _less(residuals: list[np.ndarray], every: list[np.ndarray], z: np.ndarray) -
 
 
 def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0, offered: np.ndarray | None = None) -> np.ndarray:
-    """Orthogonal matching pursuit: coefficients of at most `most` columns of A, the first `forced` always used, until nothing gains; of the
-    others only those `offered`, where that is given.
+    """Orthogonal matching pursuit of r (R,): coefficients (M,) of at most `most` columns of A (R, M), the first `forced` always used, until
+    nothing gains; of the others only those `offered` (M,), where that is given.
 
     Inner products are taken with the columns alone that may be chosen next, the best few at once: of hundreds, two dozen are chosen, and to
     read all columns takes longer than to multiply them.

@@ -185,8 +185,8 @@ def _root(w: np.ndarray) -> np.ndarray:
 
 
 def with_growth(steady: Whitener, residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None) -> Whitener:
-    """The noise model that was fitted to residuals as if their noise were `steady`, fitted again as it grows with the load, where it does.
-    Not of what a wrong model leaves: its errors grow with the load, too."""
+    """The noise model that was fitted to residuals [(C, n), …], N, as if their noise were `steady`, fitted again as it grows with the load,
+    where it does. Not of what a wrong model leaves: its errors grow with the load, too."""
     apart = [steady.mix.T @ steady.root @ steady.apply(e, s) for e, s in zip(residuals, sessions, strict=True)]  # by channel, N
     grows = growth(apart, sessions)
     given = Given(steady.order, grows, floor=steady.floor)
@@ -194,8 +194,8 @@ def with_growth(steady: Whitener, residuals: list[np.ndarray], sessions: list[Ch
 
 
 def order_for(weights: list[np.ndarray]) -> int:
-    """The highest order of filters that has samples enough for each coefficient, away from gaps and from what filters spoil behind them; 0,
-    and noise is taken as white, where none has."""
+    """The highest order of filters that has, by `weights` (C, n) of each session, samples enough for each coefficient, away from gaps and
+    from what filters spoil behind them; 0, and noise is taken as white, where none has."""
     pieces = np.concatenate([np.subtract(*reversed(runs(w.min(axis=0) > 0.0))) for w in weights])
 
     def enough(order: int) -> bool:

@@ -128,7 +128,8 @@ def _single(p: Projected, able: np.ndarray, signs: np.ndarray) -> tuple[int, flo
 
 
 def signed_pursuit(gram: np.ndarray, product: np.ndarray, signs: np.ndarray) -> tuple[np.ndarray, float]:
-    """Orthogonal matching pursuit in terms of A'A and A'r, with sign constraints; returns the amounts and the fall of the squared error.
+    """Orthogonal matching pursuit in terms of A'A (M, M) and A'r (M,), with sign constraints (M,); returns the amounts (M,) and the fall
+    of the squared error.
 
     At most `MOST_USED` directions: enough for a spectrum of relaxation times, too few to let a cause bend into anything.
     """

@@ -103,5 +103,5 @@ def _richest(which: tuple[Direction, ...], own: int, rows: int) -> np.ndarray:
 
 
 def detectable(p: Projected, z: float) -> np.ndarray:
-    """Amount of each direction, in typical sizes, that would stand out by `z` standard errors; inf where the data do not excite it."""
+    """Amount (M,) of each direction, in typical sizes, that would stand out by `z` standard errors; inf where the data do not excite it."""
     return np.where(p.energies > 0.0, z / np.sqrt(np.where(p.energies > 0.0, p.energies, 1.0)), np.inf)

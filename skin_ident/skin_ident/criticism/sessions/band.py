@@ -61,7 +61,7 @@ class Band:
         return _low_pass(self.edge, self.dt, self.every)
 
     def smooth(self, x: np.ndarray) -> np.ndarray:
-        """The depth as effects see it: low-passed far above the band, ends extended, same length."""
+        """The depth (N,), m, as effects see it: low-passed far above the band, ends extended, same length."""
         return _filtered(x, self._wide)
 
     def speed(self, x: np.ndarray) -> np.ndarray:

@@ -73,7 +73,7 @@ def paired(e: np.ndarray, d: np.ndarray, sharp: np.ndarray) -> np.ndarray:
 
 
 def fill_clusters(mask: np.ndarray) -> np.ndarray:
-    """The same with the gaps inside bursts filled."""
+    """The mask (N,) with the gaps inside bursts filled."""
     starts, ends = runs(mask)
     if starts.size < MEMBERS:
         return mask

@@ -33,7 +33,7 @@ def _on(y: np.ndarray, step: float) -> bool:
 
 
 def factor_of(y: np.ndarray, step: float, factors: tuple[float, ...]) -> float | None:
-    """The factor f of `factors` for which y sits on the grid of f × step, 1 first; None where it sits on none of them."""
+    """The factor f of `factors` for which readings y (N,) sit on the grid of f × step, 1 first; None where it sits on none of them."""
     if _on(y, step):
         return 1.0
     for f in factors:

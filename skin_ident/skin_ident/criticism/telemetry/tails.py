@@ -59,7 +59,7 @@ def _steepness(levels: np.ndarray, beyond: np.ndarray) -> np.ndarray:
 
 
 def smallest_step(y: np.ndarray) -> float:
-    """The least distance between two values that occur, rounding errors apart; 0 for a constant."""
+    """The least distance between two values that occur in y (N,), rounding errors apart; 0 for a constant."""
     gaps = np.diff(np.unique(y))
     gaps = gaps[gaps > 1e-7 * max(float(np.ptp(y)), 1e-12)]
     return float(np.percentile(gaps, 5.0)) if gaps.size else 0.0

@@ -69,7 +69,7 @@ def _farthest(line: AsRead, on_grid: np.ndarray) -> np.ndarray:
 
 
 def away_from_around(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """How far the residual lies, in the samples of the mask, from the straight lines between the good samples around them."""
+    """How far the residual e (N,) lies, in the samples of the mask (N,), from the straight lines between the good samples around them."""
     if not mask.any() or mask.all():
         return np.zeros(0)
     good = np.flatnonzero(~mask)
