@@ -1,6 +1,8 @@
 """What the diagnosis says of data that others measured: findings and their worth on held-out data, and the figures of doc/measured.md.
 
-    python bench_measured.py [FOLDER]        pictures go into FOLDER; left out: nothing is drawn
+    bench_measured.py [FOLDER]        (./skin bench measured: as it stands)
+
+Pictures go into FOLDER; left out: nothing is drawn. The data are not part of the suite: SKIN_MEASURED names their folder.
 """
 
 import os

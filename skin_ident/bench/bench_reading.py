@@ -1,6 +1,6 @@
 """Ten minutes at 1 kHz (force, encoder, 64 taxels: 1.8 million messages) from MCAP into arrays: ours beside what one would take instead.
 
-    python bench_reading.py [--seconds 600] [--folder DIR] [--repeat 3] [--only "read alone" rerun …]
+    bench_reading.py [--seconds 600] [--folder DIR] [--repeat 3] [--only "read alone" rerun …]        (./skin bench reading: as it stands)
 
 Times are medians of the repetitions, each in a process of its own: by the clock on the wall, and by the processor, which does not mind a
 busy machine. Ratios are of both. Memory is the process's peak beyond what it held after reading a small file. `read alone` fetches the file

@@ -1,6 +1,8 @@
 """How often a finding is right: the tables and the figure of doc/reliability.md and doc/worlds.md, from the counts in doc/reliability.csv.
 
-python bench_reliability.py [--write]        prints the pooled tables; --write puts all tables into the pages, and draws the figure
+    bench_reliability.py [--write]        (./skin bench reliability: as it stands)
+
+It prints the pooled tables; --write puts all tables into the pages, and draws the figure.
 """
 
 import csv

@@ -1,6 +1,6 @@
 """Thesis eq 32 from data: ours beside what one would take instead. Error, coverage and time on the same sessions.
 
-    python bench_transfer_fit.py [--runs 20]
+    bench_transfer_fit.py [--runs 20]        (./skin bench transfer_fit: as it stands)
 
 Every contender gets the input, the output and the sampling period. Those that fit a discrete model have its poles and static gain turned
 into the continuous ones. `error` is the worst of alpha_1, alpha_0 and static gain, relative, median over the runs; `covers` is how often
