@@ -12,6 +12,7 @@ read through steps as wide as itself now as nothing, now as a whole step; then o
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
@@ -92,43 +93,61 @@ def _with_shared(unread: np.ndarray, e: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(unread**2, [np.median(row[other]) for row, other in zip(shared, others, strict=True)]))
 
 
-def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[float]) -> tuple[str, str, dict] | None:
-    """Kind, sentence and numbers of the first thing that is unlike the declaration under the loads that are simulated (a reading is high by
-    its noise, too), beside what `steps` of the converter and the encoder do, N."""
+_Unlike = tuple[str, str, dict[str, dict[str, Any]]]  # kind, sentence and numbers of what is unlike the declaration
+
+
+def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[float]) -> _Unlike | None:
+    """The first thing that is unlike a declared `level`, N, under the loads that are simulated (a reading is high by its noise, too),
+    beside what `steps` of the converter and the encoder do, N."""
     rows = [_quick(line.e, period) for line, period in zip(lines, periods, strict=True)]
     loads, believed = [line.y - line.e for line in lines], [~line.jumps for line in lines]
     e, y = (np.concatenate([r[b] for r, b in zip(of, believed, strict=True)]) for of in (rows, loads))
     if e.size < FEWEST:
         return None
-    expected = float(np.hypot(level, np.hypot(*steps)))
+    expected, declared = float(np.hypot(level, np.hypot(*steps))), f"rig.yaml declares white noise of {level:.3g} N"
+    buried, encoder_adds = steps[0] >= BURIED * level, steps[1] >= 0.5 * level
+    found = None
+    if not (buried or encoder_adds):
+        found = _growing(e, y, expected, declared) or _wandering(e, rows, believed, periods[0], declared)
+    at_rest = 0.0 if buried else float(np.hypot(level, steps[0]))  # where an encoder adds nothing; of buried noise nothing is expected
+    return found or _of_another_level(_spread(e), level, expected, at_rest, declared)
+
+
+def _growing(e: np.ndarray, y: np.ndarray, expected: float, declared: str) -> _Unlike | None:
+    """Noise e (n,), N, that is louder under the greatest loads y (n,), N, than under the least."""
     low, high = np.percentile(y, [33.0, 67.0])
     idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[y >= high])
-    declared = f"rig.yaml declares white noise of {level:.3g} N"
-    buried = steps[0] >= BURIED * level
-    plain = not buried and steps[1] < 0.5 * level
-    if plain and high > low + expected and loaded > GROWN * idle:
-        share = np.sqrt(loaded**2 - idle**2) / max(float(np.mean(np.abs(y[y >= high]))), 1e-9)
-        said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
-        numbers = {
-            "times_under_load": quantity(loaded / idle, "1"),
-            "white": quantity(idle, "N"),
-            "proportional": quantity(min(share, 1.0), "1"),
-        }
-        return "growth", f"{said}; {declared}, the same at any load", numbers
-    measured = _spread(e)
-    ratio = measured / expected
+    if not (high > low + expected and loaded > GROWN * idle):
+        return None
+    share = np.sqrt(loaded**2 - idle**2) / max(float(np.mean(np.abs(y[y >= high]))), 1e-9)
+    said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
+    numbers = {
+        "times_under_load": quantity(loaded / idle, "1"),
+        "white": quantity(idle, "N"),
+        "proportional": quantity(min(share, 1.0), "1"),
+    }
+    return "growth", f"{said}; {declared}, the same at any load", numbers
+
+
+def _wandering(e: np.ndarray, rows: list[np.ndarray], believed: list[np.ndarray], period: float, declared: str) -> _Unlike | None:
+    """Noise e (n,), N, whose neighbours are alike in the `rows` (N,) of sessions, a `period` (s) apart."""
     colour = float(np.median([_neighbours(r, b) for r, b in zip(rows, believed, strict=True)]))
-    if plain and colour > COLOURED:
-        tau = -periods[0] / float(np.log(min(colour, 0.9999)))
-        said = f"wanders: neighbouring samples are alike (correlation {colour:.2f}, where white noise has none), over about {tau:.2g} s"
-        numbers = {"correlation_of_neighbours": quantity(colour, "1"), "coloured": quantity(measured, "N"), "tau": quantity(tau, "s")}
-        return "correlation", f"{said}; {declared}", numbers
-    quieter = not buried and OTHER_LEVEL * measured < float(np.hypot(level, steps[0]))  # an encoder at rest adds nothing
-    if ratio > OTHER_LEVEL or quieter:
-        steps = f", {expected:.3g} N together with the steps of converter and encoder" if expected > 1.05 * level else ""
-        numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
-        return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {declared}{steps}", numbers
-    return None
+    if colour <= COLOURED:
+        return None
+    tau = -period / float(np.log(min(colour, 0.9999)))
+    said = f"wanders: neighbouring samples are alike (correlation {colour:.2f}, where white noise has none), over about {tau:.2g} s"
+    numbers = {"correlation_of_neighbours": quantity(colour, "1"), "coloured": quantity(_spread(e), "N"), "tau": quantity(tau, "s")}
+    return "correlation", f"{said}; {declared}", numbers
+
+
+def _of_another_level(measured: float, level: float, expected: float, at_rest: float, declared: str) -> _Unlike | None:
+    """Noise that is clearly louder than is `expected`, N, or quieter than is expected `at_rest`."""
+    ratio = measured / expected
+    if ratio <= OTHER_LEVEL and OTHER_LEVEL * measured >= at_rest:
+        return None
+    steps = f", {expected:.3g} N together with the steps of converter and encoder" if expected > 1.05 * level else ""
+    numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
+    return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {declared}{steps}", numbers
 
 
 def _declared(recording, channel: str) -> float | None:
