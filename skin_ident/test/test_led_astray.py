@@ -12,7 +12,7 @@ from world import make_sessions, write_case
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.search.growing import determined
-from skin_ident.criticism.search.partly import _strays_as_skin_does
+from skin_ident.criticism.search.partly import _too_slight_to_tell
 from skin_ident.criticism.search.trial import Trial, sized
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.recordings.load import load
@@ -62,5 +62,5 @@ def test_a_hundredth_of_the_force_in_one_of_three_sessions_is_another_days_skin(
     sessions = [prepare(recorded(PLAIN, seed=i)) for i in range(3)]
     sessions = [replace(s, lacks=frozenset() if i == 1 else frozenset({key})) for i, s in enumerate(sessions)]
     trial = SimpleNamespace(key=key, fit=SimpleNamespace(model=bent))
-    assert _strays_as_skin_does(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=sessions))) == slight
-    assert not _strays_as_skin_does(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=[*sessions, sessions[0]])))
+    assert _too_slight_to_tell(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=sessions))) == slight
+    assert not _too_slight_to_tell(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=[*sessions, sessions[0]])))

@@ -1,8 +1,9 @@
 """Which of the trials is believed: it explains enough, predicts what was held out, shortens the description, and no hardware does it."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
-from skin_ident.criticism.baseline.fitting import Fit
+from skin_ident.criticism.baseline.fitting import Fit, fit
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.blurred import blurred
 from skin_ident.criticism.gates.description import shorter_by
@@ -23,13 +24,16 @@ SURELY = 0.25  # of the fall of the mean square, above which its lower bound mus
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
 ALL = 0.9  # of what the richest set of directions explains, which a cause must that is small beside others
+FAR_LESS = 0.6  # of what another explains, in whose place no cause is believed where held-out data nearly bear that out
 WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it predicts held-out data as well but for so little
 
 
 def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
     """The best trial that held-out data support, as a finding with its rivals. What is small beside the largest effect so far in a channel
-    may be its imperfect form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for. Why a good
-    one is none, hardware or doubt, is noted in the search."""
+    may be its imperfect form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for; nor is one
+    believed that explains less than what an encoder leaves open, unless it stands beside that, or far less than another that held-out data
+    nearly bear out. Why a good one is none, hardware or doubt, is noted in the search."""
+    nearly, left_open = 0.0, None
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
         if _is_hardware(search, trial, gain):
@@ -39,6 +43,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         if itself and _in_doubt(search, trial, trials[0], gain):
             search.doubts[trial.key] = too_short(trial.key, trial.fit.model, search.encoder_step) or unproven()
         if not _is_believed(search, trial, gain, second_chance=trial not in trials):
+            nearly = max(nearly, trial.score * (gain.lower > 0.0 and sized(trial)))
             continue
         if not itself:
             if trial.score > reach(trials[0].score):
@@ -46,10 +51,23 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
             continue
         rivals = [t for t in trials if t.key != trial.key and _is_rival(search, t, trial, gain)]
         hardware = _hardware_does(search, trial, rivals, gain)
-        if not hardware:
+        if hardware:
+            search.hardware |= hardware
+            left_open = left_open or trial
+        elif trial.score > FAR_LESS * nearly and (left_open is None or _stands_beside(search, trial, left_open)):
             return trial.fit, _finding(search, trial, rivals, trials, runs, gain)
-        search.hardware |= hardware
     return None
+
+
+def _stands_beside(search: Search, trial: Trial, other: Trial) -> bool:
+    """Whether a trial explains as much as an `other`, or is believed beside it."""
+    if trial.score > reach(other.score):
+        return True
+    own = trial.fit.model.effects[len(search.present.model.effects) :]
+    model = other.fit.model
+    both = fit(replace(model, effects=(*model.effects, *own)), search.train, search.noise)
+    gain = search.gain(model, both.model, trial.key[1])
+    return gain.passed and gain.shows_at(trial.key[1]) and both.gain_over(other.fit) > search.least(both.count) * gain.breadth
 
 
 def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:

@@ -98,7 +98,8 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
     )
     zeros_of_few = too_few_for_a_pattern(search.train) and all(r.course.carrier == DEPTH for r in best)
     ahead = 1.0 if zeros_of_few else AHEAD  # such a zero may be a skin that strays; a gain of held-out sessions alone is told from one
-    return now - by_skin > ahead * max((now - cost for cost in by_course), default=0.0) and take_own_skin(search, explained, 0.0, [])
+    worth = max((now - cost - r.charge for cost, r in zip(by_course, best, strict=True)), default=0.0)  # a moment was searched for
+    return now - by_skin > ahead * worth and take_own_skin(search, explained, 0.0, [])
 
 
 def _asked(search: Search) -> bool:

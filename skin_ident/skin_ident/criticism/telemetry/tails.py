@@ -17,7 +17,7 @@ from skin_ident.estimators.scale import normal_scale
 
 LEAST = 7.0  # robust standard deviations: no limit is lower
 HEAVIEST = 2.45  # degrees of freedom: noise of three, somewhat uneven
-CHANCE = 1e-5  # of so many far ones, in a tail like that
+CHANCE = 1e-6  # of so many far ones, in a tail like that
 LEVELS = 2.0 ** (0.5 * np.arange(20))
 BELOW = 2.0**1.5  # the comparison starts so much below the limit: nearer to the noise's width excursions run into each other
 HALF = 2  # LEVELS to half of a level: from there to the level the tail shows how steep it is
