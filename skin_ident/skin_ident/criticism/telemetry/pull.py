@@ -21,6 +21,7 @@ from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
 
 BEFORE_S, AFTER_S = 0.25, 0.4  # about the moment when the model says that the plunger leaves
+OUT, SLOWLY_S = 0.15e-3, 2.0  # m, or time, to which a plunger is followed that leaves more slowly
 NEAR_S = 8.0  # of air around it, by which the sensor's zero is judged
 CLEAR = 2.5  # widths of what the model leaves, at each of most leavings
 AGREE = 0.6  # of the leavings that must show it, in the sessions together
@@ -127,13 +128,14 @@ def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
     moved = motion_under(s, model.dispersion)
     touched = model.dispersion.contact(moved)
     air = ~touched & (moved.x < 0.0)
-    before, after, near, lasts = (round(seconds / moved.dt) for seconds in (BEFORE_S, AFTER_S, NEAR_S, SMOOTH_S))
+    before, after, slowly, near, lasts = (round(seconds / moved.dt) for seconds in (BEFORE_S, AFTER_S, SLOWLY_S, NEAR_S, SMOOTH_S))
     lasts = max(lasts, SMOOTH)
     hangs = np.zeros_like(s.raw)
     if s.channels[0] == "force":  # the skin's weight, as near as anybody can say where its surface is
         hangs[0] = minimum_filter1d(np.minimum(model.dispersion.inertial(moved), 0.0), 2 * lasts + 1)
     for i in np.flatnonzero(touched[:-1] & ~touched[1:]):
-        window = np.arange(max(i - before, 0), min(i + after, moved.x.size))
+        follows = int(np.argmax(np.append(moved.x[i : i + slowly] < -OUT, True)))
+        window = np.arange(max(i - before, 0), min(i + max(after, follows), moved.x.size))
         window = window[moved.v[window] < 0.0]
         around = np.arange(max(i - near, 0), min(i + near, moved.x.size))
         around = around[air[around] & ~np.isin(around, window)]
