@@ -23,7 +23,8 @@ The method, in the order in which `diagnose` runs it:
     signs that physics allows.
 7.  The best few are refitted jointly, nonlinearly, with as many instances as have a size of their own, and in the finer form of an effect
     where that explains more (`search.growing`, `search.trial`). What comes within reach of the best, or is the same signal by nature, is
-    reported beside it (`search.rivals`). One that explains most by several instances alone is held against several causes
+    reported beside it (`search.rivals`); so is, where force drives a test without depth, what its load cell may have in the place of all
+    taxels or of the skin (`search.driving`). One that explains most by several instances alone is held against several causes
     (`search.several`). Where the mass of the model explains more than any cause, it is fitted, too (`search.weighing`).
     Where none is believed alone, and no hardware does as much as the best, two that hide each other are asked (`search.together`).
     What only led the fit out of a false minimum is left out again (`search.unstuck`).

@@ -7,6 +7,7 @@ from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.doubt import unproven
+from skin_ident.criticism.search.driving import with_load_cell
 from skin_ident.criticism.search.exchange import exchange
 from skin_ident.criticism.search.given_numbers import check_numbers
 from skin_ident.criticism.search.named import Criticism
@@ -57,7 +58,8 @@ def criticise(
     tell_of_skin(search)
     if given:
         check_numbers(search, given)
-    told = (tuple(search.named), search.survey(), tuple(search.rounds))
+    named = with_load_cell(search.named, search.present.model, search.runs, [*search.train, *search.held])
+    told = (tuple(named), search.survey(), tuple(search.rounds))
     c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
     c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, search.hanging, train, noise))
     return _without_names(c, train, held) if _predicts_worse(c, held) else c

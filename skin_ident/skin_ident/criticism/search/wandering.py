@@ -31,7 +31,5 @@ def take_wave(search: Search) -> bool:
 
 
 def _also(session: Session) -> tuple[Rival, ...]:
-    """What the same wave in the only channel may be: of the force that drives the test, or of the zero of depth."""
-    if len(session.channels) > 1:
-        return ()
-    return (Rival("drift", "load_cell", 0.0),) if session.drive is not None else (Rival("position_offset", "rig", 0.0),)
+    """What the same wave in the only channel may be, where depth drives it: of the zero of depth (see `driving` for a load cell's)."""
+    return (Rival("position_offset", "rig", 0.0),) if len(session.channels) == 1 and session.drive is None else ()
