@@ -19,6 +19,7 @@ from skin_ident.criticism.telemetry.dead import apart
 from skin_ident.criticism.telemetry.quantization import undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, sensor_of
 from skin_ident.criticism.telling.by_session import by_session, most_left
+from skin_ident.criticism.telling.driving import NEEDS, with_load_cell_untold
 from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
 from skin_ident.criticism.telling.given_model import not_there, numbers_fitted
 from skin_ident.criticism.telling.leftover import Rest
@@ -52,8 +53,11 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
     }
 
 
-def found(named: Named, model: Model, std: dict[str, float], experiments: Experiments, had: int = 0) -> dict[str, Any]:
-    """One entry of `findings` that an effect stands for; the first so many effects that a given model `had` are none."""
+def found(
+    named: Named, model: Model, std: dict[str, float], experiments: Experiments, had: int = 0, driven: bool = False
+) -> dict[str, Any]:
+    """One entry of `findings` that an effect stands for, in sessions that are `driven` by force or not; the first so many effects that a
+    given model `had` are none."""
     effects = instances(replace(model, effects=model.effects[had:]), *named.key)
     parameters: dict[str, Any] = numbers_fitted(named, model, std) if named.key == PARAMETERS and not named.is_another_skin else {}
     for i, e in enumerate(model.effects):
@@ -70,7 +74,7 @@ def found(named: Named, model: Model, std: dict[str, float], experiments: Experi
         **_in_some(named),
         **not_there(named, model, std),
     }
-    separating, computed = _separating(named, experiments)
+    separating, computed = _separating(named, experiments, driven)
     return Entry(
         cause=named.cause,
         where=named.where,
@@ -157,16 +161,17 @@ def seen(symptom: Symptom) -> dict[str, Any]:
     ).as_json
 
 
-def _separating(named: Named, experiments: Experiments) -> tuple[str, dict[str, Any]]:
+def _separating(named: Named, experiments: Experiments, driven: bool) -> tuple[str, dict[str, Any]]:
     """What would tell a cause from its rivals, and the battery where one was computed; without a depth to command, what they need in
-    words."""
+    words, first of all what tells a load cell that drives the test."""
     if not named.alternatives:
         return "", {}
     if named.key in experiments:
         file, experiment = experiments[named.key]
         return experiment.sentence(file), {"separating_evidence": experiment.numbers, **({"battery": file} if file else {})}
+    beside = [NEEDS] if driven and any(where == "load_cell" for _, where in (named.key, *(a.key for a in named.alternatives))) else []
     rivals = dict.fromkeys([named.cause, *(a.cause for a in named.alternatives)])
-    return "record " + "; and ".join(dict.fromkeys(BY_NAME[r].needs for r in rivals)), {}
+    return "record " + "; and ".join(dict.fromkeys([*beside, *(BY_NAME[r].needs for r in rivals)])), {}
 
 
 def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
@@ -241,12 +246,14 @@ def as_findings(
     baseline = described(c.baseline.model, c.baseline.unknowns, {} if given else c.baseline.std, *before)
     baseline |= {"given": True} if given else {}
     had = len(c.baseline.model.effects) if given else 0
-    entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments, had) for n in c.named]
+    driven = train[0].drive is not None
+    entries = [seen(s) for s in symptoms] + [found(n, c.extended.model, c.extended.std, experiments, had, driven) for n in c.named]
     named = {(e["cause"], e["where"]) for one in entries for e in (one, *one["alternatives"])}
     known = telemetry_words(recordings, given)
     each = by_session(c, [*train, *held])
     rounds, seen_there = [s for s, _ in c.rounds], _not_findings(c, recordings, named)
     excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there)
+    untestable = with_load_cell_untold(untestable, named) if driven else untestable
     return {
         "schema": SCHEMA,
         "recordings": [_recording(r, any(r.name == s.name for s in held)) | each.get(r.name, {}) for r in recordings],
