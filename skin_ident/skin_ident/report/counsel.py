@@ -5,11 +5,10 @@ from collections.abc import Iterator
 from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.numbers import percent
 from skin_ident.report.tolerant import named_at, text
-from skin_ident.report.view import HELD_OUT, IN_TURN, STRETCHES, UNTESTED, Finding, View
+from skin_ident.report.view import EXPLAINED, HELD_OUT, IN_TURN, NOTHING, PARTLY, STRETCHES, UNEXPLAINED, UNTESTED, Finding, View
 from skin_ident.report.words import Rebuild, advice, capital, either, rebuild, sentence
 from skin_models.words import counted
 
-NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
 TESTED = {
     HELD_OUT: "data not used for fitting",
     STRETCHES: "stretches of the session not used for fitting",
@@ -31,7 +30,7 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
         because.append("These data cannot tell it from the other names.")
     if v.verdict in (PARTLY, UNEXPLAINED) and v.rest and v.rest > 0.0:
         because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
-    if untested := len(v.untestable) - len(v.doubts):
+    if untested := len(v.untestable) - len(v.doubts) - len(v.left_open):
         because.append(f"{counted(untested, 'cause')} could not be tested with these data.")
     return _grade(v, rivals > 0), tuple(because)
 
@@ -48,6 +47,8 @@ def _grade(v: View, rivals: bool) -> str:
     if v.verdict == NOTHING:
         if v.doubts:
             return f"Fairly sure: {counted(len(v.doubts), 'cause')} in doubt"
+        if v.left_open:
+            return f"Fairly sure: {counted(len(v.left_open), 'cause')} left open"
         return "Sure, for what could be tested" if v.above is None else "Fairly sure: a little more is left than noise"
     if v.verdict == UNEXPLAINED or not v.findings:
         return "Sure that something is wrong, not what"
@@ -77,10 +78,11 @@ def _on_held_out(v: View) -> Iterator[str]:
 
 def rebuild_answer(v: View) -> tuple[str, str]:
     """Must a sensor be rebuilt? The gravest answer among the findings, and a reason that follows "because"."""
-    if not v.findings and v.verdict == NOTHING and not v.doubts:
+    if not v.findings and v.verdict == NOTHING and not v.unsettled:
         return "No", f"nothing in these data speaks against the sensor{_but_a_gain(v)}"
     if not v.findings:
-        return "Not on this evidence", "what is in doubt is not borne out" if v.doubts else "no cause could be named"
+        open_ = "what is not settled may as well be in the declared layout" if v.left_open else "no cause could be named"
+        return "Not on this evidence", "what is in doubt is not borne out" if v.doubts else open_
     answers = [_of_all_names(f) for f in v.findings]
     for grave in ("yes", "perhaps", "cannot say", BY_HAND, LATER):
         for a in answers:
@@ -128,13 +130,16 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
         yield f"Load model.yaml, {lies}, into the simulated skin: {_carried(v)} named here is in it{as_some}."
     if v.verdict in (PARTLY, UNEXPLAINED):
         yield "See below which way the remaining error leans, and record what the untested causes need."
-    if v.errors and v.tested in (UNTESTED, STRETCHES):
-        yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
     for needs in dict.fromkeys(text(e.get("needs")) for e in v.doubts):
         names = [named_at(e) for e in v.doubts if text(e.get("needs")) == needs]
         yield sentence(f"To settle {' and '.join(names)}: record {needs}")
+    for needs in dict.fromkeys(text(e.get("needs")) for e in v.left_open):
+        yield sentence(f"To settle whether it is {either([named_at(e) for e in v.left_open if text(e.get('needs')) == needs])}: {needs}")
+    if v.errors and v.tested in (UNTESTED, STRETCHES):
+        yield "Record a second session and give it with --hold-out: it costs minutes and turns a guess into a test."
     if v.verdict == NOTHING:
-        yield "Keep the model." + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")
+        keep = "Until then keep the model." if v.unsettled else "Keep the model."
+        yield keep + (" If you doubt one of the untested causes, record what its row below asks for." if v.untestable else "")
 
 
 def _by_hand(f: Finding) -> Iterator[str]:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from skin_ident.criticism.above import NEAR
 from skin_ident.criticism.vocabulary import spoken
-from skin_ident.report.counsel import PARTLY, TESTED, UNEXPLAINED
+from skin_ident.report.counsel import TESTED
 from skin_ident.report.numbers import amount, percent, span
-from skin_ident.report.view import IN_TURN, ChannelError, View
+from skin_ident.report.view import IN_TURN, PARTLY, UNEXPLAINED, ChannelError, View
 from skin_ident.report.words import capital, signal
 
 ALIKE = 1.02  # times the floor: the same number to a reader

@@ -9,12 +9,11 @@ import numpy as np
 from skin_ident.criticism.pattern import in_order, pattern, when
 from skin_ident.criticism.telling.by_session import LEAST
 from skin_ident.criticism.vocabulary import spoken
-from skin_ident.report.counsel import PARTLY, UNEXPLAINED
 from skin_ident.report.markup import Safe, el, section, table
 from skin_ident.report.numbers import UNKNOWN, bare, finite, plain, scale
 from skin_ident.report.reading import recording_name
 from skin_ident.report.tolerant import mapping, sequence, text
-from skin_ident.report.view import View
+from skin_ident.report.view import PARTLY, UNEXPLAINED, View
 from skin_ident.report.words import sentence, short, signal
 
 ZERO = "zero"

@@ -1,6 +1,5 @@
 """The first screen in plain words: what is wrong, why we think so, how much better the model is, how sure we are, what to do next."""
 
-import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
@@ -9,7 +8,7 @@ import numpy as np
 from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace, Trace
 from skin_ident.criticism.vocabulary import cause_at, spoken, word_of
-from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, next_steps, rebuild_answer, sure
+from skin_ident.report.counsel import next_steps, rebuild_answer, sure
 from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, percent, plain
@@ -17,11 +16,12 @@ from skin_ident.report.reading import LONE, view
 from skin_ident.report.sessions import goes_on_from_day_to_day, most_left
 from skin_ident.report.shapes import residuals, smooth
 from skin_ident.report.sizes import sizes
-from skin_ident.report.tolerant import named_at, text
-from skin_ident.report.view import DIRECT, Finding, View, unit_of
+from skin_ident.report.tolerant import named_at, text, with_spoken_taxels
+from skin_ident.report.view import DIRECT, EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, Finding, View, unit_of
 from skin_ident.report.words import capital, either, meaning, sentence, signal
 
 CLEARLY = 0.9  # of what the simulation strays by without what is named, which must be more than with it to speak for it
+UNLIKE_DECLARED = "but only where the taxels share the force otherwise than the declared layout says"
 ROUNDING = 1e-9  # of what the best cause explains, to which another explains nothing
 MOST_NAMES = 3  # of one finding, in the headline
 MOST_SIZES = 3  # findings whose sizes fit on the first screen in full
@@ -102,9 +102,13 @@ def _lone(ranked: tuple[tuple[str, str, float], ...]) -> tuple[tuple[str, str, f
 def _headline(v: View) -> Headline:
     names = _names(v)
     if v.verdict == NOTHING:
-        down = "No cause could be named beyond doubt." if v.doubts else "The simulation matches these measurements down to their noise."
+        down = "The simulation matches these measurements down to their noise."
         if goes_on_from_day_to_day(v):
             down = "The simulation matches each session down to its noise, but what they say changes from one to another."
+        if v.unsettled:
+            down = "No cause could be named beyond doubt." if v.doubts else f"{down[:-1]}, {UNLIKE_DECLARED}."
+            title = f"Nothing named, but not settled: {either([named_at(e) for e in v.unsettled], MOST_NAMES)}"
+            return Headline("part", title, _above(v, "No cause could be named beyond doubt") or down)
         return Headline("good", "Nothing wrong found", _above(v, "No cause could be named") or down)
     if v.verdict == EXPLAINED and not v.judged:
         return Headline("found", f"Explained: {names}", _in_the_record(v))
@@ -161,8 +165,9 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     elif v.verdict == UNEXPLAINED and seen is not None:
         yield Wrong("", _stray(seen, v))
     elif not v.findings and v.verdict == NOTHING:
-        nothing = "Nothing else" if goes_on_from_day_to_day(v) else "Nothing"
-        yield Wrong("", f"{nothing} that these data can show. What was ruled out, and what could not be tested, is listed below.")
+        nothing = "Nothing else that these data can show" if goes_on_from_day_to_day(v) else "Nothing that these data can show"
+        nothing = "Nothing that could be named for sure" if v.unsettled else nothing
+        yield Wrong("", f"{nothing}. What was ruled out, and what could not be tested, is listed below.")
     elif not v.findings:
         yield Wrong("", "No departure from the model could be named with confidence.")
     if most := most_left(v):
@@ -197,10 +202,7 @@ def _which(names: list[str], of: Collection[str]) -> str:
 def _unsettled(v: View) -> Iterator[str]:
     """What was seen, and is in doubt, or leaves several causes open: the reason that they share."""
     yield from (f"{named_at(e)}: {text(e.get('because'))}" for e in v.doubts)
-    if v.findings or v.verdict != NOTHING:
-        return
-    shared = [text(e.get("because")) for e in v.untestable if e.get("left_open") is True]
-    yield from dict.fromkeys(re.sub(r"taxel_(\d)", r"taxel \1", said) for said in shared)
+    yield from dict.fromkeys(with_spoken_taxels(text(e.get("because"))) for e in v.left_open)
 
 
 def _in_newtons(seen: Focus, v: View) -> str:
@@ -227,7 +229,7 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
         return
     tested = {c for r in rounds for c, _, _ in r.ranked} | {text(e.get("cause")) for e in v.excluded}
     if tested and v.verdict == NOTHING:
-        better_than = "surely better than the model does alone" if v.doubts else "better than the model does alone"
+        better_than = "surely better than the model does alone" if v.unsettled else "better than the model does alone"
         yield f"{len(tested)} causes were tried on these data, and none predicts the measurement {better_than}."
     elif tested:
         yield f"{len(tested)} causes were tried on these data, and none predicts sessions that were not used for fitting reliably better."

@@ -5,12 +5,11 @@ from typing import Any
 
 from skin_ident.criticism.vocabulary import place_of
 from skin_ident.estimators.figures import plus_minus
-from skin_ident.report.counsel import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED
 from skin_ident.report.numbers import UNKNOWN
 from skin_ident.report.reading import LONE, view
 from skin_ident.report.sessions import most_left
 from skin_ident.report.tolerant import mapping, place_in, text
-from skin_ident.report.view import Amount, Finding, Gain, View
+from skin_ident.report.view import EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, Amount, Finding, Gain, View
 
 VERDICTS = {
     NOTHING: "nothing wrong: what is left looks like noise",
@@ -34,6 +33,7 @@ def summary(findings: dict[str, Any]) -> str:
     for f in v.findings:
         lines += _told(f)
     lines += [f"\n  in doubt: {_placed(text(d.get('cause')), place_in(d))}: {text(d.get('because'))}" for d in v.doubts]
+    lines += _left_open(v)
     if most := most_left(v):
         lines.append(f"\n  {most}")
     lines += [f"\n  {a.name} held at {a.value:.3g} {a.unit}: {because}" for a, because in v.held if a.value is not None]
@@ -44,9 +44,12 @@ def summary(findings: dict[str, Any]) -> str:
 def _verdict(v: View) -> str:
     if v.above and v.verdict in SHORT_OF_NOISE:
         channel, times = v.above
-        return f"{SHORT_OF_NOISE[v.verdict]} of {channel} is {times:.2f} times what noise alone leaves"
+        open_ = ", and something is not settled" if v.unsettled else ""
+        return f"{SHORT_OF_NOISE[v.verdict]} of {channel} is {times:.2f} times what noise alone leaves{open_}"
     if v.verdict == NOTHING and v.doubts:
         return "nothing wrong beyond doubt"
+    if v.left_open:
+        return "nothing named, but something is not settled"
     return VERDICTS.get(v.verdict, v.verdict)
 
 
@@ -63,6 +66,15 @@ def _told(f: Finding) -> Iterator[str]:
     yield from (f"    cannot be told from: {_placed(cause, where)}" for cause, where, _ in f.alternatives)
     if f.separating:
         yield f"    {f.separating}"
+
+
+def _left_open(v: View) -> Iterator[str]:
+    """What several causes would explain: why, which they are, and what would settle it."""
+    for because, needs in dict.fromkeys((text(e.get("because")), text(e.get("needs"))) for e in v.left_open):
+        alike = [e for e in v.left_open if (text(e.get("because")), text(e.get("needs"))) == (because, needs)]
+        yield f"\n  not settled: {because}"
+        yield f"    may be any of: {', '.join(text(e.get('cause')) for e in alike)}"
+        yield f"    would settle it: {needs}"
 
 
 def _placed(cause: str, where: str) -> str:

@@ -1,5 +1,6 @@
 """Reading JSON that someone else wrote, without stumbling over what is missing."""
 
+import re
 from typing import Any
 
 from skin_ident.criticism.vocabulary import cause_at, spoken
@@ -29,6 +30,11 @@ def text(thing: Any) -> str:
     if isinstance(thing, (list, tuple)):
         return ", ".join(text(v) for v in thing)
     return "" if thing is None else str(thing)
+
+
+def with_spoken_taxels(said: str) -> str:
+    """A sentence of findings.json with its taxels as a person says them: `taxel 0`."""
+    return re.sub(r"\btaxel_(\d+)\b", r"taxel \1", said)
 
 
 def place_in(entry: dict) -> str:

@@ -1,13 +1,13 @@
 """findings.json as the report needs it: typed and complete."""
 
-import re
 from dataclasses import dataclass, field
 from typing import Any
 
 from skin_ident.criticism.pattern import RANGE, listed
 from skin_ident.criticism.vocabulary import EXCHANGED, SWAPPED, cause_at, place, spoken
-from skin_ident.report.tolerant import mapping, text
+from skin_ident.report.tolerant import mapping, text, with_spoken_taxels
 
+NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
 SCAN = "static spread scan"  # the kind of its recordings
 DIRECT = {"quantization", "saturation", "outliers", "dead_taxel", "noise", "data_error", "interference"}
 ZEROS = {"position_offset": "zero of depth", "force_offset": "zero of {}"}
@@ -78,7 +78,7 @@ class Finding:
     @property
     def why(self) -> str:
         """The sentence that a finding brings itself, where it has one."""
-        return re.sub(r"taxel_(\d)", r"taxel \1", text(dict(self.evidence).get("why")))
+        return with_spoken_taxels(text(dict(self.evidence).get("why")))
 
     @property
     def partly(self) -> bool:
@@ -200,6 +200,16 @@ class View:
     def doubts(self) -> tuple[dict[str, Any], ...]:
         """What the data speak for and do not bear out."""
         return tuple(e for e in self.untestable if e.get("in_doubt"))
+
+    @property
+    def left_open(self) -> tuple[dict[str, Any], ...]:
+        """What several causes would explain, so that none is named, where nothing else is: a departure that is no all-clear."""
+        return tuple(e for e in self.untestable if e.get("left_open") is True) if self.verdict == NOTHING and not self.findings else ()
+
+    @property
+    def unsettled(self) -> tuple[dict[str, Any], ...]:
+        """What keeps a verdict of nothing wrong from being an all-clear: causes in doubt, and those left open."""
+        return (*self.doubts, *self.left_open) if self.verdict == NOTHING else ()
 
     @property
     def own_zeros(self) -> tuple[str, ...]:

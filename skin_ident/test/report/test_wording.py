@@ -61,6 +61,19 @@ def test_what_is_in_doubt_is_said_on_the_first_screen_and_in_the_terminal():
     assert summary(said).count("in doubt") == 1 and "half of the data" in summary(said)
 
 
+def test_what_is_left_open_is_no_all_clear():
+    """Ratios that several causes would explain keep title, first screen and terminal from saying that nothing is wrong."""
+    open_ = {"because": "the ratios differ (taxel_1 reads more)", "needs": "press at three places", "left_open": True}
+    said = findings() | {"untestable": [{"cause": c, **open_} for c in ("crosstalk", "off_centre")]}
+    told = tell(examples.Outcome(said))
+    story = told.story
+    assert story.headline.tone == "part" and story.headline.title == "Nothing named, but not settled: crosstalk or off centre"
+    assert story.sure == "Fairly sure: 2 causes left open" and story.rebuild != "No"
+    assert story.next[0] == "To settle whether it is crosstalk or off centre: press at three places." and "Until then" in story.next[-1]
+    assert "not settled" in summary(said).splitlines()[0] and "would settle it: press at three places" in summary(said)
+    assert "looks like noise" not in summary(said) and "not settled" in summary(findings(left=0.06) | {"untestable": said["untestable"]})
+
+
 def test_an_error_below_the_floor_is_no_more_than_noise():
     told = better(view(findings(left=0.045)))
     assert "no more than noise" in told.sentences[0] and "Noise alone" not in told.sentences[0]
