@@ -175,7 +175,11 @@ def reading(v: View, folder: str) -> Safe:
         ("measured − simulated", "what the simulation misses; zero is perfect"),
         ("typical error", "root mean square of measured − simulated"),
         ("data not used for fitting", "a session kept aside: a model that merely memorised the other sessions would fail on it"),
-        ("95 % interval", "repeat the experiment, and the fall of the error lies in it 19 times out of 20; found by redrawing stretches"),
+        (
+            "95 % interval",
+            "repeat the experiment, and the fall of the error lies in it 19 times out of 20; found by redrawing stretches, the error "
+            "before with it, so that of an interval that ends beyond that error only the beginning is said",
+        ),
         ("noise alone", "the error that would remain with a perfect model, because sensors are noisy"),
         ("ruled out", "tested and not found; would have been seen above the size given"),
         ("could not be tested", "the motion never brought it out, so the data are silent"),

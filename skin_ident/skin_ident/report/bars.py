@@ -4,7 +4,7 @@ from skin_ident.criticism.telling.outcome import Round
 from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.gains import fall
 from skin_ident.report.markup import Safe, el, table
-from skin_ident.report.numbers import UNKNOWN, amount, percent, plain, span
+from skin_ident.report.numbers import UNKNOWN, amount, fall_span, percent, plain
 from skin_ident.report.sizes import moved, number, step
 from skin_ident.report.story import explaining, named_cause
 from skin_ident.report.view import Amount, ChannelError, View
@@ -37,7 +37,7 @@ def _error_row(e: ChannelError, v: View) -> list:
     bars = [_bar(x, top, kind) for x, kind in shown]
     floor = el("u", style=f"left:{100 * e.floor / top:.1f}%", title="noise alone") if top and e.floor else None
     cells = [amount(x, e.unit, like=like) for x in (before, after)]
-    fell = span(*e.interval, e.unit, like) if e.interval else UNKNOWN
+    fell = fall_span(*e.interval, before, e.unit, like) if e.interval else UNKNOWN
     return [channel(e.channel), *cells, change, fell, amount(e.floor, e.unit, like=like), el("div", bars, floor, class_="duel"), training]
 
 

@@ -6,7 +6,7 @@ from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.bars import ranking
 from skin_ident.report.markup import Safe, el, join, section
-from skin_ident.report.numbers import amount, percent, span
+from skin_ident.report.numbers import amount, fall_span, percent
 from skin_ident.report.sizes import sizes
 from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
@@ -69,7 +69,9 @@ def _gain_rows(f: Finding, v: View) -> list[tuple[str, str]]:
         return []
     both = " → ".join(amount(value, g.unit, like=v.loudest or [g.before, g.after]) for value in (g.before, g.after))
     rows = [("Error on unused data", f"{both} in the {signal(g.channel)}")]
-    return rows + ([("Fall, 95 % interval", span(g.low, g.high, g.unit, v.loudest))] if g.low is not None and g.high is not None else [])
+    if g.low is None or g.high is None:
+        return rows
+    return [*rows, ("Fall, 95 % interval", fall_span(g.low, g.high, g.before, g.unit, v.loudest))]
 
 
 def _evidence_text(key: str, value) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from skin_ident.criticism.above import NEAR
 from skin_ident.criticism.vocabulary import spoken
 from skin_ident.report.counsel import TESTED
-from skin_ident.report.numbers import amount, percent, span
+from skin_ident.report.numbers import amount, fall_span, percent
 from skin_ident.report.view import IN_TURN, PARTLY, UNEXPLAINED, ChannelError, View
 from skin_ident.report.words import capital, signal
 
@@ -132,12 +132,21 @@ def _as_it_is(e: ChannelError, v: View) -> str:
 
 def _interval(v: View, e: ChannelError) -> str:
     if e.interval and not at_any_scale(e, v):
-        return f"The fall is {span(*e.interval, e.unit, instead=v.loudest)} with 95 % confidence."
+        return _fall_said("The fall is", "This fall", *e.interval, e.pair[0], e.unit, v)
     gains = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.low is not None and f.gain.high is not None]
     if not gains:
         return ""
-    step = "The fall is" if len(v.judged) == 1 else "The first cause alone is worth"
-    return f"{step} {span(gains[0].low, gains[0].high, gains[0].unit, instead=v.loudest)} with 95 % confidence."
+    alone = len(v.judged) == 1
+    step, what = ("The fall is", "This fall") if alone else ("The first cause alone is worth", "What the first cause alone is worth")
+    return _fall_said(step, what, gains[0].low, gains[0].high, gains[0].before, gains[0].unit, v)
+
+
+def _fall_said(step: str, what: str, low: float, high: float, before: float | None, unit: str, v: View) -> str:
+    """The interval of a fall as a sentence; of one that may be none, that it may."""
+    if low > 0.0:
+        return f"{step} {fall_span(low, high, before, unit, v.loudest)} with 95 % confidence."
+    other = f"rise by {amount(-low, unit, like=v.loudest or None, digits=2)}" if low else "stay as it is"
+    return f"{what} may be chance: with 95 % confidence the error may as well {other}."
 
 
 def _where_it_lies(e: ChannelError, v: View) -> str:

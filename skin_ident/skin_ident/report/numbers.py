@@ -120,6 +120,14 @@ def span(low: Any, high: Any, unit: str, instead: Any = ()) -> str:
     return f"{plain(low * factor, 2)} to {plain(high * factor, 2)}{_SPACE}{name}".rstrip()
 
 
+def fall_span(low: float, high: float, before: float | None, unit: str, instead: Any = ()) -> str:
+    """What an error falls by. Where the interval ends beyond the error itself only its beginning is said: the error before was redrawn with
+    the fall, and what falls by more than all of it reads like a slip."""
+    if before is not None and high > before:
+        return f"at least {amount(low, unit, like=[*instead] or [low, before], digits=2)}"
+    return span(low, high, unit, instead)
+
+
 def percent(share: Any) -> str:
     """A share of 1 as a whole percentage, with a decimal below 10 %."""
     number = finite(share)

@@ -95,5 +95,7 @@ def _size(a: Amount) -> str:
 def _worth(g: Gain) -> Iterator[str]:
     """The fall of the held-out error, where it was measured."""
     if None not in (g.before, g.after, g.low, g.high) and g.before != g.after:
-        interval = f"falls by {g.low:.3g} to {g.high:.3g} {g.unit}, 95 %"
+        by = f"at least {g.low:.3g}" if g.high > g.before else f"{g.low:.3g} to {g.high:.3g}"  # no error falls by more than all of it
+        chance = f"may be chance: at 95 % it may as well rise by {abs(g.low):.3g} {g.unit}"
+        interval = f"falls by {by} {g.unit}, 95 %" if g.low > 0.0 else chance
         yield f"    held-out error of {g.channel}: {g.before:.3g} -> {g.after:.3g} {g.unit} ({interval})"

@@ -17,6 +17,7 @@ from skin_ident.criticism.telling.outcome import Round, Trace
 from skin_ident.report.appendix import parameters, reading, size_ruled_out, why_untestable
 from skin_ident.report.charts import cut_off, overlay
 from skin_ident.report.counsel import rebuild_answer
+from skin_ident.report.evidence import evidence
 from skin_ident.report.focus import focus
 from skin_ident.report.gains import better
 from skin_ident.report.markdown import markdown
@@ -107,6 +108,27 @@ def test_zeros_that_are_no_fault_are_no_gain():
     assert story.better.number == "Nothing to gain" and "its own zero of depth" in story.better.sentences[-1]
     assert not any("picture" in s for s in story.why) and not all_.seen.changes
     assert "| channel | error |" in text and "less error" not in text and "confidence" not in text
+
+
+@pytest.mark.parametrize(
+    ("interval", "page", "card", "line"),
+    [
+        ([0.02, 0.03], "The fall is 20 to 30 mN with", "20 to 30 mN", "falls by 0.02 to 0.03 N"),
+        ([0.02, 0.06], "The fall is at least 20 mN with", "at least 20 mN", "falls by at least 0.02 N"),
+        (
+            [-0.01, 0.06],
+            "This fall may be chance: with 95 % confidence the error may as well rise by 10 mN",
+            "at least −10 mN",
+            "rise by 0.01 N",
+        ),
+    ],
+)
+def test_no_error_is_said_to_fall_by_more_than_all_of_it(interval, page, card, line):
+    gain = {"held_out_rmse_before": 0.05, "held_out_rmse_after": 0.02, "ci95": interval, "channel": "force", "unit": "N"}
+    said = findings("explained", entries=[rivals(("drift", "skin"), gain=gain)])
+    told = tell(examples.Outcome(said))
+    assert any(page in re.sub(r"\s", " ", s) for s in told.story.better.sentences) and line in summary(said)
+    assert f"<dd>{card}</dd>" in re.sub(r"\s", " ", evidence(told.outcome, told.view))
 
 
 def test_a_picture_that_does_not_speak_for_what_is_named_is_not_called_a_reason():
