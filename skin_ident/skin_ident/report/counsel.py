@@ -15,6 +15,7 @@ TESTED = {
     IN_TURN: "sessions held out in turn",
     UNTESTED: "the data it was fitted to",
 }
+NOT_PROVEN, NEITHER = "Not proven", "Not sure, neither of the gain nor of the name"
 MOST_ADVICE = 4
 GAIN = "gain_error"
 LATER, BY_HAND = "not before the next experiment", "not before a check by hand"
@@ -35,6 +36,12 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
     return _grade(v, rivals > 0), tuple(because)
 
 
+def unsure(v: View) -> str:
+    """What a headline that names something must bear where even the gain is not sure, or was never tested; empty elsewhere."""
+    graded = _grade(v, any(f.alternatives for f in v.findings)) if v.judged else ""
+    return {NEITHER: "not surely", NOT_PROVEN: "not proven"}.get(graded, "")
+
+
 def _clear(v: View) -> int:
     return sum(f.gain.low is not None and f.gain.low > 0 for f in v.judged)
 
@@ -43,7 +50,7 @@ def _grade(v: View, rivals: bool) -> str:
     if v.findings and not v.judged and v.verdict == EXPLAINED:
         return "Seen directly in the record"
     if v.tested == UNTESTED:
-        return "Not proven"
+        return NOT_PROVEN
     if v.verdict == NOTHING:
         if v.doubts:
             return f"Fairly sure: {counted(len(v.doubts), 'cause')} in doubt"
@@ -53,7 +60,7 @@ def _grade(v: View, rivals: bool) -> str:
     if v.verdict == UNEXPLAINED or not v.findings:
         return "Sure that something is wrong, not what"
     if rivals:
-        return "Sure of the gain, not of the name" if _clear(v) == len(v.judged) else "Not sure, neither of the gain nor of the name"
+        return "Sure of the gain, not of the name" if _clear(v) == len(v.judged) else NEITHER
     if _clear(v) < len(v.judged) or v.tested == STRETCHES:
         return "Fairly sure"
     return "Sure" if v.verdict == EXPLAINED else "Sure of what is named; more is left"

@@ -8,7 +8,7 @@ import numpy as np
 from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telling.outcome import Outcome, Round, ScanTrace, Trace
 from skin_ident.criticism.vocabulary import cause_at, spoken, word_of
-from skin_ident.report.counsel import next_steps, rebuild_answer, sure
+from skin_ident.report.counsel import next_steps, rebuild_answer, sure, unsure
 from skin_ident.report.focus import Focus, focus, rms
 from skin_ident.report.gains import Figure, better
 from skin_ident.report.numbers import amount, percent, plain
@@ -22,6 +22,10 @@ from skin_ident.report.words import capital, either, meaning, sentence, signal
 
 CLEARLY = 0.9  # of what the simulation strays by without what is named, which must be more than with it to speak for it
 UNLIKE_DECLARED = "but only where the taxels share the force otherwise than the declared layout says"
+UNSURE = {  # by what a title says of it
+    "not surely": "Neither gain nor name is sure.",
+    "not proven": "The gain was not tested on data that were kept aside.",
+}
 ROUNDING = 1e-9  # of what the best cause explains, to which another explains nothing
 MOST_NAMES = 3  # of one finding, in the headline
 MOST_SIZES = 3  # findings whose sizes fit on the first screen in full
@@ -100,7 +104,7 @@ def _lone(ranked: tuple[tuple[str, str, float], ...]) -> tuple[tuple[str, str, f
 
 
 def _headline(v: View) -> Headline:
-    names = _names(v)
+    names, open_ = _names(v), unsure(v)
     if v.verdict == NOTHING:
         down = "The simulation matches these measurements down to their noise."
         if goes_on_from_day_to_day(v):
@@ -114,7 +118,12 @@ def _headline(v: View) -> Headline:
         return Headline("found", f"Explained: {names}", _in_the_record(v))
     if v.verdict == EXPLAINED:
         down = "With this in the model, what is left of the mismatch looks like noise."
-        return Headline("found", f"Explained: {names}", _above(v, "With this in the model, nothing more could be named") or down)
+        down = _above(v, "With this in the model, nothing more could be named") or down
+        if open_:
+            return Headline("part", f"Explained, but {open_}: {names}", f"{down} {UNSURE[open_]}")
+        return Headline("found", f"Explained: {names}", down)
+    if v.verdict == PARTLY and open_:
+        return Headline("part", f"Partly explained, but {open_}: {names}", f"What is left is not yet noise. {UNSURE[open_]}")
     if v.verdict == PARTLY:
         return Headline("part", f"Partly explained: {names}", "The extended model is better, but what is left is not yet noise.")
     if v.verdict == UNEXPLAINED:

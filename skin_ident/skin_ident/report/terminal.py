@@ -5,6 +5,7 @@ from typing import Any
 
 from skin_ident.criticism.vocabulary import place_of
 from skin_ident.estimators.figures import plus_minus
+from skin_ident.report.counsel import unsure
 from skin_ident.report.numbers import UNKNOWN
 from skin_ident.report.reading import LONE, view
 from skin_ident.report.sessions import most_left
@@ -45,12 +46,18 @@ def _verdict(v: View) -> str:
     if v.above and v.verdict in SHORT_OF_NOISE:
         channel, times = v.above
         open_ = ", and something is not settled" if v.unsettled else ""
-        return f"{SHORT_OF_NOISE[v.verdict]} of {channel} is {times:.2f} times what noise alone leaves{open_}"
+        return f"{_surely(SHORT_OF_NOISE[v.verdict], v)} of {channel} is {times:.2f} times what noise alone leaves{open_}"
     if v.verdict == NOTHING and v.doubts:
         return "nothing wrong beyond doubt"
     if v.left_open:
         return "nothing named, but something is not settled"
-    return VERDICTS.get(v.verdict, v.verdict)
+    return _surely(VERDICTS.get(v.verdict, v.verdict), v)
+
+
+def _surely(verdict: str, v: View) -> str:
+    """A verdict that something is explained, with how little sure that is, where it is not."""
+    said = unsure(v)
+    return verdict.replace("explained", f"explained, but {said}", 1) if said and v.verdict in (EXPLAINED, PARTLY) else verdict
 
 
 def _told(f: Finding) -> Iterator[str]:

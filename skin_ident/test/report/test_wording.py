@@ -131,6 +131,19 @@ def test_no_error_is_said_to_fall_by_more_than_all_of_it(interval, page, card, l
     assert f"<dd>{card}</dd>" in re.sub(r"\s", " ", evidence(told.outcome, told.view))
 
 
+def test_a_name_of_which_neither_gain_nor_name_is_sure_is_no_plain_explanation():
+    """Title, banner and terminal carry what the card says, that the gain may be chance and the name another."""
+    gain = {"held_out_rmse_before": 0.05, "held_out_rmse_after": 0.02, "ci95": [-0.01, 0.04], "channel": "force", "unit": "N"}
+    entry = rivals(("drift", "skin"), ("hysteresis", "skin"), gain=gain)
+    for verdict, title in (("explained", "Explained, but not surely: drift"), ("partly_explained", "Partly explained, but not surely: ")):
+        story = tell(examples.Outcome(findings(verdict, entries=[entry]))).story
+        assert story.headline.title.startswith(title) and story.headline.tone == "part" and "Neither gain" in story.headline.line
+        assert "explained, but not surely" in summary(findings(verdict, entries=[entry])).splitlines()[0]
+    sure = entry | {"gain": gain | {"ci95": [0.01, 0.04]}}
+    assert tell(examples.Outcome(findings("explained", entries=[sure]))).story.headline.title.startswith("Explained: drift")
+    assert "not surely" not in summary(findings("explained", entries=[sure]))
+
+
 def test_a_picture_that_does_not_speak_for_what_is_named_is_not_called_a_reason():
     entry = rivals(("lag", "taxel_0"), gain={"held_out_rmse_before": 0.03, "held_out_rmse_after": 0.02, "channel": "taxel_0"})
     seen = trace("one", True, 1)
@@ -305,7 +318,7 @@ def test_the_headline_drops_no_name_and_the_reasons_compare_with_what_is_not_one
     entry = rivals(("rate_dependence", "skin"), ("position_offset", "rig"), ("nonlinear_stiffness", "skin"), ("time_shift", "clock"))
     bars = (("rate_dependence", "skin", 700.0), ("time_shift", "clock_taxels", 600.0), ("drift", "taxel", 350.0))
     story = tell(examples.Outcome(findings("explained", entries=[entry]), rounds=(Round(bars, "rate_dependence"),))).story
-    assert story.headline.title == "Explained: rate dependence in the skin, position offset in the rig or 2 others"
+    assert story.headline.title == "Explained, but not surely: rate dependence in the skin, position offset in the rig or 2 others"
     assert "2.0 times" in story.why[0] and "not named beside it, drift in" in story.why[0]
 
 
