@@ -7,7 +7,7 @@ from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.bars import ranking
 from skin_ident.report.markup import Safe, el, join, section
 from skin_ident.report.numbers import amount, fall_span, percent
-from skin_ident.report.sizes import sizes
+from skin_ident.report.sizes import rival_sizes, sizes
 from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
 from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, sentence, signal
@@ -46,12 +46,19 @@ def _card(f: Finding, v: View, number: int) -> Safe:
         *_gain_rows(f, v),
         ("Had been hiding in", [el("div", _bent(*pair, v)) for pair in f.hid_in]),
         *((EVIDENCE.get(k) or capital(spoken(k)), _evidence_text(k, value)) for k, value in f.evidence if k not in UNTOLD),
-        *(("Could also be", join([cause_at(c, w), f" ({why})" if why else ""])) for c, w, why in f.alternatives),
+        *(("Could also be", _other(f, i)) for i in range(len(f.alternatives))),
         ("Would tell them apart", sentence(f.separating)),
         ("What to do", sentence(f.act)),
     ]
     entries = [[el("dt", k), el("dd", value)] for k, value in rows if value]
     return el("article", el("h3", f"{number}. {capital(f.called)}{f.in_some}"), el("dl", entries), class_="card")
+
+
+def _other(f: Finding, which: int) -> Safe:
+    """Another name, how near it comes, and how large it would be."""
+    cause, where, why = f.alternatives[which]
+    said = [s for s in (why, *rival_sizes(f, which)) if s]
+    return join([cause_at(cause, where), f" ({'; '.join(said)})" if said else ""])
 
 
 def _bent(before: Amount, after: Amount, v: View) -> str:

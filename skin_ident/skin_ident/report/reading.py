@@ -118,14 +118,11 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
     cause, where = text(f.get("cause")), place_in(f)
     channels, evidence = tuple(text(c) for c in sequence(f.get("channels"))), mapping(f.get("evidence"))
     alternatives = sequence(f.get("alternatives"))
-    sizes = {str(name).rpartition(".")[2]: entry for name, entry in mapping(f.get("parameters")).items()}
-    words, known = effect_words(cause, where, tuple(sizes)), declared(cause, where, tuple(sizes))
-    none = {name: p.neutral for name, p in known.items()}
     return Finding(
         cause=cause,
         where=where,
         channels=channels,
-        amounts=tuple(_amount(name, entry, words.get(name) or label(name), none.get(name, 0.0)) for name, entry in sizes.items()),
+        amounts=_amounts(cause, where, f),
         evidence=tuple(evidence.items()),
         gain=_gain(mapping(f.get("gain")), channels, baseline, evidence.get("held_out")),
         alternatives=tuple(_alternative(a, evidence) for a in alternatives),
@@ -136,7 +133,16 @@ def _finding(f: dict[str, Any], baseline: dict[str, Any]) -> Finding:
         act=text(f.get("advice")) or advice(cause),
         means=text(f.get("means")) or meaning(cause),
         behind=tuple(_behind(a, evidence) for a in alternatives),
+        rival_amounts=tuple(_amounts(text(a.get("cause")), place_in(a), a) for a in map(mapping, alternatives)),
     )
+
+
+def _amounts(cause: str, where: str, entry: dict[str, Any]) -> tuple[Amount, ...]:
+    """The parameters of a finding, or of one of its alternatives."""
+    sizes = {str(name).rpartition(".")[2]: size for name, size in mapping(entry.get("parameters")).items()}
+    words, known = effect_words(cause, where, tuple(sizes)), declared(cause, where, tuple(sizes))
+    none = {name: p.neutral for name, p in known.items()}
+    return tuple(_amount(name, size, words.get(name) or label(name), none.get(name, 0.0)) for name, size in sizes.items())
 
 
 def _bent(name: str, entry: dict[str, Any]) -> tuple[Amount, Amount]:
@@ -170,7 +176,7 @@ def _alternative(a: Any, evidence: dict[str, Any]) -> tuple[str, str, str]:
     if not isinstance(a, dict):
         return text(a), "", ""
     less = finite(_short_by(a))
-    rest = {k: v for k, v in a.items() if k not in ("cause", "where", "channel_clock", "explains_less_by", "short_by")}
+    rest = {k: v for k, v in a.items() if k not in ("cause", "where", "channel_clock", "explains_less_by", "short_by", "parameters")}
     behind = _behind(a, evidence)
     said = [] if less is None else [f"explains {percent(behind)} less" if behind is not None else "explains about as much"]
     return text(a.get("cause")), place_in(a), "; ".join([*said, *([text(rest)] if rest else [])])

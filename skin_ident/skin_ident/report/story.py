@@ -15,7 +15,7 @@ from skin_ident.report.numbers import amount, percent, plain
 from skin_ident.report.reading import LONE, view
 from skin_ident.report.sessions import goes_on_from_day_to_day, most_left
 from skin_ident.report.shapes import residuals, smooth
-from skin_ident.report.sizes import sizes
+from skin_ident.report.sizes import rival_sizes, sizes
 from skin_ident.report.tolerant import named_at, text, with_spoken_taxels
 from skin_ident.report.view import DIRECT, EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, Finding, View, unit_of
 from skin_ident.report.words import capital, either, meaning, sentence, signal
@@ -166,8 +166,8 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
     for f in v.findings:
         size = "; ".join(sizes(f, v, brief=len(v.findings) > MOST_SIZES))
         yield Wrong(capital(f.called) + f.in_some, sentence(f.means), size)
-        shown = f.alternatives[:MOST_NAMES]
-        yield from (Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)), of_last=True) for cause, where, _ in shown)
+        for i, (cause, where, _) in enumerate(f.alternatives[:MOST_NAMES]):
+            yield Wrong(f"Or {cause_at(cause, where)}", sentence(meaning(cause)), "; ".join(rival_sizes(f, i, brief=True)), of_last=True)
         yield from (Wrong("", said, of_last=True) for said in _as_well(f))
     if v.judged and seen is not None and seen.changes:
         yield Wrong("", _in_newtons(seen, v))

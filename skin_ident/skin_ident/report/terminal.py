@@ -70,7 +70,9 @@ def _told(f: Finding) -> Iterator[str]:
     elif why := text(dict(f.evidence).get("why")):
         yield f"    {why}"
     yield from _worth(f.gain)
-    yield from (f"    cannot be told from: {_placed(cause, where)}" for cause, where, _ in f.alternatives)
+    for i, (cause, where, _) in enumerate(f.alternatives):
+        size = ", ".join(f"{a.name} = {_size(a)}" for a in (f.rival_amounts[i] if f.rival_amounts else ()))
+        yield f"    cannot be told from: {_placed(cause, where)}{f' ({size})' if size else ''}"
     if f.separating:
         yield f"    {f.separating}"
 

@@ -64,6 +64,8 @@ class Finding:
     means: str = ""  # what it means, where the finding says it in other words than its cause
     behind: tuple[float | None, ...] = ()  # of the alternatives: the share by which each explains less, clearly and yet too little
 
+    rival_amounts: tuple[tuple[Amount, ...], ...] = ()  # of the alternatives: how large each would be, where that is known
+
     @property
     def shown_in(self) -> tuple[str, ...]:
         """The channels to look at first: that of the sensor in which it lies, then the one that gained most."""

@@ -290,6 +290,19 @@ def test_what_is_said_of_other_names_says_of_which_and_stands_below_the_finding(
     assert "told from: time_shift in the clock of the load cell\n" in said and "told from: time_shift in the clock of the encoder" in said
 
 
+def test_a_rival_that_was_fitted_has_its_size_on_screen_and_card():
+    clipping, before = examples.effect("saturation", "load_cell", level=20.0), examples.Model(examples.SILICONE)
+    fitted = (Rival("saturation", "load_cell", 1.0, before.extended(clipping)), Rival("drift", "load_cell", 2.0))
+    gain = SimpleNamespace(carried=("force",), relative=0.9, held_out="b", entry={})
+    named = Named("hysteresis", "load_cell", gain, 900.0, fitted, before)
+    entry = found(named, before, {}, {})
+    told = tell(examples.Outcome(findings("explained", entries=[entry])))
+    sizes = {w.name: w.size for w in told.story.wrong}
+    assert "20.0\u00a0N" in sizes["Or saturation in the load cell"] and sizes["Or drift in the load cell"] == ""
+    assert "20.0\u00a0N" in evidence(told.outcome, told.view) and "parameters" not in entry["alternatives"][1]
+    assert "20 N" in summary(findings("explained", entries=[entry]))
+
+
 @pytest.mark.parametrize(("count", "said"), [(3, "The other was accepted in"), (4, "The other 2 were accepted in the same way")])
 def test_how_many_others_were_accepted(count, said):
     story = tell(examples.Outcome(findings("explained", entries=[rivals(("drift", f"taxel_{i}")) for i in range(count)]))).story

@@ -1,6 +1,6 @@
 """One entry of `findings` in findings.json, whoever has found it: the search, the telemetry, the array, or a static scan."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,9 +12,11 @@ def no_gain(channel: str) -> dict[str, Any]:
     return {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": channel, "unit": "N"}
 
 
-def alternative(cause: str, where: str, short_by: float = 0.0) -> dict[str, Any]:
-    """One of `alternatives`: another name for the same, which explains so much less (squared whitened units)."""
-    return {"cause": cause, **where_and_clock(where), "explains_less_by": float(short_by)}
+def alternative(cause: str, where: str, short_by: float = 0.0, parameters: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """One of `alternatives`: another name for the same, which explains so much less (squared whitened units), and how large it would be
+    where it was fitted."""
+    sizes = {"parameters": dict(parameters)} if parameters else {}
+    return {"cause": cause, **where_and_clock(where), "explains_less_by": float(short_by), **sizes}
 
 
 @dataclass(frozen=True, kw_only=True)
