@@ -2,7 +2,7 @@
 
 import pytest
 import report_examples as examples
-from test_wording import findings, rivals
+from wording_making import findings, rivals
 
 from skin_ident.criticism.telemetry.faults import UNLIKE
 from skin_ident.criticism.telemetry.symptom import Symptom

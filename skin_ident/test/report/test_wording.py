@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import report_examples as examples
+from wording_making import findings, rivals
 
 from skin_ident.criticism.above import above_noise
 from skin_ident.criticism.said import Said
@@ -17,7 +18,6 @@ from skin_ident.criticism.telling.outcome import Round, Trace
 from skin_ident.report.appendix import parameters, reading, size_ruled_out, why_untestable
 from skin_ident.report.charts import cut_off, overlay
 from skin_ident.report.counsel import rebuild_answer
-from skin_ident.report.evidence import evidence
 from skin_ident.report.focus import focus
 from skin_ident.report.gains import better
 from skin_ident.report.markdown import markdown
@@ -27,13 +27,6 @@ from skin_ident.report.story import tell
 from skin_ident.report.terminal import summary
 
 LEFT_OUT = "the moments at which it acts are not compared"
-
-
-def findings(verdict="nothing_wrong", left=0.05, floor=0.05, entries=(), train=None) -> dict:
-    errors = {"force": {"train": train or left, "held_out": left, "unit": "N"}, "taxel_0": {"train": 0.02, "held_out": 0.02, "unit": "N"}}
-    floors = {"force": {"rms": floor, "band_hz": 8.0}, "taxel_0": {"rms": 0.02, "band_hz": 8.0}}
-    model = {"model": "dispersion", "parameters": {}, "rmse": errors}
-    return {"verdict": verdict, "baseline": model, "extended": model, "noise_floor": floors, "findings": list(entries)}
 
 
 def adhesion() -> dict:
@@ -60,19 +53,6 @@ def test_what_is_in_doubt_is_said_on_the_first_screen_and_in_the_terminal():
     assert story.sure == "Fairly sure: 1 cause in doubt" and story.rebuild != "No"
     assert story.next[0] == "To settle lag in taxel 0: record the other half again."
     assert summary(said).count("in doubt") == 1 and "half of the data" in summary(said)
-
-
-def test_what_is_left_open_is_no_all_clear():
-    """Ratios that several causes would explain keep title, first screen and terminal from saying that nothing is wrong."""
-    open_ = {"because": "the ratios differ (taxel_1 reads more)", "needs": "press at three places", "left_open": True}
-    said = findings() | {"untestable": [{"cause": c, **open_} for c in ("crosstalk", "off_centre")]}
-    told = tell(examples.Outcome(said))
-    story = told.story
-    assert story.headline.tone == "part" and story.headline.title == "Nothing named, but not settled: crosstalk or off centre"
-    assert story.sure == "Fairly sure: 2 causes left open" and story.rebuild != "No"
-    assert story.next[0] == "To settle whether it is crosstalk or off centre: press at three places." and "Until then" in story.next[-1]
-    assert "not settled" in summary(said).splitlines()[0] and "would settle it: press at three places" in summary(said)
-    assert "looks like noise" not in summary(said) and "not settled" in summary(findings(left=0.06) | {"untestable": said["untestable"]})
 
 
 def test_an_error_below_the_floor_is_no_more_than_noise():
@@ -108,40 +88,6 @@ def test_zeros_that_are_no_fault_are_no_gain():
     assert story.better.number == "Nothing to gain" and "its own zero of depth" in story.better.sentences[-1]
     assert not any("picture" in s for s in story.why) and not all_.seen.changes
     assert "| channel | error |" in text and "less error" not in text and "confidence" not in text
-
-
-@pytest.mark.parametrize(
-    ("interval", "page", "card", "line"),
-    [
-        ([0.02, 0.03], "The fall is 20 to 30 mN with", "20 to 30 mN", "falls by 0.02 to 0.03 N"),
-        ([0.02, 0.06], "The fall is at least 20 mN with", "at least 20 mN", "falls by at least 0.02 N"),
-        (
-            [-0.01, 0.06],
-            "This fall may be chance: with 95 % confidence the error may as well rise by 10 mN",
-            "at least −10 mN",
-            "rise by 0.01 N",
-        ),
-    ],
-)
-def test_no_error_is_said_to_fall_by_more_than_all_of_it(interval, page, card, line):
-    gain = {"held_out_rmse_before": 0.05, "held_out_rmse_after": 0.02, "ci95": interval, "channel": "force", "unit": "N"}
-    said = findings("explained", entries=[rivals(("drift", "skin"), gain=gain)])
-    told = tell(examples.Outcome(said))
-    assert any(page in re.sub(r"\s", " ", s) for s in told.story.better.sentences) and line in summary(said)
-    assert f"<dd>{card}</dd>" in re.sub(r"\s", " ", evidence(told.outcome, told.view))
-
-
-def test_a_name_of_which_neither_gain_nor_name_is_sure_is_no_plain_explanation():
-    """Title, banner and terminal carry what the card says, that the gain may be chance and the name another."""
-    gain = {"held_out_rmse_before": 0.05, "held_out_rmse_after": 0.02, "ci95": [-0.01, 0.04], "channel": "force", "unit": "N"}
-    entry = rivals(("drift", "skin"), ("hysteresis", "skin"), gain=gain)
-    for verdict, title in (("explained", "Explained, but not surely: drift"), ("partly_explained", "Partly explained, but not surely: ")):
-        story = tell(examples.Outcome(findings(verdict, entries=[entry]))).story
-        assert story.headline.title.startswith(title) and story.headline.tone == "part" and "Neither gain" in story.headline.line
-        assert "explained, but not surely" in summary(findings(verdict, entries=[entry])).splitlines()[0]
-    sure = entry | {"gain": gain | {"ci95": [0.01, 0.04]}}
-    assert tell(examples.Outcome(findings("explained", entries=[sure]))).story.headline.title.startswith("Explained: drift")
-    assert "not surely" not in summary(findings("explained", entries=[sure]))
 
 
 def test_a_picture_that_does_not_speak_for_what_is_named_is_not_called_a_reason():
@@ -193,12 +139,6 @@ def test_what_is_ruled_out_in_part_says_so_in_both_tables():
 )
 def test_a_zero_that_jumped_asks_for_more_than_a_warm_up(courses, said):
     assert said in advice_on(Named("drift", "taxel", None, 0.0, (), courses=courses))
-
-
-def rivals(*names: tuple[str, str], **more) -> dict:
-    (cause, where), *others = names
-    entry = {"cause": cause, "where": where, "channels": ["force"], "parameters": {}, "evidence": {}, "gain": {}, **more}
-    return entry | {"alternatives": [{"cause": c, "where": w, "explains_less_by": 3.0} for c, w in others]}
 
 
 @pytest.mark.parametrize(
@@ -288,19 +228,6 @@ def test_what_is_said_of_other_names_says_of_which_and_stands_below_the_finding(
     entry |= {"means": "late", "separating_experiment": "", "gain": {"held_out_rmse_before": None}}
     said = summary({"baseline": {}, "verdict": "explained", "findings": [entry]})
     assert "told from: time_shift in the clock of the load cell\n" in said and "told from: time_shift in the clock of the encoder" in said
-
-
-def test_a_rival_that_was_fitted_has_its_size_on_screen_and_card():
-    clipping, before = examples.effect("saturation", "load_cell", level=20.0), examples.Model(examples.SILICONE)
-    fitted = (Rival("saturation", "load_cell", 1.0, before.extended(clipping)), Rival("drift", "load_cell", 2.0))
-    gain = SimpleNamespace(carried=("force",), relative=0.9, held_out="b", entry={})
-    named = Named("hysteresis", "load_cell", gain, 900.0, fitted, before)
-    entry = found(named, before, {}, {})
-    told = tell(examples.Outcome(findings("explained", entries=[entry])))
-    sizes = {w.name: w.size for w in told.story.wrong}
-    assert "20.0\u00a0N" in sizes["Or saturation in the load cell"] and sizes["Or drift in the load cell"] == ""
-    assert "20.0\u00a0N" in evidence(told.outcome, told.view) and "parameters" not in entry["alternatives"][1]
-    assert "20 N" in summary(findings("explained", entries=[entry]))
 
 
 @pytest.mark.parametrize(("count", "said"), [(3, "The other was accepted in"), (4, "The other 2 were accepted in the same way")])

@@ -1,0 +1,75 @@
+"""How sure page and terminal sound: of what is not settled, of gains that may be chance, of names beside others and their sizes."""
+
+import re
+from types import SimpleNamespace
+
+import pytest
+import report_examples as examples
+from wording_making import findings, rivals
+
+from skin_ident.criticism.search.named import Named
+from skin_ident.criticism.search.rivals import Rival
+from skin_ident.criticism.telling.findings import found
+from skin_ident.report.evidence import evidence
+from skin_ident.report.story import tell
+from skin_ident.report.terminal import summary
+
+
+def test_what_is_left_open_is_no_all_clear():
+    """Ratios that several causes would explain keep title, first screen and terminal from saying that nothing is wrong."""
+    open_ = {"because": "the ratios differ (taxel_1 reads more)", "needs": "press at three places", "left_open": True}
+    said = findings() | {"untestable": [{"cause": c, **open_} for c in ("crosstalk", "off_centre")]}
+    told = tell(examples.Outcome(said))
+    story = told.story
+    assert story.headline.tone == "part" and story.headline.title == "Nothing named, but not settled: crosstalk or off centre"
+    assert story.sure == "Fairly sure: 2 causes left open" and story.rebuild != "No"
+    assert story.next[0] == "To settle whether it is crosstalk or off centre: press at three places." and "Until then" in story.next[-1]
+    assert "not settled" in summary(said).splitlines()[0] and "would settle it: press at three places" in summary(said)
+    assert "looks like noise" not in summary(said) and "not settled" in summary(findings(left=0.06) | {"untestable": said["untestable"]})
+
+
+@pytest.mark.parametrize(
+    ("interval", "page", "card", "line"),
+    [
+        ([0.02, 0.03], "The fall is 20 to 30 mN with", "20 to 30 mN", "falls by 0.02 to 0.03 N"),
+        ([0.02, 0.06], "The fall is at least 20 mN with", "at least 20 mN", "falls by at least 0.02 N"),
+        (
+            [-0.01, 0.06],
+            "This fall may be chance: with 95 % confidence the error may as well rise by 10 mN",
+            "at least −10 mN",
+            "rise by 0.01 N",
+        ),
+    ],
+)
+def test_no_error_is_said_to_fall_by_more_than_all_of_it(interval, page, card, line):
+    gain = {"held_out_rmse_before": 0.05, "held_out_rmse_after": 0.02, "ci95": interval, "channel": "force", "unit": "N"}
+    said = findings("explained", entries=[rivals(("drift", "skin"), gain=gain)])
+    told = tell(examples.Outcome(said))
+    assert any(page in re.sub(r"\s", " ", s) for s in told.story.better.sentences) and line in summary(said)
+    assert f"<dd>{card}</dd>" in re.sub(r"\s", " ", evidence(told.outcome, told.view))
+
+
+def test_a_name_of_which_neither_gain_nor_name_is_sure_is_no_plain_explanation():
+    """Title, banner and terminal carry what the card says, that the gain may be chance and the name another."""
+    gain = {"held_out_rmse_before": 0.05, "held_out_rmse_after": 0.02, "ci95": [-0.01, 0.04], "channel": "force", "unit": "N"}
+    entry = rivals(("drift", "skin"), ("hysteresis", "skin"), gain=gain)
+    for verdict, title in (("explained", "Explained, but not surely: drift"), ("partly_explained", "Partly explained, but not surely: ")):
+        story = tell(examples.Outcome(findings(verdict, entries=[entry]))).story
+        assert story.headline.title.startswith(title) and story.headline.tone == "part" and "Neither gain" in story.headline.line
+        assert "explained, but not surely" in summary(findings(verdict, entries=[entry])).splitlines()[0]
+    sure = entry | {"gain": gain | {"ci95": [0.01, 0.04]}}
+    assert tell(examples.Outcome(findings("explained", entries=[sure]))).story.headline.title.startswith("Explained: drift")
+    assert "not surely" not in summary(findings("explained", entries=[sure]))
+
+
+def test_a_rival_that_was_fitted_has_its_size_on_screen_and_card():
+    clipping, before = examples.effect("saturation", "load_cell", level=20.0), examples.Model(examples.SILICONE)
+    fitted = (Rival("saturation", "load_cell", 1.0, before.extended(clipping)), Rival("drift", "load_cell", 2.0))
+    gain = SimpleNamespace(carried=("force",), relative=0.9, held_out="b", entry={})
+    named = Named("hysteresis", "load_cell", gain, 900.0, fitted, before)
+    entry = found(named, before, {}, {})
+    told = tell(examples.Outcome(findings("explained", entries=[entry])))
+    sizes = {w.name: w.size for w in told.story.wrong}
+    assert "20.0\u00a0N" in sizes["Or saturation in the load cell"] and sizes["Or drift in the load cell"] == ""
+    assert "20.0\u00a0N" in evidence(told.outcome, told.view) and "parameters" not in entry["alternatives"][1]
+    assert "20 N" in summary(findings("explained", entries=[entry]))
