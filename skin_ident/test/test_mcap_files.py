@@ -54,6 +54,22 @@ def test_damaged_chunk_is_left_out_and_counted(tmp_path):
     assert "1 damaged chunk" in said and "lost" in said
 
 
+def test_a_file_that_is_damaged_in_the_middle_is_not_said_to_be_cut_off(tmp_path):
+    """What a walk through a damaged file cannot reach is said to be unread; a damaged chunk that it can pass is counted alone."""
+    data = bytearray(write_mcap(tmp_path / "a.mcap", R, chunk_size=2000).read_bytes())
+    chunks = [(at, size) for op, at, size in records(data) if op == 6]
+    at, size = chunks[len(chunks) // 2]
+    broken = data[:at] + bytes([0xEB]) * 64 + data[at + 64 : -28] + bytes(20) + data[-8:]
+    (tmp_path / "a.mcap").write_bytes(broken)
+    said = " ".join(load(tmp_path / "a.mcap")[0].warnings)
+    assert f"a.mcap is damaged at byte {at}: the {len(broken) - at} bytes from there on are not read" in said and "cut off" not in said
+    data[at + size // 2] ^= 0x10
+    data[-28:-8] = bytes(20)
+    (tmp_path / "a.mcap").write_bytes(data)
+    said = " ".join(load(tmp_path / "a.mcap")[0].warnings)
+    assert "damaged chunk" in said and "cut off" not in said
+
+
 @pytest.mark.parametrize("library", ["zlib_ng.zlib_ng", "binascii"])
 def test_checksums_are_the_same_with_and_without_zlib_ng(tmp_path, library):
     """A bag that is whole has no word said about it, one with a flipped bit has, whichever library takes the checksums."""

@@ -16,6 +16,7 @@ from skin_ident.recordings.mcap_chunk import ChunkError, open_chunk, scan_messag
 
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, INDEX, CHUNK_INDEX, ATTACHMENT, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 7, 8, 9, 11, 15
+KNOWN = range(1, 16)  # opcodes of the specification
 HEAD = struct.Struct("<BQ")
 
 
@@ -44,6 +45,7 @@ class Survey:
     loose: bool = False  # messages outside chunks
     chunk_count: int = 0
     cut_at: int | None = None  # where the file is broken off
+    goes_on: bool = False  # beyond that, unread: it is damaged there, not cut off
     size: int = 0
 
 
@@ -142,6 +144,7 @@ def _from_front(file: BinaryIO, found: Survey) -> Survey:
             return found
         op, size = HEAD.unpack(head)
         if op in (DATA_END, FOOTER):
+            found.cut_at = None if found.channels else found.cut_at  # chunks that are damaged are counted where they are read
             return found
         whole = at + 9 + size <= found.size
         if op == CHUNK:
@@ -158,9 +161,16 @@ def _from_front(file: BinaryIO, found: Survey) -> Survey:
             found.counts[number] = found.counts.get(number, 0) + 1
         elif op == ATTACHMENT:
             _attach(found, file.read(size))
-        if found.cut_at is not None and not whole:
+        if not whole:
+            found.goes_on = op not in KNOWN or _has_end(file, found)
             return found
         at += 9 + size
+
+
+def _has_end(file: BinaryIO, found: Survey) -> bool:
+    """Whether the file ends as a whole one does."""
+    file.seek(max(0, found.size - len(MAGIC)))
+    return file.read(len(MAGIC)) == MAGIC
 
 
 def _indexes(file: BinaryIO, found: Survey, at: int) -> int:

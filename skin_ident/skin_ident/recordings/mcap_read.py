@@ -72,7 +72,10 @@ def _warnings(found: Survey, damaged: int, handed: dict[int, int]) -> tuple[str,
         notes.append(f"{found.path.name}: {counted(damaged, 'damaged chunk')} left out" + (f": {lost}" if lost else ""))
     elif lost:
         notes.append(f"{found.path.name}: {lost}")
-    if found.cut_at is not None:
+    if found.cut_at is not None and found.goes_on:
+        rest = found.size - found.cut_at
+        notes.append(f"{found.path.name} is damaged at byte {found.cut_at}: the {rest} bytes from there on are not read")
+    elif found.cut_at is not None:
         rest = found.size - found.cut_at
         lost = f"the last {rest} bytes hold no whole record; what comes before was used" if rest else "all that is there was used"
         notes.append(f"{found.path.name} is cut off: {lost}")
