@@ -8,6 +8,7 @@ from skin_ident.cli import common
 from skin_ident.estimators.calibration import Line, as_rig_yaml, calibrate, stiffness
 from skin_ident.estimators.figures import figures, plus_minus
 from skin_ident.estimators.prony import Arm, PronyFit, fit_prony
+from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
 from skin_models.model_file import save_model
 from skin_models.words import counted
@@ -32,7 +33,7 @@ def fit_other(what: str, recordings: Sequence[Recording], out: str | None, arms:
 
 
 def _sources(recordings: Sequence[Recording]) -> dict[str, Any]:
-    return {"recordings": [r.name for r in recordings], "warnings": [f"{r.name}: {w}" for r in recordings for w in r.warnings]}
+    return {"recordings": [r.name for r in recordings], "warnings": [said_of(r.name, w) for r in recordings for w in r.warnings]}
 
 
 def _each(things: Mapping[str, Any]) -> dict[str, Any]:

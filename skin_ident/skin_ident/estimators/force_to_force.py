@@ -21,6 +21,7 @@ from skin_ident.estimators.transfer_data import Pair
 from skin_ident.estimators.transfer_fit import TransferFit
 from skin_ident.estimators.verdicts import word_of
 from skin_ident.quality import FAR_TOO_LITTLE, MOST, inspected
+from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
 from skin_models.parameter import Parameter
 
@@ -63,7 +64,7 @@ def fit_force_to_force(
     fit, held = fit_in_band(pairs, order, *how)
     more = noted(loss, {f"taxel_{index}": held} if held else {})
     doubt = OVERDONE if order == 2 and not _better(fit, pairs, how) else ""
-    return _estimate(fit, pairs, order, index, unit, more, tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings), doubt)
+    return _estimate(fit, pairs, order, index, unit, more, tuple(said_of(r.name, w) for r in recordings for w in r.warnings), doubt)
 
 
 def _better(fit: TransferFit, pairs: Sequence[Pair], how: tuple[bool, str]) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 from skin_ident.estimators.errors import FitError
 from skin_ident.estimators.prefilter import Prefilter, prefilters_for
 from skin_ident.quality import Quality, inspected
+from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
 from skin_ident.recordings.staircase import drawn_again
 from skin_ident.stretches import runs
@@ -104,7 +105,7 @@ def prepare(recordings: Sequence[Recording], motions: Sequence[Motion] | None = 
             raise FitError(f"{r.name}: {q.impossible}")
     recordings = [r.warned(*q.warnings) for r, _, q in looked]
     prefilters = prefilters_for([(drawn_again(r.depth), r.dt) for r in recordings])
-    warnings = tuple(f"{r.name}: {w}" for r in recordings for w in r.warnings)
+    warnings = tuple(said_of(r.name, w) for r in recordings for w in r.warnings)
     live = _live(recordings)
     each = zip(recordings, prefilters, looked, strict=True)
     sessions = [_session(r, prefilter, good, q, live) for r, prefilter, (_, good, q) in each]

@@ -6,6 +6,11 @@ from contextlib import contextmanager
 from skin_models.errors import SkinError
 
 
+def said_of(name: str, warning: str) -> str:
+    """A warning with the recording that it is about in front, unless it begins with it: the notes on a bare file name that file."""
+    return warning if warning.startswith((f"{name}: ", f"{name} is ")) else f"{name}: {warning}"
+
+
 @contextmanager
 def with_warnings_of(recordings: Sequence) -> Iterator[None]:
     """Add the warnings of recordings (scans have none) to a `SkinError` that is raised meanwhile, as far as it does not hold them."""
@@ -13,7 +18,7 @@ def with_warnings_of(recordings: Sequence) -> Iterator[None]:
         yield
     except SkinError as error:
         each = [(r.name, w) for r in recordings for w in getattr(r, "warnings", ()) if w not in str(error)]
-        said = [w if w.startswith(name) else f"{name}: {w}" for name, w in each]
+        said = [said_of(name, w) for name, w in each]
         if not said:
             raise
         raise type(error)(f"{error} (in reading: {'; '.join(said)})") from error

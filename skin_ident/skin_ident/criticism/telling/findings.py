@@ -24,6 +24,7 @@ from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
 from skin_ident.criticism.telling.given_model import not_there, numbers_fitted
 from skin_ident.criticism.telling.leftover import Rest
 from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key, word_of
+from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
 from skin_ident.separating.choose import Experiment
 from skin_models.model import Model
@@ -288,7 +289,7 @@ def of_reading(recordings: list) -> list[str]:
     """The warnings of recordings, what all sessions share once."""
     said = {r.name: dict.fromkeys((*r.warnings, *r.declared.warnings)) for r in recordings}
     shared = [w for w in said[recordings[0].name] if len(recordings) > 1 and all(w in own for own in said.values())]
-    return [f"every session: {w}" for w in shared] + [f"{name}: {w}" for name, own in said.items() for w in own if w not in shared]
+    return [f"every session: {w}" for w in shared] + [said_of(name, w) for name, own in said.items() for w in own if w not in shared]
 
 
 def _warnings(recordings: list) -> list[str]:
