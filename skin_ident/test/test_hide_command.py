@@ -81,6 +81,17 @@ def test_a_lone_gain_is_said_to_be_imitated(on):
     assert hidden.imitated and max(hidden.visible.values()) < 0.1
 
 
+def test_it_is_warned_of_what_a_fit_takes_up(command, tmp_path):
+    alone = recordings(Case("null", 0.0, 1, "demo", taxels=1))[:1]
+    write_recordings([r.part(0, 1500) for r in alone], tmp_path / "base")
+    done = command(tmp_path / "base", "--cause", "gain_error", "--size", 4, "--seed", 1, "--out", tmp_path / "out")
+    truth = json.loads((tmp_path / "out_truth.json").read_text())["hidden"][0]
+    assert max(truth["visible_over_noise"].values()) < 0.1 * truth["size"]
+    assert "warning: of its 4 times the noise only" in done.err.replace("3.99", "4").replace("4.01", "4")
+    seen = command(tmp_path / "base", "--cause", "friction", "--size", 3, "--out", tmp_path / "seen")
+    assert "warning" not in seen.err
+
+
 def test_the_truth_lies_apart_and_the_data_are_read_again(command, base, tmp_path):
     done = command(base, "--cause", "friction", "--size", 3, "--out", tmp_path / "out")
     assert done.status == 0, done.err

@@ -39,6 +39,16 @@ class Hidden:
     visible: dict[str, float]
 
     @property
+    def hardly_seen(self) -> str:
+        """Where the model's own parameters imitate nearly all of it: how little of it can be seen, and why; empty elsewhere."""
+        if not self.imitated:
+            return ""
+        return (
+            f"of its {self.size:.3g} times the noise only {max(self.visible.values()):.2g} can be seen in these recordings: a fit takes up "
+            "the rest with the model's own parameters, so that nobody may be able to find it"
+        )
+
+    @property
     def where(self) -> str:
         """Its place in the words of findings."""
         return word_of(self.effect.where)
