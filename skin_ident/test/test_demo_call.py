@@ -5,7 +5,7 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("skin_testbed_msgs")
 
-from skin_ident.ros.demo import _announced, main
+from skin_ident.ros.demo import _announced, answer, main, specimen_with_secret
 
 
 @pytest.mark.parametrize(
@@ -32,3 +32,12 @@ def test_a_folder_that_holds_something_is_refused_at_once_and_left_as_it_is(tmp_
 @pytest.mark.parametrize(("cause", "word"), [(None, "hides something"), ("none", "hides nothing, as"), ("lag", "hides lag, as")])
 def test_what_was_asked_for_is_no_secret(cause, word):
     assert word in _announced(cause)
+
+
+def test_the_answer_says_how_large_both_are_where_they_are_the_same():
+    hidden = specimen_with_secret(1, "lag")[1]
+    found = {"cause": "lag", "where": "taxel", "parameters": {"tau": {"value": 0.052, "unit": "s", "std": 0.001}}}
+    said = answer(hidden, {"findings": [found, found | {"where": "load_cell"}]}).replace("\u00a0", " ")
+    assert "hidden: lag in the taxel (tau 50.0 ms)" in said
+    assert said.endswith("found:  lag in the taxel (tau 52 ± 1 ms), lag in the load_cell")
+    assert answer(None, {"findings": []}) == "\nhidden: nothing\nfound:  nothing"

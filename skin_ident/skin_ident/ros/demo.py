@@ -23,6 +23,7 @@ from skin_ident.cli import common
 from skin_ident.cli.diagnose import write as write_diagnosis
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.recordings.load import load
+from skin_ident.report.numbers import amount
 from skin_ident.report.terminal import summary
 from skin_ident.ros.testbed import TARE, Testbed
 from skin_models.catalogue import effect_class
@@ -31,6 +32,7 @@ from skin_models.errors import SkinError
 from skin_models.materials import material
 from skin_models.model import Model
 from skin_models.model_file import save_model
+from skin_models.parameter import parameters_of
 
 HIDEABLE = {  # no zero of a sensor: the tare takes it away
     "stress_relaxation": "skin",
@@ -150,10 +152,24 @@ def _samples(reader: AnyReader, who: str) -> dict[tuple[int, int], np.ndarray]:
 
 
 def answer(hidden: Effect | None, findings: dict) -> str:
-    """What was hidden, against what was found."""
-    found = [f"{f['cause']} in the {f['where']}" for f in findings["findings"]]
-    truth = f"{hidden.cause} in the {hidden.where}" if hidden else "nothing"
-    return f"\nhidden: {truth}\nfound:  {', '.join(found) or 'nothing'}"
+    """What was hidden, against what was found; and how large, where both have the same parameters."""
+    if hidden is None:
+        return _both("nothing", [_at(f["cause"], f["where"]) for f in findings["findings"]])
+    own, sizes, found = {p.name: p for p in parameters_of(hidden) if p.value}, [], []
+    for f in findings["findings"]:
+        same = {n: q for n, q in f["parameters"].items() if n in own and (f["cause"], f["where"]) == (hidden.cause, hidden.where)}
+        like = {n: [own[n].value, q["value"]] for n, q in same.items()}
+        sizes += [f"{n} {amount(own[n].value, own[n].unit, like=like[n])}" for n in same]
+        found.append(_at(f["cause"], f["where"], [f"{n} {amount(q['value'], q['unit'], q['std'], like[n])}" for n, q in same.items()]))
+    return _both(_at(hidden.cause, hidden.where, sizes), found)
+
+
+def _at(cause: str, where: str, sizes: Sequence[str] = ()) -> str:
+    return f"{cause} in the {where}" + (f" ({', '.join(sizes)})" if sizes else "")
+
+
+def _both(hidden: str, found: Sequence[str]) -> str:
+    return f"\nhidden: {hidden}\nfound:  {', '.join(found) or 'nothing'}"
 
 
 class Teller:
