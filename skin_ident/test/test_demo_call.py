@@ -5,6 +5,7 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("skin_testbed_msgs")
 
+from skin_ident.ros import demo
 from skin_ident.ros.demo import _announced, answer, main, specimen_with_secret
 
 
@@ -41,3 +42,15 @@ def test_the_answer_says_how_large_both_are_where_they_are_the_same():
     assert "hidden: lag in the taxel (tau 50.0 ms)" in said
     assert said.endswith("found:  lag in the taxel (tau 52 ± 1 ms), lag in the load_cell")
     assert answer(None, {"findings": []}) == "\nhidden: nothing\nfound:  nothing"
+
+
+@pytest.mark.parametrize("recorded", [False, True])
+def test_a_demo_that_is_stopped_leaves_only_what_holds_a_recording(tmp_path, monkeypatch, capsys, recorded):
+    def stopped(folder, seed, tell):
+        if recorded:
+            (folder / "session_1").mkdir()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(demo, "record_sessions", stopped)
+    assert main(["--effect", "lag", "--out", str(tmp_path / "out")]) == 130
+    assert (tmp_path / "out").exists() is recorded and (tmp_path / "out" / "secret_specimen.yaml").exists() is recorded

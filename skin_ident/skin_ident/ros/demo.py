@@ -44,6 +44,7 @@ HIDEABLE = {  # no zero of a sensor: the tare takes it away
     "saturation": "taxel",
 }
 NOTHING = "none"
+SECRET = "secret_specimen.yaml"
 SESSIONS = 3
 FASTER = 4.0  # than real time
 LATER = 100  # by which the seeds of the last comparison lie behind those of the sessions
@@ -63,9 +64,14 @@ def _main(arguments: Sequence[str] | None) -> int:
     common.check_empty(out)
     specimen, hidden = specimen_with_secret(seed, chosen.effect)
     folder, tell = common.output_folder(out), Teller()
-    save_model(specimen, folder / "secret_specimen.yaml")
+    save_model(specimen, folder / SECRET)
     tell(f"seed {seed}: {_announced(chosen.effect)}")
-    bags = record_sessions(folder, seed, tell)
+    try:
+        bags = record_sessions(folder, seed, tell)
+    except BaseException:
+        if not any(folder.glob("session_*")):  # without a recording it is of no use, and would have the same call refused
+            (folder / SECRET).unlink(missing_ok=True)
+        raise
     tell("diagnosing: two sessions to fit, one held out")
     outcome = diagnose(load(bags[:-1]), load(bags[-1:]), None)
     write_diagnosis(outcome, folder)
@@ -102,7 +108,7 @@ def _announced(cause: str | None) -> str:
 def record_sessions(folder: Path, seed: int, tell: "Teller") -> list[Path]:
     """Record `SESSIONS` sessions of the demo battery, each with its own seed, into bags."""
     tell("starting driver, profile server and recorder")
-    with Testbed(folder / "secret_specimen.yaml", seed, FASTER) as testbed:
+    with Testbed(folder / SECRET, seed, FASTER) as testbed:
         tell("taring in free air")
         testbed.execute(TARE)
         bags = []
@@ -114,7 +120,7 @@ def record_sessions(folder: Path, seed: int, tell: "Teller") -> list[Path]:
 
 def live_comparison(folder: Path, seed: int, tell: "Teller") -> str:
     """Run the rig once more with two simulated skins following its encoder, before and after; returns a table of their errors."""
-    with Testbed(folder / "secret_specimen.yaml", seed + LATER, FASTER) as testbed:
+    with Testbed(folder / SECRET, seed + LATER, FASTER) as testbed:
         testbed.simulate_beside(folder / "baseline.yaml", "before")
         testbed.simulate_beside(folder / "model.yaml", "after")
         testbed.execute(TARE)
