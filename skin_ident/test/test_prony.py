@@ -5,7 +5,7 @@ import pytest
 from making import SILICONE, noise, response
 
 from skin_ident.estimators.errors import FitError
-from skin_ident.estimators.prony import fit_prony
+from skin_ident.estimators.prony import NO_RELAXATION, fit_prony
 from skin_ident.recordings.recording import Recording
 
 
@@ -40,6 +40,13 @@ def test_arms_come_back(arms):
             value, std = found.stiffness[channel]
             assert value == pytest.approx(truth, abs=0.05 * truth + 4 * std)
     assert fit.model is not None and fit.model.dispersion.k1 == pytest.approx(9619, rel=0.03) and len(fit.model.effects) == len(arms)
+
+
+def test_it_is_said_where_no_relaxation_can_be_told():
+    """Arms that are asked for of a skin without any are noise; those of one that relaxes are not called so."""
+    without, relaxing = held([]), held([(1500.0, 800.0, 1.5)])
+    assert NO_RELAXATION in fit_prony([without], 2).warnings
+    assert NO_RELAXATION not in (*fit_prony([relaxing]).warnings, *fit_prony([without]).warnings)
 
 
 def test_number_of_arms_is_bounded():

@@ -25,6 +25,11 @@ from skin_models.model import Model
 
 MOST = 4  # arms
 APART = 2.0  # least ratio of two neighbouring times: nearer ones are one
+SURE = 2.0  # standard errors
+NO_RELAXATION = (
+    "no relaxation can be told from these data: of every arm the time is less sure than half its size, or a stiffness is negative or not "
+    "sure; record holds of some ten seconds after quick ramps"
+)
 
 
 @dataclass(frozen=True)
@@ -147,6 +152,8 @@ def _result(sessions, names, taus: np.ndarray, limits, warnings: tuple[str, ...]
     notes += [
         f"{n}: the arm of {a.tau:.3g} s is negative, as a sensor's lag is" for a in arms for n, (v, s) in a.stiffness.items() if v < -2 * s
     ]
+    if arms and not any(map(_relaxes, arms)):
+        notes.append(NO_RELAXATION)
     pairs = list(zip(names, fit.coefficients, std, strict=True))
     return PronyFit(
         arms=arms,
@@ -156,6 +163,12 @@ def _result(sessions, names, taus: np.ndarray, limits, warnings: tuple[str, ...]
         model=_model(names, fit.coefficients, taus),
         warnings=(*warnings, *notes),
     )
+
+
+def _relaxes(arm: Arm) -> bool:
+    """Whether an arm is one of a skin that relaxes: its time is known, no channel has a negative stiffness, and one has a positive one."""
+    pulls = [value / max(std, 1e-300) for value, std in arm.stiffness.values()]
+    return arm.tau > SURE * arm.tau_std and min(pulls) > -SURE and max(pulls) > SURE
 
 
 def _split_std(fit: Regression, width: int) -> np.ndarray:
