@@ -7,7 +7,7 @@ from skin_ident.report.bars import parameter_table
 from skin_ident.report.markup import Safe, el, join, section, table
 from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.reading import recording_name, warning_sentences
-from skin_ident.report.tolerant import mapping, named_at, place_in, sequence, text
+from skin_ident.report.tolerant import mapping, named_at, place_in, sequence, text, with_spoken_taxels
 from skin_ident.report.view import View
 from skin_ident.report.words import capital, effect_words, label, meaning, role, sentence
 
@@ -75,7 +75,7 @@ def size_ruled_out(e: dict, v: View) -> str:
 
 def why_untestable(e: dict, v: View) -> str:
     """Why a cause could not be tested; where some of it was ruled out, that this is the rest."""
-    because, ruled_out = text(e.get("because")), _also(e, v.excluded)
+    because, ruled_out = with_spoken_taxels(text(e.get("because"))), _also(e, v.excluded)
     if not ruled_out or "form" in e:  # which says itself that it is of this form alone
         return sentence(because)
     forms = " and ".join(dict.fromkeys(spoken(text(o.get("form"))) for o in ruled_out if o.get("form")))
@@ -112,7 +112,7 @@ def untestable(v: View) -> Safe | None:
     """Causes that these data could not show."""
     if not v.untestable:
         return None
-    rows = [[_name(e), why_untestable(e, v), sentence(text(e.get("needs")))] for e in v.untestable]
+    rows = [[_name(e), why_untestable(e, v), sentence(with_spoken_taxels(text(e.get("needs"))))] for e in v.untestable]
     note = "Nothing can be said about these, for or against, for the reason given."
     if any(_also(e, v.excluded) for e in v.untestable):
         note += " Where a cause was ruled out above as well, the rest of it is meant here."
@@ -182,7 +182,7 @@ def reading(v: View, folder: str) -> Safe:
         ),
         ("noise alone", "the error that would remain with a perfect model, because sensors are noisy"),
         ("ruled out", "tested and not found; would have been seen above the size given"),
-        ("could not be tested", "the motion never brought it out, so the data are silent"),
+        ("could not be tested", "these data are silent, for the reason given: it was not brought out, not declared, or looks like another"),
         ("where", "skin: the material; taxel: a sensor in it; load cell: the reference; rig: mount and stage; clock: timing of a channel"),
     )  # fmt: skip
     model = ", model.yaml (the extended model)" if v.has_model else ""

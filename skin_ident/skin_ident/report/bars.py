@@ -4,7 +4,7 @@ from skin_ident.criticism.telling.outcome import Round
 from skin_ident.criticism.vocabulary import cause_at
 from skin_ident.report.gains import fall
 from skin_ident.report.markup import Safe, el, table
-from skin_ident.report.numbers import UNKNOWN, amount, fall_span, percent, plain
+from skin_ident.report.numbers import UNKNOWN, amount, change, fall_span, plain
 from skin_ident.report.sizes import moved, number, step
 from skin_ident.report.story import explaining, named_cause
 from skin_ident.report.view import Amount, ChannelError, View
@@ -30,7 +30,7 @@ def error_table(v: View) -> Safe:
 def _error_row(e: ChannelError, v: View) -> list:
     before, after = e.pair
     like = v.loudest or [before, after, e.floor]
-    change = percent(-fall(e)) if before and after is not None else UNKNOWN
+    changed = change(-fall(e)) if before and after is not None else UNKNOWN
     training = " → ".join(amount(x, e.unit, like=like) for x in e.train) if None not in e.train else UNKNOWN
     shown = ((before, "before"), (after, "after")) if v.findings else ((after, "after"),)
     top = max((x for x in (*(x for x, _ in shown), e.floor) if x), default=0.0)
@@ -38,7 +38,7 @@ def _error_row(e: ChannelError, v: View) -> list:
     floor = el("u", style=f"left:{100 * e.floor / top:.1f}%", title="noise alone") if top and e.floor else None
     cells = [amount(x, e.unit, like=like) for x in (before, after)]
     fell = fall_span(*e.interval, before, e.unit, like) if e.interval else UNKNOWN
-    return [channel(e.channel), *cells, change, fell, amount(e.floor, e.unit, like=like), el("div", bars, floor, class_="duel"), training]
+    return [channel(e.channel), *cells, changed, fell, amount(e.floor, e.unit, like=like), el("div", bars, floor, class_="duel"), training]
 
 
 def _bar(value: float | None, top: float, kind: str) -> Safe | None:
@@ -85,11 +85,11 @@ def _parameter_row(before: Amount | None, after: Amount | None, v: View) -> list
     cells = [number(a, v, like) if a else UNKNOWN for a in (before, after)]
     if not before:
         return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, "new", el("b", "added", class_="tag new")]
-    change, has_moved = _change(before, after), moved(before, after)
+    has_moved = moved(before, after)
     tag = el("b", f"not {v.begun}" if v.given else "was hiding the missing effect", class_="tag hid") if has_moved else None
-    return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, change, tag]
+    return [capital(known.words), el("code", known.name.rpartition(".")[2]), *cells, _change(before, after), tag]
 
 
 def _change(before: Amount, after: Amount | None) -> str:
     share = step(before, after)
-    return UNKNOWN if share is None else ("+" if share >= 5e-4 else "") + percent(share)
+    return UNKNOWN if share is None else change(share)

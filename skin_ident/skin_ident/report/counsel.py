@@ -28,7 +28,7 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
     if rivals and len(v.findings) > 1:
         because.append(f"{rivals} of the {len(v.findings)} named causes cannot be told from a rival on these data.")
     elif rivals:
-        because.append("These data cannot tell it from the other names.")
+        because.append(f"These data cannot tell it from the other name{'s' * (len(v.findings[0].alternatives) > 1)}.")
     if v.verdict in (PARTLY, UNEXPLAINED) and v.rest and v.rest > 0.0:
         because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
     if untested := len(v.untestable) - len(v.doubts) - len(v.left_open):

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 from skin_ident.report.appendix import SPREAD, held_at, size_ruled_out, why_untestable
 from skin_ident.report.gains import error, fall
-from skin_ident.report.numbers import UNKNOWN, percent
+from skin_ident.report.numbers import UNKNOWN, change
 from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.sessions import by_session, in_markdown
 from skin_ident.report.sizes import number
 from skin_ident.report.story import Told, Wrong
-from skin_ident.report.tolerant import named_at, text
+from skin_ident.report.tolerant import named_at, text, with_spoken_taxels
 from skin_ident.report.view import Amount, View
 from skin_ident.report.words import capital, channel, sentence
 
@@ -61,7 +61,7 @@ def _errors(v: View) -> list[str]:
     if not v.findings:
         rows = [[channel(e.channel), error(e.pair[1], e, v), error(e.floor, e, v)] for e in v.errors]
         return _rows("Error of every channel", ["channel", "error", "noise alone"], rows)
-    rows = [[channel(e.channel), *(error(x, e, v) for x in e.pair), percent(-fall(e)), error(e.floor, e, v)] for e in v.errors]
+    rows = [[channel(e.channel), *(error(x, e, v) for x in e.pair), change(-fall(e)), error(e.floor, e, v)] for e in v.errors]
     return _rows("Error of every channel", ["channel", "before", "after", "change", "noise alone"], rows)
 
 
@@ -91,7 +91,7 @@ def _excluded(v: View) -> list[str]:
 
 
 def _untestable(v: View) -> list[str]:
-    rows = [[named_at(e), why_untestable(e, v), text(e.get("needs"))] for e in v.untestable]
+    rows = [[named_at(e), why_untestable(e, v), with_spoken_taxels(text(e.get("needs")))] for e in v.untestable]
     return _rows("Could not be tested", ["cause", "because", "would need"], rows)
 
 

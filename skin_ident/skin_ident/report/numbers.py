@@ -117,7 +117,12 @@ def span(low: Any, high: Any, unit: str, instead: Any = ()) -> str:
     low, high = finite(low), finite(high)
     if low is None or high is None:
         return UNKNOWN
-    return f"{plain(low * factor, 2)} to {plain(high * factor, 2)}{_SPACE}{name}".rstrip()
+    ends = [low * factor, high * factor]
+    said = [plain(end, 2) for end in ends]
+    if any("×" in s for s in said) and 1e-9 < max(map(abs, ends)) < 1.0:  # beside other numbers of that unit, which have no exponent
+        decimals = 1 - _exponent(max(ends, key=abs), 2)
+        said = [f"{end:.{decimals}f}".replace("-", "−") for end in ends]
+    return f"{said[0]} to {said[1]}{_SPACE}{name}".rstrip()
 
 
 def fall_span(low: float, high: float, before: float | None, unit: str, instead: Any = ()) -> str:
@@ -126,6 +131,12 @@ def fall_span(low: float, high: float, before: float | None, unit: str, instead:
     if before is not None and high > before:
         return f"at least {amount(low, unit, like=[*instead] or [low, before], digits=2)}"
     return span(low, high, unit, instead)
+
+
+def change(share: Any) -> str:
+    """A relative change as a percentage with its sign."""
+    number = finite(share)
+    return ("+" if number is not None and number >= 5e-4 else "") + percent(share)
 
 
 def percent(share: Any) -> str:

@@ -210,7 +210,7 @@ def _which(names: list[str], of: Collection[str]) -> str:
 
 def _unsettled(v: View) -> Iterator[str]:
     """What was seen, and is in doubt, or leaves several causes open: the reason that they share."""
-    yield from (f"{named_at(e)}: {text(e.get('because'))}" for e in v.doubts)
+    yield from (f"{named_at(e)}: {with_spoken_taxels(text(e.get('because')))}" for e in v.doubts)
     yield from dict.fromkeys(with_spoken_taxels(text(e.get("because"))) for e in v.left_open)
 
 

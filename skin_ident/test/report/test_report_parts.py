@@ -15,7 +15,7 @@ from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.vocabulary import cause_at, spoken
 from skin_ident.report.charts import goes_beyond, shown_range
 from skin_ident.report.focus import focus
-from skin_ident.report.numbers import amount, percent, plain, span
+from skin_ident.report.numbers import amount, change, percent, plain, span
 from skin_ident.report.page import page
 from skin_ident.report.reading import view
 from skin_ident.report.shapes import binned, smooth, spectrum, thinned
@@ -83,6 +83,8 @@ def test_amounts_have_three_digits_a_fitting_unit_and_their_error(value, unit, s
 def test_values_that_are_compared_share_their_unit():
     assert [amount(v, "N", like=[0.9, 0.02]) for v in (0.9, 0.02)] == [f"0.900{NB}N", f"0.0200{NB}N"]
     assert span(0.0123, 0.2, "N") == f"0.012 to 0.20{NB}N"
+    assert span(-2.75e-4, -4.97e-5, "N", [0.125]) == f"−0.00028 to −0.00005{NB}N"
+    assert [change(x) for x in (0.008, -0.89, 0.0)] == [f"+0.8{NB}%", f"−89{NB}%", f"0{NB}%"]
     assert percent(-0.0001) == f"0{NB}%" and percent(0.0512) == f"5.1{NB}%"
 
 

@@ -335,3 +335,11 @@ def test_what_explains_nothing_has_no_bar():
     assert "evidence.png" not in pictures(told[0])
     (axes,) = pictures(told[1])["evidence.png"]().axes
     assert len(axes.patches) == len(examples.LAST_ROUND.ranked)
+
+
+def test_taxels_and_rivals_are_spoken_of_as_a_person_does():
+    asked = {"cause": "dead_taxel", "where": "taxel_2", "because": "taxel_2 does not follow", "needs": "a press on taxel_2"}
+    entry = rivals(("drift", "skin"), ("hysteresis", "skin"))
+    told = tell(examples.Outcome(findings("explained", entries=[entry]) | {"untestable": [asked]}))
+    assert "taxel_2" not in markdown(told) and "| Taxel 2 does not follow. | a press on taxel 2 |" in markdown(told)
+    assert "These data cannot tell it from the other name." in told.story.sure_because
