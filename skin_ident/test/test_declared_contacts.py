@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from skin_ident.recordings.declared import declared_from
 from skin_ident.recordings.errors import RecordingError
 from skin_ident.recordings.load import load
 
@@ -51,3 +52,8 @@ def test_one_place_is_everybodys(folder):
 def test_several_places_have_the_names_of_recordings(folder):
     with pytest.raises(RecordingError, match=r"name the recordings, as in \{session_1: \[0, 0\]"):
         loaded(folder, "contact_position_mm: [[1, 2], [5, 0]]")
+
+
+@pytest.mark.parametrize(("thick", "asked"), [("400", True), ("4", False), ("", False)])
+def test_a_skin_that_is_hardly_so_thick_is_asked_about(thick, asked):
+    assert any("is it in millimetres" in w for w in declared_from(f"skin_thickness_mm: {thick}\n").warnings) is asked

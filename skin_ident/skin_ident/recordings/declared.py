@@ -22,7 +22,7 @@ Static scans beside one `rig.yaml` are taken to be of one taxel under one skin, 
 Keys that are not known here are passed over with a warning: the file may serve other programs too.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -46,6 +46,7 @@ LARGEST = {  # beyond which a unit is wrong
     "spread_width_mm": 1e3,
     "taxel_gain_uncertainty": 1.0,
 }
+THICK_MM = 50.0  # skin beyond which it is asked whether that is meant
 
 
 @dataclass(frozen=True)
@@ -151,15 +152,24 @@ def declared_from(text: str) -> Declared:
     content = _mapping({} if content is None else content, "a rig description")
     known = [f.name for f in fields(Declared) if f.name != "warnings"]
     numbers = [key for key in known if key not in (*PER_TAXEL, POSITIONS, "contact_position_mm", "calibration")]
-    unknown = sorted(str(key) for key in content if key not in known)
     return Declared(
         **{key: _positive(key, content[key]) for key in numbers if key in content},
         **{key: _per_taxel(key, content[key]) for key in PER_TAXEL if key in content},
-        warnings=(f"passed over in {FILE_NAME}: {', '.join(_or_meant(key, known) for key in unknown)}",) if unknown else (),
+        warnings=tuple(_warnings(content, known)),
         taxel_positions_mm=_positions(content.get(POSITIONS, [])),
         contact_position_mm=_contacts(content.get("contact_position_mm", {})),
         calibration={str(k): _calibration(str(k), v) for k, v in _mapping(content.get("calibration", {}), "calibration").items()},
     )
+
+
+def _warnings(content: Mapping[str, Any], known: list[str]) -> Iterator[str]:
+    """What is passed over, and what may be but hardly is."""
+    unknown = sorted(str(key) for key in content if key not in known)
+    if unknown:
+        yield f"passed over in {FILE_NAME}: {', '.join(_or_meant(key, known) for key in unknown)}"
+    thick = content.get("skin_thickness_mm")
+    if thick is not None and thick > THICK_MM:
+        yield f"skin_thickness_mm in {FILE_NAME} is {thick:g}: skin is hardly ever thicker than {THICK_MM:g} mm, is it in millimetres?"
 
 
 def _or_meant(key: str, known: list[str]) -> str:
