@@ -25,12 +25,12 @@ def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) ->
 def rival_sizes(f: Finding, which: int, brief: bool = False) -> list[str]:
     """How large another name for a finding would be, where it was fitted."""
     amounts = f.rival_amounts[which] if which < len(f.rival_amounts) else ()
-    return [f"{a.words} {amount(a.value, a.unit)}" for a in amounts if a.value][: BRIEFLY if brief else MOST_AMOUNTS]
+    return [f"{a.words} {amount(a.value, a.unit)}" for a in amounts if a.value and not a.is_rounding][: BRIEFLY if brief else MOST_AMOUNTS]
 
 
 def _tells(a: Amount) -> bool:
     """Whether a parameter is clearly another than none."""
-    return a.value is None or not a.std or abs(a.value - a.none) > LEAST * a.std
+    return a.value is None or (not a.is_rounding and (not a.std or abs(a.value - a.none) > LEAST * a.std))
 
 
 def put_right(v: View) -> list[str]:

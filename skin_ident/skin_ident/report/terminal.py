@@ -4,9 +4,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from skin_ident.criticism.vocabulary import place_of
-from skin_ident.estimators.figures import plus_minus
 from skin_ident.report.counsel import unsure
-from skin_ident.report.numbers import UNKNOWN
+from skin_ident.report.numbers import amount
 from skin_ident.report.reading import LONE, view
 from skin_ident.report.sessions import most_left
 from skin_ident.report.tolerant import mapping, place_in, text
@@ -37,7 +36,7 @@ def summary(findings: dict[str, Any]) -> str:
     lines += _left_open(v)
     if most := most_left(v):
         lines.append(f"\n  {most}")
-    lines += [f"\n  {a.name} held at {a.value:.3g} {a.unit}: {because}" for a, because in v.held if a.value is not None]
+    lines += [f"\n  {a.name} held at {_size(a)}: {because}" for a, because in v.held if a.value is not None]
     lines += [f"\nwarning: {w}" for w in v.warnings]
     return "\n".join(lines)
 
@@ -63,7 +62,7 @@ def _surely(verdict: str, v: View) -> str:
 def _told(f: Finding) -> Iterator[str]:
     """The lines of a finding: its name, its sizes, what it is worth, and what else it may be."""
     yield f"\n  {_placed(f.cause, f.where)}{f.in_some}: {f.means}"
-    yield from (f"    {a.name} = {_size(a)}" for a in f.amounts)
+    yield from (f"    {a.name} = {_size(a)}" for a in f.amounts if not a.is_rounding)
     if f.each_session:
         yield from [f"    {f.goes}"] if f.goes else []
         yield from (f"    {session}: {course}" for session, course in f.each_session.items())
@@ -71,7 +70,7 @@ def _told(f: Finding) -> Iterator[str]:
         yield f"    {why}"
     yield from _worth(f.gain)
     for i, (cause, where, _) in enumerate(f.alternatives):
-        size = ", ".join(f"{a.name} = {_size(a)}" for a in (f.rival_amounts[i] if f.rival_amounts else ()))
+        size = ", ".join(f"{a.name} = {_size(a)}" for a in (f.rival_amounts[i] if f.rival_amounts else ()) if not a.is_rounding)
         yield f"    cannot be told from: {_placed(cause, where)}{f' ({size})' if size else ''}"
     if f.separating:
         yield f"    {f.separating}"
@@ -94,11 +93,8 @@ def _placed(cause: str, where: str) -> str:
 
 
 def _size(a: Amount) -> str:
-    """A number with its standard error, where it has one, and its unit."""
-    if a.value is None:
-        return UNKNOWN
-    value = plus_minus(a.value, a.std) if a.std else f"{a.value:.4g}"
-    return f"{value} {'' if a.unit == '1' else a.unit}".rstrip()
+    """A number with its standard error, where it has one, in the unit that the page has, too, and with spaces that are easy to search."""
+    return amount(a.value, a.unit, a.std).replace("\u00a0", " ").replace("\u202f", "")
 
 
 def _worth(g: Gain) -> Iterator[str]:

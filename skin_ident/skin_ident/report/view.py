@@ -8,6 +8,7 @@ from skin_ident.criticism.vocabulary import EXCHANGED, SWAPPED, cause_at, place,
 from skin_ident.report.tolerant import mapping, text, with_spoken_taxels
 
 NOTHING, EXPLAINED, PARTLY, UNEXPLAINED = "nothing_wrong", "explained", "partly_explained", "unexplained"
+ROUNDING = 1e-12  # SI: below what any sensor or skin has of anything
 SCAN = "static spread scan"  # the kind of its recordings
 DIRECT = {"quantization", "saturation", "outliers", "dead_taxel", "noise", "data_error", "interference"}
 ZEROS = {"position_offset": "zero of depth", "force_offset": "zero of {}"}
@@ -25,6 +26,11 @@ class Amount:
     unit: str
     std: float | None = None
     none: float = 0.0
+
+    @property
+    def is_rounding(self) -> bool:
+        """Whether it differs from none only by what rounding of the computation leaves."""
+        return self.value is not None and self.value != self.none and abs(self.value - self.none) < ROUNDING
 
 
 @dataclass(frozen=True)

@@ -72,4 +72,11 @@ def test_a_rival_that_was_fitted_has_its_size_on_screen_and_card():
     sizes = {w.name: w.size for w in told.story.wrong}
     assert "20.0\u00a0N" in sizes["Or saturation in the load cell"] and sizes["Or drift in the load cell"] == ""
     assert "20.0\u00a0N" in evidence(told.outcome, told.view) and "parameters" not in entry["alternatives"][1]
-    assert "20 N" in summary(findings("explained", entries=[entry]))
+    assert "(level = 20.0 N)" in summary(findings("explained", entries=[entry]))
+
+
+def test_sizes_in_the_terminal_have_the_units_of_the_page_and_a_rounding_zero_is_none():
+    sizes = {"onset": {"value": 2.2e-4, "unit": "m", "std": 8.1e-6}, "k_sensed": {"value": -2.3e-16, "unit": "N/m", "std": 3.7e-17}}
+    said = findings("explained", entries=[rivals(("nonlinear_stiffness", "skin"), parameters=sizes)])
+    story = tell(examples.Outcome(said)).story
+    assert "onset = 0.220 ± 0.008 mm" in summary(said) and "k_sensed" not in summary(said) and "10⁻¹" not in story.wrong[0].size
