@@ -29,6 +29,7 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
         because.append(f"{rivals} of the {len(v.findings)} named causes cannot be told from a rival on these data.")
     elif rivals:
         because.append(f"These data cannot tell it from the other name{'s' * (len(v.findings[0].alternatives) > 1)}.")
+    because += _of_the_drive(v)
     if v.verdict in (PARTLY, UNEXPLAINED) and v.rest and v.rest > 0.0:
         because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
     if untested := len(v.untestable) - len(v.doubts) - len(v.left_open):
@@ -40,6 +41,13 @@ def unsure(v: View) -> str:
     """What a headline that names something must bear where even the gain is not sure, or was never tested; empty elsewhere."""
     graded = _grade(v, any(f.alternatives for f in v.findings)) if v.judged else ""
     return {NEITHER: "not surely", NOT_PROVEN: "not proven"}.get(graded, "")
+
+
+def _of_the_drive(v: View) -> Iterator[str]:
+    """That the load cell is a candidate, where nothing but its own force says what it should read: no error of it is told."""
+    driven = bool(v.errors) and not v.is_scan and all(e.channel != "force" for e in v.errors)
+    if driven and any(where == "load_cell" for f in v.findings for _, where in f.names):
+        yield "There is no depth, and the force of the load cell drives the simulation: the load cell itself may be what is wrong."
 
 
 def _clear(v: View) -> int:
