@@ -24,7 +24,7 @@ from skin_ident.criticism.telemetry.lines import find_interference
 from skin_ident.criticism.telemetry.more_than_applied import find_more_than_applied
 from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.criticism.telemetry.pieces import find_pieces
-from skin_ident.criticism.telemetry.pile_up import find_saturation
+from skin_ident.criticism.telemetry.pile_up import find_saturated_drive, find_saturation
 from skin_ident.criticism.telemetry.quantization import depth_resolution, depth_step, find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.units import find_unit_faults
@@ -134,7 +134,8 @@ def _stuck(symptoms) -> dict[str, float]:
 
 
 def _in_the_drive(recordings: list) -> list[Symptom]:
-    """Spikes of the force that drives a test without depth, against its own running median: no simulation predicts it."""
+    """Spikes of the force that drives a test without depth, against its own running median, and a level at which it stands while a taxel
+    goes on: no simulation predicts it."""
     if recordings[0].depth is not None:
         return []
     rows = [r.force[None] for r in recordings]
@@ -142,7 +143,8 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
     at_rest = [np.ones(len(r), bool) for r in recordings]  # a force that is held is no frozen one
     names, n = [r.name for r in recordings], len(recordings[0].taxels)
     step = max(r.step("force") or 0.0 for r in recordings)
-    return find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt, (step,), recordings=recordings)
+    spikes = find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt, (step,), recordings=recordings)
+    return [*spikes, *find_saturated_drive(recordings, [mended_depth(r, spikes).force for r in recordings])]
 
 
 def _in_residuals(

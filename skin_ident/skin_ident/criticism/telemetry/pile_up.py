@@ -11,6 +11,7 @@ from skin_ident.estimators.scale import normal_scale
 FEWEST_VISITS = 2  # separate times at the level
 FEWEST_SAMPLES = 10  # at the level, in all
 PILED = 4.0  # times as many samples at the level as at each of the five below it
+BELOW = 0.9  # of the greatest driving force, up to which taxels are held against it
 BEYOND = 2.0  # noise widths by which the simulation must exceed the level there,
 NOISY = 2.0  # unless noise, and what the model does in a visit, are so many of the converter's steps
 
@@ -39,6 +40,20 @@ def find_saturation(
         bad = {(name, channel): r[c] >= y[at].min() for name, r in zip(names, raw, strict=True) if np.any(r[c] >= y[at].min())}
         found.append(Symptom("saturation", sensor_of(channel, n_taxels), (channel,), {"level": quantity(level, "N")}, {"why": why}, bad))
     return found
+
+
+def find_saturated_drive(recordings: list, believed: list[np.ndarray]) -> list[Symptom]:
+    """The force that drives tests without depth, as it is `believed` (N,), clipped at a level beyond which what most follows it of the
+    taxels goes on: in proportion to that the force is known up to there."""
+    taxels, force = np.concatenate([r.taxels for r in recordings], axis=1), np.concatenate(believed)
+    below = force < BELOW * force.max()
+    taxel = int(np.argmax(taxels.std(axis=1)))
+    if not len(taxels) or np.ptp(taxels[taxel, below]) <= 0.0:
+        return []
+    line = np.polyfit(taxels[taxel, below], force[below], 1)
+    predicted = [np.polyval(line, r.taxels[taxel])[None] for r in recordings]
+    step = max(r.step("force") or 0.0 for r in recordings)
+    return find_saturation([r.name for r in recordings], ("force",), [y[None] for y in believed], predicted, len(taxels), (step,))
 
 
 def _pile(y: np.ndarray, step: float) -> tuple[float | None, np.ndarray]:

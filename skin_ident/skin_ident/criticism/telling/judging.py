@@ -41,7 +41,8 @@ def judge(
 ) -> Judged:
     """Put the faults into `c`. `whole`: training and held-out sessions with everything left in, in the order of `c.train` and `c.held`."""
     clean = c.baseline.model
-    if effects := [e for e in effects_of(symptoms) if e.cause in PREDICTS]:
+    compared = [s for s in symptoms if set(s.channels) <= set(c.train[0].channels)]  # not of a force that drives the simulation
+    if effects := [e for e in effects_of(compared) if e.cause in PREDICTS]:
         c = _carrying(c, effects, whole, given, mass)
     tested = list(c.held or c.train)
     gains = tuple(_gain_of(c.extended.model, s, tested) for s in symptoms)

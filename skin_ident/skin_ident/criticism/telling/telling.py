@@ -133,7 +133,8 @@ def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
     if predicts:
         return {"simulated": "yes, and held-out data are predicted with it", **has}
     reasons = dict.fromkeys(PREDICTS, "the noise carries readings across the steps") | {
-        "adhesion": "the moments at which it acts are not compared"
+        "adhesion": "the moments at which it acts are not compared",
+        "saturation": "the force that clips drives the simulation",
     }
     why = reasons.get(symptom.cause, "it comes at random")
     return {"simulated": f"yes, but nothing is predicted with it, for {why}", "predicts_nothing_for": why, **has}
