@@ -64,8 +64,10 @@ def test_fit_and_diagnosis_hold_one_mass_and_say_where_it_is_from(declared):
     sessions = [replace(session(i), declared=declared) for i in (1, 2)]
     findings, estimate = diagnose(sessions).findings, fit_recordings(sessions)
     held = findings["baseline"]["held"]["m"]
-    assert held["value"] == pytest.approx(estimate.values["m"]) == pytest.approx(
-        declared.moving_mass_kg or 0.108e-3 * (declared.skin_thickness_mm or 4.0)
+    assert (
+        held["value"]
+        == pytest.approx(estimate.values["m"])
+        == pytest.approx(declared.moving_mass_kg or 0.108e-3 * (declared.skin_thickness_mm or 4.0))
     )
     assert held["because"] in summary(findings) and held["because"] in estimate.verdicts["m"].sentence and "rig.yaml" in held["because"]
     assert held["because"] in markdown(tell(Outcome(findings)))
