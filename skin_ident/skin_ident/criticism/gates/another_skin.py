@@ -1,12 +1,12 @@
 """A skin that is another in every session: a hundredth stiffer today than on the day that was fitted.
 
 What it leaves in a session that was not fitted is slow and large, belongs to no cause, and may hide what a true one gains. So numbers of
-the skin may be the session's own, theta ~ N(0, s^2) as a share of each, in every model that is held against it:
+the skin may be the session's own, theta ~ N(0, s^2) as a share of each, with s = `STRAYS`, in every model that is held against it:
 
-    theta = (J'J + 1/s^2)^-1 J' e,    left: e - J theta
+    theta = (J'J + 1/s^2)^-1 J' r,    2 log p - 2 log p0 = r' J theta - log det(1 + s^2 J'J)
 
-with the whitened residual e and what theta changes, J (N. M. Laird, J. H. Ware, Random-effects models for longitudinal data, Biometrics 38
-(1982) 963-974).
+with the whitened residual r, of which r - J theta is left, what theta changes, J, and the marginal likelihood p of that beside p0 without
+(N. M. Laird, J. H. Ware, Random-effects models for longitudinal data, Biometrics 38 (1982) 963-974).
 """
 
 import numpy as np
@@ -15,8 +15,7 @@ from skin_ident.criticism.baseline.fitting import tangents
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.settling import settled
 from skin_ident.criticism.baseline.unknowns import Unknown, scales, unknowns, values
-from skin_ident.criticism.gates.uncertain import Open
-from skin_ident.criticism.noise.whitening import Whitener
+from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
@@ -36,8 +35,16 @@ def changes(model: Model, s: Session) -> np.ndarray:
     return tangents(model, [s], which)[0] * shares[:, None, None]
 
 
+def solved(J: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, float]:
+    """theta (U,) of the module's equation from J (R, U) and r (R,), and what it explains: twice a log likelihood ratio."""
+    gram, product = J.T @ J, J.T @ r
+    theta = np.linalg.solve(gram + np.eye(len(gram)) / STRAYS**2, product)
+    return theta, float(theta @ product - np.linalg.slogdet(np.eye(len(gram)) + STRAYS**2 * gram)[1])
+
+
 def left_beside_own_skin(model: Model, session: Session, noise: Whitener) -> np.ndarray:
     """What a model leaves of a session beside numbers of the session's own, (C, n) N."""
     s = settled(model, session)
-    J = changes(model, s)
-    return Open([J], np.eye(len(J)) / STRAYS).beside([residual(model, s)], [s], noise)[0]
+    own, e = changes(model, s), residual(model, s)
+    theta, _ = solved(stack([own], [s], noise), stack([e], [s], noise))
+    return e - np.tensordot(theta, own, 1)

@@ -1,14 +1,10 @@
 """The skin as each session had it: a specimen is a hundredth stiffer where it lies today, or how warm it is.
 
-k1, b1, k2 and b2 of a session are those that all share, times 1 + theta. What theta explains is held against what any cause does, by its
-marginal likelihood under a normal distribution with the standard deviation s = `STRAYS`,
-
-    theta = (J'J + 1/s^2)^-1 J' r,    2 log p - 2 log p0 = r' J theta - log det(1 + s^2 J'J)
-
-with the whitened residual r and the tangents J of all sessions, both beside what the shared numbers may do (N. M. Laird, J. H. Ware,
-Random-effects models for longitudinal data, Biometrics 38 (1982) 963-974). Where that is more, sessions keep numbers of their own, which
-belong to the baseline as the zeros of their tares do; held-out sessions have theirs by themselves. Where a stiffness differs by more than
-that of specimens does (`NATURAL`), the finding is `parameters` of the skin, with the numbers of every session.
+k1, b1, k2 and b2 of a session are those that all share, times 1 + theta. What theta explains, by the marginal likelihood of
+`gates.another_skin`, with residual and tangents of all sessions beside what the shared numbers may do, is held against what any cause does.
+Where that is more, sessions keep numbers of their own, which belong to the baseline as the zeros of their tares do; held-out sessions have
+theirs by themselves. Where a stiffness differs by more than that of specimens does (`NATURAL`), the finding is `parameters` of the skin,
+with the numbers of every session.
 """
 
 from dataclasses import replace
@@ -23,7 +19,7 @@ from skin_ident.criticism.courses.carriers import DEPTH, SLOPE
 from skin_ident.criticism.courses.course import added, basis
 from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import LEAST, Run
-from skin_ident.criticism.gates.another_skin import STRAYS, changes, of_the_skin
+from skin_ident.criticism.gates.another_skin import changes, of_the_skin, solved
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.said import Said
@@ -185,21 +181,14 @@ def _of_train(search: Search) -> tuple[np.ndarray, float]:
     J, now = block_diag(*(_rows(search, s) for s in sessions)), np.concatenate([_present(search, s) for s in sessions])
     r = whitened(model, sessions, noise) + J @ now
     J, r = J - Q @ (Q.T @ J), r - Q @ (Q.T @ r)
-    theta, explained = _solved(J, r)
+    theta, explained = solved(J, r)
     return theta.reshape(len(sessions), -1), explained
 
 
 def _of_one(search: Search, s: Session) -> tuple[np.ndarray, float]:
     """theta (U,) of a session that was held out, and what it explains."""
     J = _rows(search, s)
-    return _solved(J, whitened(search.present.model, [s], search.noise) + J @ _present(search, s))
-
-
-def _solved(J: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, float]:
-    """theta of the module's equation, and what it explains."""
-    gram, product = J.T @ J, J.T @ r
-    theta = np.linalg.solve(gram + np.eye(len(gram)) / STRAYS**2, product)
-    return theta, float(theta @ product - np.linalg.slogdet(np.eye(len(gram)) + STRAYS**2 * gram)[1])
+    return solved(J, whitened(search.present.model, [s], search.noise) + J @ _present(search, s))
 
 
 def _with(s: Session, search: Search, theta: np.ndarray) -> Session:
