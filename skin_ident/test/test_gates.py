@@ -174,10 +174,10 @@ def test_a_zero_of_each_session_explains_more_than_wandering_noise_may():
     search.present = fit(PLAIN, train, fit_whitener([residual(PLAIN, s) for s in train], train))
     search.look()
     (run,) = (r for r in search.own_courses() if r.course.key == ("force_offset", "load_cell") and r.course.shape == "constant")
-    told = own_course(search, [run], [])
+    told = own_course(search, run, [run], [])
     assert told is not None and told[1].cause == "force_offset" and told[1].explained > search.least(search.present.count)
     search.least = lambda count: told[1].explained + 1.0
-    assert own_course(search, [run], []) is None
+    assert own_course(search, run, [run], []) is None
 
 
 def test_of_what_the_others_do_not_feel_a_fit_to_them_knows_nothing():

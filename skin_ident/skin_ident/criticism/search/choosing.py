@@ -49,7 +49,7 @@ def _own(search: Search, runs: list[Run], trials: list[Trial]) -> tuple[Run, Nam
     bends there is of another cause."""
     first = runs[0]
     kept = [r for r in runs[1:] if r.course == replace(first.course, shape=CONSTANT) and r.score > NEARLY * first.score]
-    return next(filter(None, (own_course(search, [r, *(o for o in runs if o is not r)], trials) for r in (first, *kept))), None)
+    return next(filter(None, (own_course(search, r, runs, trials) for r in (first, *kept))), None)
 
 
 def _is_one_number(run: Run) -> bool:

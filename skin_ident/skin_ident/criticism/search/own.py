@@ -39,9 +39,9 @@ def fit_beside(search: Search, run: Run) -> tuple[Fit, float]:
     return after, search.present.cost - after.cost - run.charge
 
 
-def own_course(search: Search, runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
-    """A finding from the first course of each session's own, where the blocks between support it."""
-    run = runs[0]
+def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
+    """A finding from a course of each session's own, where the blocks between support it; the other `runs` and the `trials` may be its
+    rivals."""
     search.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
     after, score = fit_beside(search, run)
     noise = grown_noise_of(after.model, added(search.train, run.values))  # that of the search holds the course as well
