@@ -29,7 +29,7 @@ from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import Session, longest, prepare
 from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
-from skin_ident.criticism.telling.driving import UNTOLD
+from skin_ident.criticism.telling.driving import is_untold
 from skin_ident.criticism.telling.findings import found, of_reading, seen
 from skin_ident.criticism.vocabulary import BY_NAME, revised
 from skin_ident.recordings.chosen import only_taxels
@@ -238,7 +238,7 @@ def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, ch
     open_still = [
         u
         for u in (*findings["untestable"], *rest.untestable)
-        if u["cause"] not in causes or u["because"] == UNTOLD or (u.get("in_doubt") and (u["cause"], u["where"]) not in told)
+        if u["cause"] not in causes or is_untold(u) or (u.get("in_doubt") and (u["cause"], u["where"]) not in told)
     ]
     said = (
         f"of {count} taxels those that are loaded most ({', '.join(map(str, chosen))}) were searched together with skin, rig and load "

@@ -9,7 +9,7 @@ from skin_ident.criticism.array.findings import entry, excluded, untestable
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.sentences import changing
 from skin_ident.criticism.telemetry.more_than_applied import KIND as MORE_THAN_APPLIED
-from skin_ident.criticism.telling.driving import UNTOLD
+from skin_ident.criticism.telling.driving import is_untold
 from skin_ident.criticism.vocabulary import Key, revised
 from skin_models.model import Model
 
@@ -52,7 +52,7 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen
     open_to = {u["cause"] for u in reasons}  # here, for a search that knows no layout has excluded forms of it that are no shift or leak
     able = [e for e in findings["excluded"] if e["cause"] not in named | open_to] + bounds
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
-    mine = [u for u in findings["untestable"] if u["cause"] not in named or u.get("in_doubt") or u["because"] == UNTOLD]
+    mine = [u for u in findings["untestable"] if u["cause"] not in named or u.get("in_doubt") or is_untold(u)]
     kept = [u for u in mine if _about(u) in seen or _about(u) not in decided]
     verdict = revised(findings["verdict"], bool(entries), more=not isinstance(a, str) and a.unexplained)
     warnings = [*findings["warnings"], *([APART] if not isinstance(a, str) and a.named else [])]

@@ -11,6 +11,11 @@ UNTOLD = "the force drives the simulation: without a depth a load cell is not to
 SEEN = ("outliers", "quantization")  # in the force itself, whatever it drives
 
 
+def is_untold(entry: dict[str, Any]) -> bool:
+    """Whether an entry of `untestable` says that of a load cell: it stays said where its cause is named elsewhere."""
+    return entry["because"] == UNTOLD
+
+
 def with_load_cell_untold(untestable: list[dict[str, Any]], named: Collection[Key]) -> list[dict[str, Any]]:
     """The entries `untestable` with one for every cause that a load cell may have, in the order of the vocabulary behind all others: none
     for what is `named` as its own, or as a rival, nor for what its record alone shows. One that speaks of no place gives way to it."""
