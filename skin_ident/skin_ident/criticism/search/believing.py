@@ -32,7 +32,8 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
     """The best trial that held-out data support, as a finding with its rivals. What is small beside the largest effect so far in a channel
     may be its imperfect form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for; nor is one
     believed that explains less than what an encoder leaves open, unless it stands beside that, or far less than another that held-out data
-    nearly bear out. Why a good one is none, hardware or doubt, is noted in the search."""
+    nearly bear out; where force drives instead of depth, its load cell is a rival of every name in any case. Why a good one is none,
+    hardware or doubt, is noted in the search."""
     nearly, left_open = 0.0, None
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
@@ -53,7 +54,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         hardware = _hardware_does(search, trial, rivals, gain)
         if hardware:
             search.hardware |= hardware
-            left_open = left_open or trial
+            left_open = left_open or (trial if search.train[0].drive is None else None)
         elif trial.score > FAR_LESS * nearly and (left_open is None or _stands_beside(search, trial, left_open)):
             return trial.fit, _finding(search, trial, rivals, trials, runs, gain)
     return None
