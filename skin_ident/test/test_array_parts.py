@@ -13,14 +13,14 @@ from skin_ident.criticism.array.bending import Leaning, Walking, Widening
 from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.extending import NO_FORM, NOT_JUDGED, TOO_LARGE, known, unwritten
 from skin_ident.criticism.array.family import Family
-from skin_ident.criticism.array.findings import POSSIBLE, excluded, untestable
+from skin_ident.criticism.array.findings import POSSIBLE, excluded, parameters, untestable
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.hypotheses import Hypothesis
 from skin_ident.criticism.array.joining import joined
 from skin_ident.criticism.array.judgement import judge
 from skin_ident.criticism.array.layout import Layout, layout_of
 from skin_ident.criticism.array.proposing import for_anybody
-from skin_ident.criticism.array.sentences import separating
+from skin_ident.criticism.array.sentences import separating, shift_of
 from skin_ident.criticism.array.smeared import Capacitive, Smeared
 from skin_ident.recordings.declared import Declared, declared_from
 from skin_ident.recordings.errors import RecordingError
@@ -88,6 +88,25 @@ def test_a_row_has_one_axis_and_a_cross_of_contacts_two():
     _, layout = array(3, 0)
     assert np.allclose(np.abs(layout.axes), [[1.0, 0.0]], atol=1e-6)
     assert len(replace(layout, contacts=np.array([[0.0, 0.0], [0.0, 4e-3]])).axes) == 2
+
+
+@pytest.mark.parametrize("held", [(0.5e-3, 3.5e-3), (-1.3e-3, -3e-3)])
+def test_a_place_that_some_sessions_tell_is_the_same_place_in_all(held):
+    """Fitted sessions whose contacts are nearly in the row of the taxels, and one that is held out beside it."""
+    contacts = np.array([[0.0, 0.0], [1.8e-3, -0.02e-3], [-1.5e-3, 0.01e-3], held])
+    skin, layout = array(3, 1, contacts)
+    assert len(replace(layout, contacts=contacts[:3]).axes) == 1 and len(layout.axes) == 2
+    train, off = [0, 1, 2], np.array([2e-4, 0.0])
+    assert np.array_equal(layout.of(train).of([0]).axes, layout.axes)
+    read = measured([skin.shares(q + off) for q in contacts[train]], 0)
+    verdict = judge(layout.of(train), read)
+    assert verdict.named.key == ("off_centre", "rig")
+    found = ArrayCriticism(layout, read, verdict, None)
+    assert np.hypot(*(shift_of(verdict.causes[0].fit.member, layout) - off)) < 5e-5
+    told = Family(layout.of([3])).shares(verdict.causes[0].fit.member)[0]
+    moved, plain = (skin.shares(contacts[3] + q) for q in (off, 0.0))
+    assert np.abs(told - moved * np.mean(told) / np.mean(moved)).max() < 0.3 * np.abs(moved - plain * np.mean(moved) / np.mean(plain)).max()
+    assert set(parameters(found.judgement.causes[0], layout)) == {"x", "y"}
 
 
 @pytest.mark.parametrize("e", BENDS, ids=lambda e: type(e).__name__)

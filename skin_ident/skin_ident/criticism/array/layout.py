@@ -27,6 +27,7 @@ class Layout:
     width             m, c of exp(-(r / c)^2) as declared or to be expected
     width_declared    whether somebody said so; otherwise it follows from the skin's thickness and may well be otherwise
     gain_std          relative standard error of every taxel's calibration; None where nobody declared one
+    known_axes        the `axes` of the sessions of which these are some: a shift is told along the same ones in all of them
     """
 
     taxels: np.ndarray
@@ -34,6 +35,7 @@ class Layout:
     width: float
     width_declared: bool
     gain_std: float | None = None
+    known_axes: np.ndarray | None = None
 
     @property
     def places(self) -> np.ndarray:
@@ -53,6 +55,8 @@ class Layout:
     @property
     def axes(self) -> np.ndarray:
         """Unit vectors (1 or 2, 2) along which the taxels, or the contacts, are spread out; none for a lone taxel under one contact."""
+        if self.known_axes is not None:
+            return self.known_axes
         points = self.places.reshape(-1, 2) - self.places.reshape(-1, 2).mean(axis=0)
         _, size, axes = np.linalg.svd(points, full_matrices=False)
         kept = axes[size / np.sqrt(len(points)) > 10.0 * APART]
@@ -60,7 +64,7 @@ class Layout:
 
     def of(self, sessions: list[int]) -> "Layout":
         """The same for some of the sessions."""
-        return replace(self, contacts=self.contacts[sessions])
+        return replace(self, contacts=self.contacts[sessions], known_axes=self.axes)
 
 
 def unplaced(recordings: list) -> tuple[str, ...]:
