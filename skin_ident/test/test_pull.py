@@ -52,6 +52,20 @@ def test_a_load_cell_too_noisy_for_a_single_leaving_agrees_with_its_taxel_over_a
     assert [s.channels for s in found] == ([("force", "taxel_0")] if pull else [])  # what the load cell does not feel is a taxel's fault
 
 
+@pytest.mark.parametrize(("pull", "spikes", "step"), [(0.105, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.5, 0.07)])
+def test_noise_of_the_encoder_is_not_in_the_air_where_a_pull_shows(pull, spikes, step):
+    rng, t = np.random.default_rng(4), np.arange(12000) / 100.0
+    skin = Dispersion(m=0.0, b1=20.0, k1=6000.0, b2=20.0, k2=6000.0)
+    x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
+    brief = np.where((np.diff(x, append=x[-1]) < 0.0) & (x < 0.0) & (x > -1e-4), -pull, 0.0)
+    plain = 12000.0 * np.maximum(x, 0.0) + brief + rng.normal(0.0, 0.02, t.size) + spikes * (rng.random(t.size) < 0.01)
+    force = np.round(plain / step) * step if step else plain
+    taxel = 6000.0 * np.maximum(x, 0.0) + rng.normal(0.0, 0.02, t.size)
+    read = x + rng.normal(0.0, 10e-6, t.size)
+    found = find_pull(Model(skin, shares=(1.0,)), [prepare(Recording("a", t, read, force, taxel[None]))])
+    assert [s.channels for s in found] == ([("force",)] if pull else [])
+
+
 @pytest.mark.parametrize("pull", [0.0, 0.2])
 def test_a_slow_plunger_is_followed_until_the_skin_lets_go(pull):
     """The skin follows for 90 um, a second long, and pulls most where it snaps off."""

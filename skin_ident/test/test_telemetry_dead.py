@@ -55,6 +55,17 @@ def test_an_open_taxel_that_may_lie_apart_is_not_ruled_out(tmp_path):
     assert "dead_taxel" not in {e["cause"] for e in findings["excluded"]}
 
 
+@pytest.mark.parametrize(("rms", "open_"), [(1.0, False), (0.1, True)])
+def test_a_taxel_that_lies_apart_has_its_noise_and_an_open_one_has_not(tmp_path, rms, open_):
+    sound = three(None)
+    level = float(np.std(np.diff(sound[0].taxels[:100], axis=0)) / np.sqrt(2.0))  # in the air
+    quiet = spoilt(sound, 2, lambda y, rng: rms * level * rng.standard_normal(y.size), declared=False)
+    made = [replace(s, rig={**s.rig, "taxel_noise_n": level}) for s in quiet]
+    dead = [s for s in named(tmp_path, made) if s.cause == "dead_taxel"]
+    assert [s.where for s in dead] == ["taxel_2"] * open_ and apart(load(tmp_path)) == ["taxel_2"] * (not open_)
+    assert all("nor has it the noise of a taxel" in s.evidence["why"] for s in dead)
+
+
 def on_and_off(y, rng):
     return np.where(np.repeat(rng.random(y.size // 300 + 1) > 0.4, 300)[: y.size], y, 0.0)
 

@@ -50,7 +50,7 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
     level = float(np.median(np.concatenate(rows)))
     kind = "stuck" if abs(level) > 3.0 * float(np.std(rows[0])) else "open"
     follows = f"{name} does not follow the load in any of {len(rows)} sessions (largest correlation {r:.2f})"
-    why = f"{follows}, though {by}; it reads {level:.3g} N throughout"
+    why = f"{follows}, {by}; it reads {level:.3g} N throughout"
     return [_symptom(name, n, 0.0, why, kind, level)]
 
 

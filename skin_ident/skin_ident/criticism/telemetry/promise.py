@@ -3,9 +3,13 @@
 Any spread falls off from the contact in all directions, so that a taxel on the straight line between two others feels at least what the
 lesser of them does. Without a declared layout only the second of three taxels is taken to lie between others, as they are numbered in a
 row; of more, the numbers may go row by row over an area, and so they may where three were chosen out of more.
+
+A sensor that lies apart still has its noise: one that reads next to nothing of what is declared, where others read about that, is open.
 """
 
 import numpy as np
+
+from skin_ident.estimators.scale import white_noise
 
 WIDTH = 0.0045  # m, narrower than any Gaussian spread of thesis Table 4-8
 AWAY = 0.002  # m, by which a plunger may be off
@@ -13,19 +17,35 @@ CLEAR = 3.0  # noise widths that the promised signal must have
 SHARE = 0.4  # of the applied force that the thesis's skins lead through a taxel under the plunger at least
 FELT = 0.1  # of the load that the lesser of two neighbours must feel
 NOTHING = 0.005  # of what the lesser neighbour feels: less is silence
+QUIET, USUAL = 0.3, 0.5  # of the declared noise, which an open taxel reads at most, and others at least
 MIDDLE, BESIDE = (0.2, 0.8), 0.1  # of the way from one neighbour to the other, and beside it, where a taxel is between them
 
 
 def promised(recordings: list, i: int, n: int) -> str:
     """What promises taxel `i` of `n` a reading well above its own noise, as a clause; empty where it may simply lie apart."""
     if n == 1:
-        return "there is a load"
+        return "though there is a load"
     places = len(recordings[0].declared.taxel_positions_mm)
     if i < places and _by_place(recordings[0], i):
-        return "its place says that it should"
+        return "though its place says that it should"
     pair = next((p for r in recordings for p in _pairs(r, i, n) if _between(r, i, *p)), None)
     how = "" if places else ", as they are numbered,"
-    return f"taxel_{pair[0]} and taxel_{pair[1]} on both sides of it{how} say that it should" if pair else ""
+    if pair:
+        return f"though taxel_{pair[0]} and taxel_{pair[1]} on both sides of it{how} say that it should"
+    return _without_noise(recordings, i)
+
+
+def _without_noise(recordings: list, i: int) -> str:
+    """That a taxel has next to nothing of the noise declared for it, while every other taxel has noise as declared."""
+    declared = recordings[0].declared
+    levels = [declared.of_taxel("taxel_noise_n", k) for k in range(len(recordings[0].taxels))]
+    if not all(levels) or set(recordings[0].taxel_units) != {"N"}:
+        return ""
+    own = max(float(np.std(r.taxels[i])) for r in recordings)
+    others = [max(white_noise(r.taxels[k]) for r in recordings) / level for k, level in enumerate(levels) if k != i]
+    if own > QUIET * levels[i] or min(others) < USUAL:
+        return ""
+    return f"nor has it the noise of a taxel, which rig.yaml declares to be {levels[i]:.3g} N (it varies by {own:.2g} N)"
 
 
 def _by_place(r, i: int) -> bool:

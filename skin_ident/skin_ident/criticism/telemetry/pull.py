@@ -23,7 +23,8 @@ from skin_models.model import Model
 BEFORE_S, AFTER_S = 0.25, 0.4  # about the moment when the model says that the plunger leaves
 OUT, SLOWLY_S = 0.15e-3, 2.0  # m, or time, to which a plunger is followed that leaves more slowly
 NEAR_S = 8.0  # of air around it, by which the sensor's zero is judged
-CLEAR = 2.5  # widths of what the model leaves, at each of most leavings
+CLEAR = 2.5  # widths of what the model leaves, or nearly of what is read in the air, at each of most leavings
+AIR, LEAST_AIR = 1.5, 50  # times the width in the air, if there are so many samples of it: an encoder's noise is not in the air
 AGREE = 0.6  # of the leavings that must show it, in the sessions together
 FEWEST = 4  # leavings
 SHOWN = 0.3  # of what a model says, or of what was found, the least that readings must fall
@@ -51,8 +52,7 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     if any(s.drive is not None for s in sessions) or any(e.cause == "adhesion" for e in model.effects):
         return []
     rest = [s.raw - simulated(model, s) for s in sessions]
-    step = np.max([s.steps for s in sessions], axis=0)
-    width = np.maximum(normal_scale(np.concatenate(rest, axis=1), axis=1), step)
+    width = _width(model, sessions, rest)
     leavings = _all_leavings(model, sessions, rest)
     if len(leavings) < FEWEST:
         return []
@@ -72,6 +72,22 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     found, least = _as_simulated(found, model, sessions, rest)
     clear = np.minimum(-CLEAR * width, SHOWN * np.median(dips[shown], axis=0))
     return [] if _follows(model, sessions, clear, least) else [found]
+
+
+def _width(model: Model, sessions: list[Session], rest: list[np.ndarray]) -> np.ndarray:
+    """How wide the readings of each channel scatter about a plunger that leaves, (C,) N: as the `rest` that a model leaves does, or not
+    much more than they do in the air, spikes and all, but no less than a step."""
+    widths = normal_scale(np.concatenate(rest, axis=1), axis=1)
+    air = [s.raw[:, _in_air(model, s)] for s in sessions]
+    air = np.concatenate([rows - np.mean(rows, axis=1, keepdims=True) for rows in air if rows.size] or air, axis=1)
+    if air.shape[1] >= LEAST_AIR:
+        widths = np.minimum(widths, AIR * np.std(air, axis=1))
+    return np.maximum(widths, np.max([s.steps for s in sessions], axis=0))
+
+
+def _in_air(model: Model, s: Session) -> np.ndarray:
+    moved = motion_under(s, model.dispersion)
+    return ~model.dispersion.contact(moved) & (moved.x < 0.0)
 
 
 def is_pulled(pulling: Model, without: Model, sessions: list[Session]) -> bool:
