@@ -14,7 +14,9 @@ from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.search.ranking import project, rank
 from skin_ident.criticism.search.survey import Survey
+from skin_ident.criticism.telemetry.quantization import no_finer
 from skin_ident.criticism.telling.findings import _not_findings
+from skin_ident.recordings.declared import Declared
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
@@ -85,3 +87,25 @@ def test_what_a_converter_may_do_itself_is_not_called_tested(tmp_path):
     assert entry["where"] == "skin" and "a converter with steps of" in entry["because"] and "finer steps" in entry["needs"]
     assert entry["hardware"] and "own_zero" not in entry
     assert not any(e["cause"] == "nonlinear_stiffness" for e in said["excluded"])
+
+
+def test_what_is_the_same_as_what_a_converter_may_do_is_left_open_too(tmp_path):
+    """The skin swallows a little of what it hands on: so do its taxels, where there is one, and its converter may do as much."""
+    sessions, _ = make_sessions([Hide("dead_zone", "skin", "gap", 0.5)], seed=907200330, n_taxels=1, protocol="full")
+    write_case(sessions, tmp_path)
+    recordings = load(tmp_path)
+    findings = diagnose(recordings[:2], recordings[2:]).findings
+    assert not findings["findings"]
+    left = {u["where"]: u["because"] for u in findings["untestable"] if u["cause"] == "dead_zone"}
+    assert set(left) == {"skin", "taxel"} and "a converter with steps of" in left["taxel"]
+    assert left["skin"].startswith("it cannot be told from dead_zone in the taxel: it would explain")
+
+
+def test_steps_are_excluded_from_where_their_levels_tell():
+    t = np.arange(500) / 100.0
+    declared = Declared(force_step_n=0.07, encoder_step_um=1.0)
+    record = Recording("a", t, 1e-4 * t, np.round(t / 0.07) * 0.07, np.zeros((0, 500)), declared=declared)
+    entries = [
+        {"cause": c, "where": w, "below": 1e-7} for c, w in (("quantization", "load_cell"), ("quantization", "rig"), ("drift", "load_cell"))
+    ]
+    assert [e["below"] for e in no_finer(entries, [record])] == pytest.approx([1.25 * 0.07, 1.25e-6, 1e-7])

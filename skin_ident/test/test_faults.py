@@ -121,6 +121,16 @@ def test_one_taxel_with_steps_unlike_the_others_needs_no_declaration():
     assert not find_quantization(two)
 
 
+@pytest.mark.parametrize(("times", "told"), [(1.4, True), (1.1, False)])
+def test_levels_a_third_further_apart_than_declared_are_seen(times, told):
+    made = [
+        session(i, lambda y, rng: times * 0.05 * np.round(y / (times * 0.05)), declared=Declared(taxel_step_n=(0.05,))) for i in range(2)
+    ]
+    found = find_quantization(made)
+    assert {s.where for s in found} == ({"taxel_0", "taxel_1", "taxel_2"} if told else set())
+    assert all("1.4 times as far apart as rig.yaml declares" in s.evidence["why"] for s in found)
+
+
 def companded(y, rng):
     """Steps that grow with the reading, from 0.04 to 0.2 N."""
     edges = np.cumsum(np.linspace(0.04, 0.2, 120))

@@ -14,11 +14,11 @@ from skin_ident.criticism.scan.levels import Levels, find_levels
 from skin_ident.criticism.scan.rough import rough
 from skin_ident.criticism.scan.slips import FACTORS, factor_near, find_slips
 from skin_ident.criticism.scan.start import plain_start
+from skin_ident.criticism.telemetry.quantization import COARSER
 from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 
-COARSER = 1.5  # times the declared step
 ANSWERS = 3e-4  # chance, below which readings are said to follow depth and distance
 FEWEST = 12  # cells that a search needs
 SANE = {"distance": (5e-5, 0.2), "depth": (1e-6, 0.1), "force": (1e-3, 1e5)}  # m, m, N: widths, depths and largest forces of robot skin

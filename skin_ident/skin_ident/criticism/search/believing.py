@@ -12,7 +12,7 @@ from skin_ident.criticism.gates.second_opinion import at_any_scale
 from skin_ident.criticism.search.by_nature import same_by_nature
 from skin_ident.criticism.search.doubt import shadowed, unproven
 from skin_ident.criticism.search.growing import instances, negligible
-from skin_ident.criticism.search.hardware import converter_does, encoder_does, stage_is_off, too_short
+from skin_ident.criticism.search.hardware import converter_does, encoder_does, no_other_does, stage_is_off, too_short
 from skin_ident.criticism.search.named import Named, NotNamed
 from skin_ident.criticism.search.rivals import CHANCE, Rival, own_rivals, reach
 from skin_ident.criticism.search.state import Search
@@ -38,6 +38,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
         if _is_hardware(search, trial, gain):
+            _note_the_like(search, trial, trials)
             return None
         itself = not search.shadows(gain) and trial.score > search.form_of_others(*trial.key)
         itself = itself or _explains_all(search, trial)
@@ -54,6 +55,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         hardware = _hardware_does(search, trial, rivals, gain)
         if hardware:
             search.hardware |= hardware
+            _note_the_like(search, trial, trials)
             left_open = left_open or (trial if search.train[0].drive is None else None)
         elif trial.score > FAR_LESS * nearly and (left_open is None or _stands_beside(search, trial, left_open)):
             return trial.fit, _finding(search, trial, rivals, trials, runs, gain)
@@ -144,6 +146,16 @@ def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain
     as_good = [t for t in rivals if t.score > trial.score - CHANCE and t.key[0] == SHIFT]
     unread = {t.key: too_short(t.key, t.fit.model, search.encoder_step) for t in as_good}
     return {key: why for key, why in unread.items() if why is not None}
+
+
+def _note_the_like(search: Search, trial: Trial, trials: list[Trial]) -> None:
+    """Note of what explains as much as a trial that is left to hardware, or is the same by nature, that it is, too."""
+    why = search.hardware.get(trial.key)
+    if why is None:
+        return
+    as_good = [t.key for t in trials if t.score > reach(trial.score)]
+    same = [r.key for r in same_by_nature(trial, trials, {trial.key, *as_good}, search.train)]
+    search.hardware |= {key: no_other_does(trial.key, why) for key in (*as_good, *same) if key not in search.hardware}
 
 
 def _is_rival(search: Search, other: Trial, best: Trial, gain: Gain) -> bool:

@@ -1,6 +1,7 @@
 """What held-out data support and is no finding, since good hardware does as much by itself: it is said, with what would tell."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -95,6 +96,12 @@ def specimens_do(largest: Mapping[str, float]) -> NotNamed:
     off = ", ".join(f"{name} by up to {100.0 * share:.2g} %" for name, share in largest.items())
     needs = "sessions of one specimen in one place and at one temperature, or the numbers of each"
     return _usual(f"the skin of single sessions is another ({off}), as that of specimens, temperatures and places is", needs)
+
+
+def no_other_does(key: Key, why: NotNamed) -> NotNamed:
+    """Why what cannot be told from a cause and place is no finding, where that is none for hardware does as much."""
+    cause, where = key
+    return replace(why, because=f"it cannot be told from {cause} in the {where}: {why.because}")
 
 
 def _worth(gain: Gain) -> str:

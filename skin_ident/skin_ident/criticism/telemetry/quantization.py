@@ -17,7 +17,8 @@ from skin_ident.criticism.telemetry.units import declared_step
 from skin_ident.estimators.scale import white_noise
 from skin_ident.recordings.levels import FEWEST_LEVELS
 
-COARSER = 1.5  # times the declared step
+COARSER = 1.25  # times the declared step, which no calibration is off by
+UNEVENLY = 1.5  # the same of steps that are not all alike
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
 FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
 FEW = 0.05  # of the samples, the most levels of a converter whose steps are uneven, and which reads
@@ -36,7 +37,7 @@ def uneven_step(y: np.ndarray, declared: float) -> float | None:
     if few or levels.size > FEW * y.size or np.sum(counts[again]) < OFTEN * np.sum(counts):
         return None
     gaps = np.diff(levels[again])
-    return float(np.median(gaps)) if np.percentile(gaps, NARROW) > COARSER * declared else None
+    return float(np.median(gaps)) if np.percentile(gaps, NARROW) > UNEVENLY * declared else None
 
 
 def find_quantization(recordings: list) -> list[Symptom]:
@@ -55,6 +56,18 @@ def find_quantization(recordings: list) -> list[Symptom]:
             s = _coarse(recordings, channel, float(np.median(uneven)), against, known)
             found.append(replace(s, evidence={**s.evidence, "uneven": True}))
     return found
+
+
+def no_finer(excluded: list[dict[str, Any]], recordings: list) -> list[dict[str, Any]]:
+    """Entries of what is excluded, quantization above no less than tells from what is declared: the levels themselves say no more."""
+    n, declared = len(recordings[0].taxels), _declared(recordings[0])
+    told = {sensor_of(channel, n): COARSER * step for channel, step in declared.items() if step}
+    told.setdefault("taxel", min((least for where, least in told.items() if where.startswith("taxel")), default=0.0))
+
+    def bounded(e: dict[str, Any]) -> dict[str, Any]:
+        return {**e, "below": max(e["below"], told.get(e["where"], 0.0))}
+
+    return [bounded(e) if e["cause"] == "quantization" and "where" in e else e for e in excluded]
 
 
 def undeclared_steps(recordings: list) -> dict[str, float]:

@@ -16,7 +16,7 @@ from skin_ident.criticism.search.named import Criticism, Named, NotNamed
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.dead import apart
-from skin_ident.criticism.telemetry.quantization import undeclared_steps
+from skin_ident.criticism.telemetry.quantization import no_finer, undeclared_steps
 from skin_ident.criticism.telemetry.symptom import Symptom, sensor_of
 from skin_ident.criticism.telling.by_session import by_session, most_left
 from skin_ident.criticism.telling.driving import NEEDS, with_load_cell_untold
@@ -270,7 +270,7 @@ def as_findings(
         "recordings": [_recording(r, any(r.name == s.name for s in held)) | each.get(r.name, {}) for r in recordings],
         "baseline": baseline,
         "findings": entries,
-        "excluded": excluded,
+        "excluded": no_finer(excluded, recordings),
         "untestable": untestable,
         "extended": described(c.extended.model, _all_of(c) if given else c.extended.unknowns, c.extended.std, list(c.train), list(c.held)),
         "systematic_rest": rest.as_json | most_left(each),
