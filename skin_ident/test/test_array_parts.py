@@ -102,10 +102,11 @@ def test_a_place_that_some_sessions_tell_is_the_same_place_in_all(held):
     verdict = judge(layout.of(train), read)
     assert verdict.named.key == ("off_centre", "rig")
     found = ArrayCriticism(layout, read, verdict, None)
-    assert np.hypot(*(shift_of(verdict.causes[0].fit.member, layout) - off)) < 5e-5
+    assert shift_of(verdict.causes[0].fit.member, layout) == pytest.approx(off, abs=2e-4)  # across the row they hardly tell
+    assert shift_of(verdict.causes[0].fit.member, layout)[0] == pytest.approx(off[0], abs=2e-5)
     told = Family(layout.of([3])).shares(verdict.causes[0].fit.member)[0]
     moved, plain = (skin.shares(contacts[3] + q) for q in (off, 0.0))
-    assert np.abs(told - moved * np.mean(told) / np.mean(moved)).max() < 0.3 * np.abs(moved - plain * np.mean(moved) / np.mean(plain)).max()
+    assert np.abs(told - moved * np.mean(told) / np.mean(moved)).max() < 0.5 * np.abs(moved - plain * np.mean(moved) / np.mean(plain)).max()
     assert set(parameters(found.judgement.causes[0], layout)) == {"x", "y"}
 
 

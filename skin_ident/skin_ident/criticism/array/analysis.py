@@ -15,7 +15,8 @@ from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
 MOST = 0.67  # of what the ratios get wrong (mean square), which a cause must account for to be named
-FAR = 0.25  # of the shares: so far off is no calibration
+FAR = 0.25  # of the shares: so far off is no calibration,
+BEYOND = 5.0  # nor is what is so many times as far off as calibrations are declared to be
 DOUBTED = 0.1  # relative error granted to the share of a taxel in which another fault was found
 BENDING = ("saturation", "dead_zone", "hysteresis", "lag", "gain_error", "drift", "crosstalk", "nonlinear_stiffness")
 
@@ -34,8 +35,11 @@ class ArrayCriticism:
 
     @property
     def unexplained(self) -> bool:
-        """Whether the ratios are wrong by more than calibrations ever are, and no cause has been named for it."""
-        return not self.named and self.judgement.named is not None and self.unlike > FAR
+        """Whether the ratios are wrong by more than calibrations ever are, or by far more than they are declared to be, and no cause has
+        been named for it."""
+        declared = self.layout.gain_std
+        far = FAR if declared is None else min(FAR, BEYOND * declared)
+        return not self.named and self.judgement.named is not None and self.unlike > far
 
     @property
     def named(self) -> bool:

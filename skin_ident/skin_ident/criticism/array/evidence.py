@@ -31,15 +31,18 @@ class Fitted:
     log_evidence: float
 
 
-def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float]) -> Fitted:
-    """Fit the entries of `free` (name: prior standard deviation) to the measured shares.
+def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float], start: dict[str, float] | None = None) -> Fitted:
+    """Fit the entries of `free` (name: prior standard deviation) to the measured shares, from the member `start` or from none.
 
-    `scatter` is the relative standard error of calibrations: one unknown factor per taxel, the same in all sessions, is integrated out.
+    What every session has of its own is free by one entry for all, `scale`. `scatter` is the relative standard error of calibrations: one
+    unknown factor per taxel, the same in all sessions, is integrated out.
     """
     names = [n for n in family.names if n in free or n.partition("_")[0] in ALWAYS]
     names += filter(is_repeat, free)
-    size = np.array([free.get(n, ALWAYS.get(n.partition("_")[0])) for n in names], float)
-    z = np.where(np.array(names) == "level", first_level(family, gains), 0.0) / size
+    every = ALWAYS | free
+    size = np.array([every.get(n, every.get(n.partition("_")[0])) for n in names], float)
+    start = start or {"level": first_level(family, gains)}
+    z = np.array([start.get(n, 0.0) for n in names]) / size
     root, log_root = covariance_root(gains, scatter)
 
     def misfit(z: np.ndarray) -> np.ndarray:

@@ -128,10 +128,13 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
         for j in a.judgement.unaided:
             if not _told(j):
                 yield {"cause": j.hypothesis.cause, "where": j.hypothesis.where, "because": UNTOLD, "needs": SCAN}
-    if not a.named and a.judgement.sure > POSSIBLE:
+    elif a.named:
+        taken = "the ratios of the taxels are taken up by what was found in them: beside {} in the {} they bound nothing"
+        beside = {"because": taken.format(*a.judgement.causes[0].key), "needs": f"the same sessions once that is mended, or {SCAN}"}
+        yield from ({"cause": c, **beside} for c in said if c in ALL and c != "crosstalk")  # of which the search bounds other forms
+    else:
         because = f"{_scatter(a)}, which calibrations or positions off by as much would explain too"
-        open_ = {"because": because, "needs": SCAN, "left_open": True}
-        yield from ({"cause": c, **open_} for c in said if c not in ("spread_width", "anisotropy"))
+        yield from ({"cause": c, "because": because, "needs": SCAN, "left_open": True} for c in said)
 
 
 def _scatter(a: ArrayCriticism) -> str:

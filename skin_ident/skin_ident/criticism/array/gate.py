@@ -1,7 +1,8 @@
 """What a cause in the ratios is worth on sessions that were not used to find it.
 
-Before: shares as the declared layout has them; after: shares as the cause has them. Both have one scale, fitted to the training sessions;
-everything else is the extended model. The rest is the common gate: whitened squared error, and a bootstrap over blocks.
+Before: shares as the declared layout has them; after: shares as the cause has them. Of the sessions that are predicted both are told the
+level, as one number each: that is how stiff the skin is there, and no ratio. Everything else is the extended model. The rest is the common
+gate: whitened squared error, and a bootstrap over blocks.
 """
 
 import numpy as np
@@ -24,19 +25,20 @@ def held_out_gain(
 ) -> tuple[Gain, float]:
     """The gain on the sessions `held` (indices), and what is left there (RMSE, N, in the channel that gains most) where every taxel has the
     share that was measured. Where there are none, or where sessions press at different places and one of them may not show the cause, each
-    of the others in turn is left out of the fit as well.
+    of the others in turn is predicted from all but itself as well: two or three places alone may not tell where a cause is.
 
     Before, nothing is free but a width that is only expected, and not known.
     """
     train = [i for i in range(len(sessions)) if i not in held]
-    in_turn = [([i for i in train if i != j] or [j], [j]) for j in train] if not held or layout.several_contacts else []
+    every = range(len(sessions))
+    in_turn = [([i for i in every if i != j] or [j], [j]) for j in train] if not held or layout.several_contacts else []
     folds = [*([(train, held)] if held else []), *in_turn]
     said = " and ".join([*(sessions[i].name for i in held), *([EACH_IN_TURN] if in_turn else [])])
     around = best.background
-    width = {"width": around.width} if around.width > EXACT else {}
+    known = {name: std for name, std in around.alone.items() if name != "width" or std > EXACT}
     before, after, judged, least = [], [], [], []
     for fit_on, try_on in folds:
-        for errors, free in ((before, width), (after, {**width, **best.hypothesis.free})):
+        for errors, free in ((before, known), (after, {**known, **best.hypothesis.free})):
             shares = _predicted(layout, measured, fit_on, try_on, around.scatter, free)
             errors += [residual(*with_shares(model, sessions[i], row)) for i, row in zip(try_on, shares, strict=True)]
         judged += [sessions[i] for i in try_on]
@@ -46,8 +48,8 @@ def held_out_gain(
 
 
 def _predicted(layout: Layout, measured: Gains, fit_on: list[int], try_on: list[int], scatter: float, free: dict) -> np.ndarray:
-    """Shares (S, T) of the sessions `try_on` by a member fitted to `fit_on`, at the mean of their levels."""
+    """Shares (S, T) of the sessions `try_on` by a member fitted to `fit_on`, each at its own level."""
     member = fitted(Family(layout.of(fit_on)), measured.of(fit_on), scatter, free).member
-    level = member["level"] + float(np.mean([member[f"scale_{s}"] for s in range(len(fit_on))]))
-    rest = {name: value for name, value in member.items() if not name.startswith("scale_")}
-    return Family(layout.of(try_on)).shares({**rest, "level": level})
+    shares = Family(layout.of(try_on)).shares({name: value for name, value in member.items() if not name.startswith("scale_")})
+    read = measured.value[try_on]
+    return shares * (np.sum(shares * read, axis=1) / np.maximum(np.sum(shares**2, axis=1), 1e-300))[:, None]

@@ -1,8 +1,8 @@
 """What could be wrong with the shares, and how much of it is to be expected.
 
-Beside every cause stands what nobody is to blame for: calibrations that are a little off, and a width that follows from the thickness of
-the skin only roughly. Both are mixtures of narrow and wide, so that shares which agree with the declaration to a fraction of a per cent
-are not excused by several, and shares which scatter are.
+Beside every cause stands what nobody is to blame for: calibrations that are a little off, a skin that is not quite as stiff everywhere,
+and a width that follows from the thickness of the skin only roughly. All are mixtures of narrow and wide, so that shares which agree with
+the declaration to a fraction of a per cent are not excused by several, and shares which scatter are.
 """
 
 from collections.abc import Iterator
@@ -15,6 +15,8 @@ from skin_ident.criticism.array.layout import MEASURED_AT, Layout
 
 # Relative error of calibrations where none is declared: (standard deviation, prior probability).
 SCATTER = ((0.002, 0.9), (0.01, 0.05), (0.03, 0.05))
+# Relative difference of the skin's stiffness between sessions, at one place and at others, in the same words.
+PLACES = ((0.002, 0.5), (0.02, 0.5))
 EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is known, and of one that is only expected
 # What a cause is like: prior standard deviations, the shift in m, the others relative.
 SHIFT, GAIN, LEAK, COMMON = 1e-3, 0.15, 0.05, 0.1
@@ -33,17 +35,27 @@ class Hypothesis:
     free: dict[str, float]
 
 
+NOTHING = Hypothesis("", "", 0.5, {})
+
+
 @dataclass(frozen=True)
 class Background:
-    """One mixture component of what is nobody's fault: its probability, and relative standard deviations of calibrations and width."""
+    """One mixture component of what is nobody's fault: its probability, and relative standard deviations of calibrations, of the width, and
+    of the skin's stiffness from session to session."""
 
     weight: float
     scatter: float
     width: float
+    places: float
+
+    @property
+    def alone(self) -> dict[str, float]:
+        """Prior standard deviations of what is free beside the calibrations where nothing is wrong."""
+        return {"width": self.width, "scale": self.places}
 
     def and_with(self, h: Hypothesis) -> dict[str, float]:
         """Prior standard deviations of everything that is free under a hypothesis, beside the calibrations."""
-        return {"width": self.width, **{name: float(np.hypot(std, self.width * (name == "width"))) for name, std in h.free.items()}}
+        return {**self.alone, **{name: float(np.hypot(std, self.width * (name == "width"))) for name, std in h.free.items()}}
 
 
 def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple[Hypothesis, ...]:
@@ -51,7 +63,7 @@ def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple
     are what one taxel may repeat of one other (`repeat_3_2`)."""
     n = len(layout.taxels)
     shifts = {f"shift_{a}": SHIFT for a in range(len(layout.axes))}
-    listed = [Hypothesis("", "", 0.5, {}), Hypothesis("off_centre", "rig", 0.15, shifts)]
+    listed = [NOTHING, Hypothesis("off_centre", "rig", 0.15, shifts)]
     listed += [Hypothesis("gain_error", f"taxel_{i}", 0.15 / n, {f"gain_{i}": GAIN}) for i in suspects]
     listed += [Hypothesis("crosstalk", "taxel", 0.05, {"leak": LEAK}), Hypothesis("crosstalk", "taxel", 0.05, {"common": COMMON})]
     listed += [Hypothesis("crosstalk", f"taxel_{r.split('_')[1]}", 0.1 / (n * (n - 1)), {r: REPEAT}) for r in repeats]
@@ -66,8 +78,8 @@ def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple
 def backgrounds(layout: Layout, thickness_mm: float | None) -> Iterator[Background]:
     """The mixture of calibration errors and widths."""
     scatter = SCATTER if layout.gain_std is None else ((layout.gain_std, 1.0),)
-    for (gain, w), (width, v) in product(scatter, _widths(layout, thickness_mm)):
-        yield Background(w * v, gain, width)
+    for (gain, w), (width, v), (places, u) in product(scatter, _widths(layout, thickness_mm), PLACES):
+        yield Background(w * v * u, gain, width, places)
 
 
 def _widths(layout: Layout, thickness_mm: float | None) -> tuple[tuple[float, float], ...]:

@@ -8,7 +8,7 @@ import numpy as np
 from skin_ident.criticism.array.evidence import Fitted, covariance_root, fitted
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains
-from skin_ident.criticism.array.hypotheses import CHANGE, GAIN, Background, Hypothesis, backgrounds, hypotheses
+from skin_ident.criticism.array.hypotheses import CHANGE, GAIN, NOTHING, Background, Hypothesis, backgrounds, hypotheses
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.vocabulary import Key
 
@@ -75,12 +75,12 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     mixture = list(backgrounds(layout, thickness_mm))
 
     def weighed(h: Hypothesis) -> Judged:
-        fits = [fitted(family, measured, b.scatter, b.and_with(h)) for b in mixture]
+        fits = _fits(family, measured, mixture, h)
         logs = [f.log_evidence + np.log(b.weight) for f, b in zip(fits, mixture, strict=True)]
         best = int(np.argmax(logs))
         return Judged(h, float(np.logaddexp.reduce(logs) + np.log(h.prior)), fits[best], mixture[best])
 
-    nothing = weighed(Hypothesis("", "", 0.5, {}))
+    nothing = weighed(NOTHING)
     suspects = _suspects(family, measured, nothing.fit)
     every = [
         replace(j, log_odds=j.log_odds - nothing.log_odds)
@@ -98,9 +98,20 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     return replace(judgement, changed=(taxel, log - nothing.log_odds))
 
 
+def _fits(family: Family, measured: Gains, mixture: list[Background], h: Hypothesis) -> list[Fitted]:
+    """The fit of a hypothesis in every component of the mixture. These are alike: each begins where the last has ended."""
+    fits: list[Fitted] = []
+    for b in mixture:
+        fits.append(fitted(family, measured, b.scatter, b.and_with(h), fits[-1].member if fits else None))
+    return fits
+
+
 def unlike(layout: Layout, measured: Gains, j: Judged) -> float:
-    """What a hypothesis leaves of the shares, each session scaled by itself, as a part of them."""
-    s, g = Family(layout).shares(j.fit.member), measured.value
+    """What a hypothesis leaves of the shares, each session scaled by itself, as a part of them; a declared width is as declared, but for a
+    hypothesis that it is not."""
+    declared = {"width"} if layout.width_declared and "width" not in j.hypothesis.free else set()
+    member = {name: value for name, value in j.fit.member.items() if name not in declared}
+    s, g = Family(layout).shares(member), measured.value
     scale = np.sum(s * g, axis=1) / np.maximum(np.sum(s**2, axis=1), 1e-300)
     return float(np.linalg.norm(g - scale[:, None] * s) / max(np.linalg.norm(g), 1e-300))
 
@@ -109,7 +120,7 @@ def _unaided(family: Family, measured: Gains, j: Judged) -> Judged:
     """The cause fitted with a prior too wide to help, in the component of the mixture that suits it best."""
     wide = {name: WIDER * std for name, std in j.hypothesis.free.items()}
     fit, exact = (
-        fitted(family, measured, scatter, {"width": width, **wide})
+        fitted(family, measured, scatter, {**j.background.alone, "width": width, **wide})
         for scatter, width in ((j.background.scatter, j.background.width), (KNOWN, KNOWN))
     )
     return replace(j, fit=fit, limited=all(exact.std[name] < MUCH_LESS * fit.std[name] for name in wide))
@@ -122,7 +133,8 @@ def _changed(family: Family, measured: Gains, mixture: list[Background], suspect
 
     def weighed(taxel: int, sessions: list[int]) -> float:
         loose = measured.loosened(taxel, sessions, GAIN)
-        return np.logaddexp.reduce([fitted(family, loose, b.scatter, {"width": b.width}).log_evidence + np.log(b.weight) for b in mixture])
+        fits = _fits(family, loose, mixture, NOTHING)
+        return np.logaddexp.reduce([f.log_evidence + np.log(b.weight) for f, b in zip(fits, mixture, strict=True)])
 
     log, taxel = max((weighed(i, sessions), i) for i in suspects for sessions in when)
     return f"taxel_{taxel}", float(log + np.log(CHANGE / (taxels * len(when))))

@@ -16,6 +16,7 @@ import numpy as np
 from skin_ident.criticism.search.named import NotNamed
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, UNEXCITED, Projected
 from skin_ident.criticism.search.survey import Survey, detectable
+from skin_ident.criticism.telemetry.noise_level import SEEN
 from skin_ident.criticism.vocabulary import CAUSES, Cause, where_and_clock
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
@@ -23,6 +24,7 @@ from skin_models.parameter import SHAPE, Parameter, parameters_of
 CLEAR = 3.0  # standard errors
 NEAR = 0.35  # of the best score of a round
 ALIKE = 0.98  # correlation above which two directions are one
+NOT_SEEN = {"noise": SEEN}  # what would have been seen, of causes that telemetry alone decides
 HOLLOW = "beside what else may be there, all that is possible of it would not stand out here"
 
 
@@ -48,7 +50,8 @@ def excluded_and_untestable(
             untestable += [undecided(cause, where, s) for where, s in there.items()]
             continue
         if cause.name in known and not known[cause.name] and not entries:
-            excluded.append({"cause": cause.name, "below": None, "unit": "", "because": "looked for and not seen"})
+            because = NOT_SEEN.get(cause.name, "looked for and not seen")
+            excluded.append({"cause": cause.name, "below": None, "unit": "", "because": because})
         elif not (entries or hollow):
             because = known.get(cause.name) or _because(p, cause.name)
             untestable.append({"cause": cause.name, "because": because, "needs": cause.needs})

@@ -98,6 +98,12 @@ def specimens_do(largest: Mapping[str, float]) -> NotNamed:
     return _usual(f"the skin of single sessions is another ({off}), as that of specimens, temperatures and places is", needs)
 
 
+def skin_does(run: Run) -> NotNamed:
+    """Why a gain that sessions have of their own is no finding, where a skin that is another in each of them explains as much or more."""
+    off = f"the gains of single sessions would be off by up to {100.0 * run.largest:.2g} %, as a skin that is another in each of them"
+    return _usual(f"{off} may feign: few sessions do not show which of both it is", "four sessions or more of one specimen in one place")
+
+
 def no_other_does(key: Key, why: NotNamed) -> NotNamed:
     """Why what cannot be told from a cause and place is no finding, where that is none for hardware does as much."""
     cause, where = key

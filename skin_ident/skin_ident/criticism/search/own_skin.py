@@ -23,7 +23,7 @@ from skin_ident.criticism.gates.another_skin import changes, of_the_skin, solved
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.said import Said
-from skin_ident.criticism.search.hardware import specimens_do
+from skin_ident.criticism.search.hardware import skin_does, specimens_do
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.own import courses_alone
 from skin_ident.criticism.search.rivals import reach
@@ -34,6 +34,7 @@ from skin_models.model import Model
 
 FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
 AHEAD = 1.1  # times what a course explains, which other numbers must to go before it
+MUCH = 0.5  # of what other numbers explain, which a gain must that is said to be in doubt
 PATTERN = 4  # sessions in which a gain that steps differs from skin that strays
 NATURAL = 0.045  # that a stiffness may be off where specimens differ by a hundredth; what differs by more is told
 TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, until they move by less
@@ -52,10 +53,13 @@ def explained_by_own_skin(search: Search) -> float:
 def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]) -> bool:
     """Whether numbers of each session's own have `explained` as much as the `best` cause, and clearly more than the `runs` of one sensor or
     clock, and were taken: two numbers of a skin may be a gain, or a zero of depth. Which of both it is shows in how it goes from session to
-    session, and in few of them it does not: what strays there no farther than skin does is left to it where it explains as much."""
-    runs = _told_from_skin(search, runs)
-    if explained <= max(LEAST, reach(best), AHEAD * max((r.score for r in runs), default=0.0)):
+    session, and in few of them it does not: what strays there no farther than skin does is left to it where it explains as much. That it
+    may be a gain is noted."""
+    told = _told_from_skin(search, runs)
+    if explained <= max(LEAST, reach(best), AHEAD * max((r.score for r in told), default=0.0)):
         return False
+    gains = [r for r in runs if r.course.carrier == SLOPE and r.score > MUCH * explained]
+    search.tared |= {r.course.key: skin_does(r) for r in reversed(gains)}  # of one key the first is said, which explains most
     search.progress("letting the skin differ from session to session")
     search.own_skin = True  # they are fitted where the next round begins
     return True

@@ -29,6 +29,10 @@ OTHER_LEVEL = 1.5  # times as much, or as little, as expected
 COLOURED = 0.5  # correlation of neighbouring samples of noise that should have none
 GROWN = 1.6  # times the spread in the air, in the third of the samples with the greatest load
 BURIED = 0.5  # of the noise declared, which rounding to a converter's steps is (rms) where they are 1.7 times as wide as it
+SEEN = (
+    f"looked for and not seen: it shows where it is {OTHER_LEVEL:g} times as loud as declared or more, or so much quieter, where "
+    f"neighbouring samples are alike (correlation above {COLOURED:g}), or where a load makes it {GROWN:g} times as loud"
+)
 FEWEST = 300  # samples that a verdict needs
 AROUND_S = 0.3  # within which the plunger's greatest speed counts
 SEED = 0  # any: the same record is told the same
