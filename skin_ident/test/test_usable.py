@@ -44,6 +44,17 @@ def test_sound_presses_are_used():
     belong_together([presses(2, depth=away, force=1500.0 * away)] * 2)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_depth_and_a_force_that_are_exchanged_are_asked_about(seed):
+    """The plunger rests at the surface for a while, as everywhere between two presses."""
+    x = np.where(T < 3.0, -0.3e-3 * np.abs(np.sin(5.0 * T)), presses(seed).depth)
+    rng, force = np.random.default_rng(seed), 1500.0 * np.maximum(x, 0.0)
+    sound = presses(seed, depth=x, force=force + rng.normal(0.0, 0.005, T.size))
+    belong_together([sound] * 2)
+    exchanged = replace(sound, depth=1e-3 * sound.force, force=1e3 * sound.depth)
+    assert "are the columns of depth and force exchanged?" in refused([exchanged] * 2)
+
+
 def test_what_is_held_out_must_not_have_been_fitted():
     are_other_data([presses(0), presses(1)], [presses(2)])
     with pytest.raises(DiagnosisError, match=r"copy, which is held out, holds the same samples as session_1"):

@@ -23,6 +23,7 @@ SHALLOW = 0.85  # of the greatest depth, to which the least one falls at most wh
 VANISHED = 0.1  # if less than so much of the load is left there: a skin would need a force that grows with the 14th power of the depth
 DOUBTED, GONE = 0.3, 0.05  # the same, from which it is doubted
 SHALLOWEST, DEEPEST = 5.0, 95.0  # percentiles
+ABOUT, RUNS, STAYS = 0.02, 0.1, 0.05  # of the greatest depth or force: about zero, what runs, and what rests
 FEWEST = 40  # samples in the common band, of which the noise needs eight to be predicted from
 SELDOM = 5.0  # times the recording's period, between readings that come so seldom that it is said
 LONE_S = 10.0  # s, of a lone session, which is to be fitted and tested by turns
@@ -51,6 +52,7 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         _is_long_enough(r, slowest)
         _touches(r)
         _has_its_zero_at_the_surface(r)
+        _is_no_force(r)
 
 
 def are_other_data(recordings: list, hold_out: list) -> None:
@@ -181,6 +183,22 @@ def _has_its_zero_at_the_surface(r) -> None:
     if least > SHALLOW * most and _left(r, least, most) < VANISHED:
         said = f"the depth of {r.name} stays between {1e3 * least:.4g} and {1e3 * most:.4g} mm while the load comes and goes"
         raise DiagnosisError(f"{said}: {advice}")
+
+
+def _is_no_force(r) -> None:
+    """A depth that rests at zero while the force runs below it: in the air a plunger moves, and a load cell reads nothing."""
+    if r.depth is None or r.force is None:
+        return
+    deep, strong = (float(np.percentile(y, DEEPEST)) for y in (r.depth, r.force))
+    at_surface, untouched = np.abs(r.depth) < ABOUT * deep, np.abs(r.force) < ABOUT * strong
+    if min(np.count_nonzero(at_surface), np.count_nonzero(untouched)) < FEWEST:
+        return
+    (low, high), (up, down) = (np.percentile(y, [SHALLOWEST, DEEPEST]) for y in (r.force[at_surface], r.depth[untouched]))
+    if high - low > RUNS * strong and np.median(r.force[at_surface]) < 0.0 and down - up < STAYS * deep:
+        raise DiagnosisError(
+            f"the force of {r.name} runs down to {low:.3g} N where the depth is about zero, and the depth rests where the force is about "
+            "zero: for a plunger in the air it is the other way round; are the columns of depth and force exchanged?"
+        )
 
 
 def _left(r, least: float, most: float) -> float:
