@@ -153,7 +153,7 @@ def _note_the_like(search: Search, trial: Trial, trials: list[Trial]) -> None:
     why = search.hardware.get(trial.key)
     if why is None:
         return
-    as_good = [t.key for t in trials if t.score > reach(trial.score)]
+    as_good = [t.key for t in trials if t.score > reach(trial.score) and trial.score > reach(t.score)]
     same = [r.key for r in same_by_nature(trial, trials, {trial.key, *as_good}, search.train)]
     search.hardware |= {key: no_other_does(trial.key, why) for key in (*as_good, *same) if key not in search.hardware}
 
