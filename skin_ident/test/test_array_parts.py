@@ -20,7 +20,7 @@ from skin_ident.criticism.array.joining import joined
 from skin_ident.criticism.array.judgement import judge
 from skin_ident.criticism.array.layout import Layout, layout_of
 from skin_ident.criticism.array.proposing import for_anybody
-from skin_ident.criticism.array.sentences import separating, shift_of
+from skin_ident.criticism.array.sentences import separating, shift_of, why
 from skin_ident.criticism.array.smeared import Capacitive, Smeared
 from skin_ident.recordings.declared import Declared, declared_from
 from skin_ident.recordings.errors import RecordingError
@@ -217,6 +217,21 @@ def test_several_contacts_tell_a_wrong_place_from_a_wrong_calibration_and_from_c
         assert judgement.may_have_changed is None
     found = judge(layout, measured(moved, seed)).causes[0].fit
     assert found.member["shift_0"] * layout.axes[0, 0] == pytest.approx(2e-4, abs=4.0 * found.std["shift_0"])
+
+
+@pytest.mark.parametrize("degrees", [-4.0, 2.0, 8.0])
+def test_a_stage_that_is_turned_is_told_from_one_that_is_elsewhere(degrees):
+    contacts = 1e-3 * np.array([[0.0, 0.0], [4.0, 1.0], [-1.0, 4.0], [-3.0, -3.0]])
+    skin, layout = array(4, 2, contacts)
+    angle = np.radians(degrees)
+    turned = contacts @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    verdict = judge(layout, measured([skin.shares(q) for q in turned], 1))
+    assert verdict.named.key == ("off_centre", "rig")
+    assert not verdict.rivals or abs(degrees) < 3.0  # a spread that is wider aslant bends a row's ratios nearly so
+    found = parameters(verdict.named, layout)
+    assert found["angle"]["value"] == pytest.approx(angle, abs=4.0 * found["angle"]["std"])
+    assert f"turned by {np.degrees(found['angle']['value']):+.2g}°" in why(verdict.named, layout)
+    assert np.hypot(found["x"]["value"], found["y"]["value"]) < 1e-4
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -37,14 +37,14 @@ class Family:
         scales = tuple(f"scale_{s}" for s in range(len(layout.contacts)))
         shifts = tuple(f"shift_{a}" for a in range(len(layout.axes)))
         gains = tuple(f"gain_{i}" for i in range(len(layout.taxels)))
-        return ("level", *scales, *shifts, *gains, "leak", "common", "width", "power", "tail", "fall", "ratio", "turn")
+        return ("level", *scales, *shifts, "axis", *gains, "leak", "common", "width", "power", "tail", "fall", "ratio", "turn")
 
     def shares(self, p: dict[str, float]) -> np.ndarray:
         """Shares (S, T) of a member, given by the entries that are not zero. `width` is the logarithm of the true over the declared
-        width, `power` what is added to 2, `fall` the logarithm of what 1.5 is multiplied by."""
+        width, `power` what is added to 2, `fall` the logarithm of what 1.5 is multiplied by, `axis` the angle (rad) by which the stage is
+        turned about the origin of the declared frame."""
         layout = self.layout
-        shift = sum((p.get(f"shift_{a}", 0.0) * axis for a, axis in enumerate(layout.axes)), np.zeros(2))
-        x, y = np.moveaxis(layout.places - shift, -1, 0)
+        x, y = np.moveaxis(layout.places - self.off(p)[:, None], -1, 0)
         ratio = p.get("ratio", 0.0)
         square = np.exp(-ratio) * x**2 + np.exp(ratio) * y**2 - 2.0 * p.get("turn", 0.0) * x * y
         u = np.maximum(square, NEAR) / (layout.width * np.exp(p.get("width", 0.0))) ** 2
@@ -57,6 +57,13 @@ class Family:
             heard[:, i] += p[name] * own[:, j]
         scale = np.exp([p.get("level", 0.0) + p.get(f"scale_{s}", 0.0) for s in range(len(layout.contacts))])
         return scale[:, None] * (own + heard)
+
+    def off(self, p: dict[str, float]) -> np.ndarray:
+        """How far the contact of each session is from its declared place under a member, (S, 2) m."""
+        layout, angle = self.layout, p.get("axis", 0.0)
+        shift = sum((p.get(f"shift_{a}", 0.0) * axis for a, axis in enumerate(layout.axes)), np.zeros(2))
+        turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        return shift + layout.contacts @ turned - layout.contacts
 
     @cached_property
     def _beside(self) -> np.ndarray:

@@ -61,6 +61,8 @@ def form_of(j: Judged) -> str:
     """Which form of its cause it is."""
     name = next(iter(j.hypothesis.free))
     forms = {"leak": "neighbours", "common": "common", "power": "generalised_gaussian", "tail": "tails"}
+    if "axis" in j.hypothesis.free:
+        return "turned"
     return "one" if is_repeat(name) else forms.get(name, "static")
 
 
@@ -70,7 +72,8 @@ def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
     if j.hypothesis.cause == "off_centre":
         shift = shift_of(p, layout)
         errors = np.sqrt(sum((std[f"shift_{a}"] * axis) ** 2 for a, axis in enumerate(layout.axes)))
-        return {name: _quantity(v, "m", s) for name, v, s in zip(("x", "y"), shift, errors, strict=True)}
+        turned = {"angle": _quantity(p["axis"], "rad", std["axis"])} if "axis" in j.hypothesis.free else {}
+        return {name: _quantity(v, "m", s) for name, v, s in zip(("x", "y"), shift, errors, strict=True)} | turned
     if j.hypothesis.cause == "spread_width":
         width = layout.width * np.exp(p["width"])
         return {"width": _quantity(width, "m", width * std["width"])}

@@ -22,6 +22,7 @@ EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is know
 SHIFT, GAIN, LEAK, COMMON = 1e-3, 0.15, 0.05, 0.1
 REPEAT, WIDTH, POWER, RATIO = 0.06, 0.2, 0.5, 0.2
 TAIL, FALL = 0.2, 0.3
+AXIS = 0.05  # rad
 CHANGE = 0.1  # prior probability that some taxel's gain is not the same in all sessions
 
 
@@ -70,6 +71,8 @@ def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple
     listed += [Hypothesis("spread_shape", "skin", 0.015, free) for free in ({"power": POWER}, {"tail": TAIL, "fall": FALL})]
     if layout.width_declared:
         listed.append(Hypothesis("spread_width", "skin", 0.05, {"width": WIDTH}))
+    if layout.several_contacts and len(layout.axes) > 1:
+        listed.append(Hypothesis("off_centre", "rig", 0.05, {**shifts, "axis": AXIS}))
     if len(layout.axes) > 1:
         listed += [Hypothesis("anisotropy", "skin", 0.01, free) for free in ({"ratio": RATIO}, {"ratio": RATIO, "turn": RATIO})]
     return tuple(listed)

@@ -44,7 +44,11 @@ def _what(j: Judged, layout: Layout) -> str:
     p, n = j.fit.member, len(layout.taxels)
     if j.hypothesis.cause == "off_centre":
         shift = 1e3 * shift_of(p, layout)
-        return f"the ratios of {n} taxels are those of a contact {np.hypot(*shift):.2g} mm off, at ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
+        place = f"a contact {np.hypot(*shift):.2g} mm off, at ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
+        if "axis" not in j.hypothesis.free:
+            return f"the ratios of {n} taxels are those of {place}"
+        turned = f"a stage whose axes are turned by {np.degrees(p['axis']):+.2g}° against the declared ones"
+        return f"the ratios of {n} taxels are those of {turned}, with {place} in the first session"
     if j.hypothesis.cause == "gain_error":
         return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} off what its neighbours imply"
     if j.hypothesis.cause == "crosstalk":
@@ -86,8 +90,8 @@ def changing(e: Effect) -> str:
 
 
 def shift_of(p: dict[str, float], layout: Layout) -> np.ndarray:
-    """Where the contact is, as seen from the declared place, (2,) m."""
-    return sum((p.get(f"shift_{a}", 0.0) * axis for a, axis in enumerate(layout.axes)), np.zeros(2))
+    """Where the contact of the first session is, as seen from the declared place, (2,) m."""
+    return Family(layout).off(p)[0]
 
 
 def _deviations(j: Judged, layout: Layout) -> np.ndarray:
