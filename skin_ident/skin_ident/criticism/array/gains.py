@@ -34,6 +34,12 @@ class Gains:
         """The same for some of the sessions."""
         return Gains(self.value[sessions], self.covariance[sessions])
 
+    @property
+    def level_error(self) -> float:
+        """The relative standard error of what all taxels of a session feel together, in the session where that is worst."""
+        weights = [g @ np.linalg.solve(c, g) for g, c in zip(self.value, self.covariance, strict=True)]
+        return float(1.0 / np.sqrt(max(min(weights), 1e-300)))
+
     def loosened(self, taxel: int, sessions: list[int], relative: float) -> "Gains":
         """The same, where one taxel may have had another gain in some of the sessions, by a standard deviation of `relative`."""
         covariance = self.covariance.copy()

@@ -1,8 +1,9 @@
 """What a cause in the ratios is worth on sessions that were not used to find it.
 
 Before: shares as the declared layout has them; after: shares as the cause has them. Of the sessions that are predicted both are told the
-level, as one number each: that is how stiff the skin is there, and no ratio. Everything else is the extended model. The rest is the common
-gate: whitened squared error, and a bootstrap over blocks.
+level, as one number each: that is how stiff the skin is there, and no ratio. Where the cause leaves the fitted sessions at one level, and
+levels were measured as well as that, they are not: then what it does to levels is seen, too. Everything else is the extended model. The
+rest is the common gate: whitened squared error, and a bootstrap over blocks.
 """
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.gains import Gains, with_shares
-from skin_ident.criticism.array.hypotheses import EXACT
+from skin_ident.criticism.array.hypotheses import EXACT, Background
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.baseline.residual import residual, rmse
@@ -39,7 +40,7 @@ def held_out_gain(
     before, after, judged, least = [], [], [], []
     for fit_on, try_on in folds:
         for errors, free in ((before, known), (after, {**known, **best.hypothesis.free})):
-            shares = _predicted(layout, measured, fit_on, try_on, around.scatter, free)
+            shares = _predicted(layout, measured, fit_on, try_on, around, free)
             errors += [residual(*with_shares(model, sessions[i], row)) for i, row in zip(try_on, shares, strict=True)]
         judged += [sessions[i] for i in try_on]
         least += [residual(*with_shares(model, sessions[i], measured.value[i])) for i in try_on]
@@ -47,9 +48,14 @@ def held_out_gain(
     return gain, rmse(least, judged)[gain.channel]
 
 
-def _predicted(layout: Layout, measured: Gains, fit_on: list[int], try_on: list[int], scatter: float, free: dict) -> np.ndarray:
-    """Shares (S, T) of the sessions `try_on` by a member fitted to `fit_on`, each at its own level."""
-    member = fitted(Family(layout.of(fit_on)), measured.of(fit_on), scatter, free).member
-    shares = Family(layout.of(try_on)).shares({name: value for name, value in member.items() if not name.startswith("scale_")})
+def _predicted(
+    layout: Layout, measured: Gains, fit_on: list[int], try_on: list[int], around: Background, free: dict[str, float]
+) -> np.ndarray:
+    """Shares (S, T) of the sessions `try_on` by a member fitted to `fit_on`, each at its own level, or at the mean one of these."""
+    member = fitted(Family(layout.of(fit_on)), measured.of(fit_on), around.scatter, free).member
+    rest = {name: value for name, value in member.items() if not name.startswith("scale_")}
+    shares = Family(layout.of(try_on)).shares(rest)
+    if around.at_one_level and measured.level_error < around.places:
+        return shares * np.exp(np.mean([member[f"scale_{s}"] for s in range(len(fit_on))]))
     read = measured.value[try_on]
     return shares * (np.sum(shares * read, axis=1) / np.maximum(np.sum(shares**2, axis=1), 1e-300))[:, None]

@@ -50,6 +50,11 @@ class Background:
     places: float
 
     @property
+    def at_one_level(self) -> bool:
+        """Whether the skin is as stiff in all sessions."""
+        return self.places == PLACES[0][0]
+
+    @property
     def alone(self) -> dict[str, float]:
         """Prior standard deviations of what is free beside the calibrations where nothing is wrong."""
         return {"width": self.width, "scale": self.places}
