@@ -42,23 +42,50 @@ def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float],
     every = ALWAYS | free
     size = np.array([every.get(n, every.get(n.partition("_")[0])) for n in names], float)
     start = start or {"level": first_level(family, gains)}
-    z = np.array([start.get(n, 0.0) for n in names]) / size
     root, log_root = covariance_root(gains, scatter)
-
-    def misfit(z: np.ndarray) -> np.ndarray:
-        left = gains.value - family.shares(dict(zip(names, z * size, strict=True)))
-        return np.concatenate([root @ left.ravel(), z])
-
-    z, J = _descend(misfit, z)
-    e = misfit(z)
+    problem = _Problem(family, gains, tuple(names), size, root)
+    z, J = _descend(problem, np.array([start.get(n, 0.0) for n in names]) / size)
+    e = problem.misfit(z)
     H = J.T @ J
     _, log_det = np.linalg.slogdet(H)  # in units of the prior's standard deviations, so that their logarithms are in it
     std = np.sqrt(np.diag(np.linalg.inv(H))) * size
     return Fitted(
-        dict(zip(names, (z * size).tolist(), strict=True)),
+        problem.member(z),
         dict(zip(names, std.tolist(), strict=True)),
         float(log_root - 0.5 * (e @ e) - 0.5 * log_det),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """What is to be least: the whitened misfit of the shares (S T,) and the entries `names` by their prior standard deviations, z = entries
+    over `size`."""
+
+    family: Family
+    gains: Gains
+    names: tuple[str, ...]
+    size: np.ndarray
+    root: np.ndarray
+
+    def member(self, z: np.ndarray) -> dict[str, float]:
+        return dict(zip(self.names, (z * self.size).tolist(), strict=True))
+
+    def misfit(self, z: np.ndarray) -> np.ndarray:
+        left = self.gains.value - self.family.shares(self.member(z))
+        return np.concatenate([self.root @ left.ravel(), z])
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        shares = self.family.shares(self.member(z))
+        changes = np.array([self._change(z, k, shares).ravel() for k in range(z.size)])
+        return np.concatenate([-self.root @ changes.T, np.eye(z.size)])
+
+    def _change(self, z: np.ndarray, k: int, shares: np.ndarray) -> np.ndarray:
+        """What a unit of entry k does to the shares (S, T). Logarithms of scales, which are most of the entries, multiply them."""
+        kind, _, which = self.names[k].partition("_")
+        if kind in ALWAYS:
+            return self.size[k] * shares * (np.arange(len(shares)) == int(which))[:, None] if which else self.size[k] * shares
+        step = DIFFERENCE * (np.arange(z.size) == k)
+        return (self.family.shares(self.member(z + step)) - shares) / DIFFERENCE
 
 
 def covariance_root(gains: Gains, scatter: float) -> tuple[np.ndarray, float]:
@@ -79,15 +106,15 @@ def first_level(family: Family, gains: Gains) -> float:
     return float(np.log(max(np.sum(plain * gains.value) / max(np.sum(plain**2), 1e-300), 1e-9)))
 
 
-def _descend(misfit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _descend(problem: _Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Levenberg–Marquardt from `z`; returns the end and the Jacobian there."""
-    e, damping = misfit(z), 1e-6
+    e, damping = problem.misfit(z), 1e-6
     for _ in range(STEPS):
-        J = _jacobian(misfit, z, e)
+        J = problem.jacobian(z)
         H, g = J.T @ J, J.T @ e
         while damping < 1e8:
             trial = z - np.clip(np.linalg.solve(H + damping * np.diag(np.diag(H)), g), -3.0, 3.0)
-            after = misfit(trial)
+            after = problem.misfit(trial)
             if after @ after <= e @ e:
                 break
             damping *= 10.0
@@ -96,9 +123,4 @@ def _descend(misfit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         gained, z, e, damping = e @ e - after @ after, trial, after, max(damping / 10.0, 1e-9)
         if gained < 1e-6 * max(e @ e, 1e-3):
             break
-    return z, _jacobian(misfit, z, e)
-
-
-def _jacobian(misfit, z: np.ndarray, e: np.ndarray) -> np.ndarray:
-    steps = DIFFERENCE * np.eye(z.size)
-    return np.array([(misfit(z + step) - e) / DIFFERENCE for step in steps]).T
+    return z, problem.jacobian(z)
