@@ -115,7 +115,7 @@ CAUSES: tuple[Cause, ...] = (
     Cause(
         "off_centre",
         "contact is not where it was said to be",
-        "centre the plunger over the taxel again",
+        "centre the plunger over the taxel again, and put the stage's axes along the array's",
         "three or more taxels with known positions, or a lateral scan",
     ),
     Cause(

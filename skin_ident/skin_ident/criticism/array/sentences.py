@@ -35,20 +35,20 @@ def why(j: Judged, layout: Layout) -> str:
 def farthest(j: Judged, layout: Layout) -> str:
     """The taxel that reads least as declared, as a clause."""
     far = _deviations(j, layout)
-    i = int(np.argmax(np.abs(far)))
-    return f"against the declared layout, taxel_{i} reads {far[i]:+.1%} of the sensed force"
+    session, i = np.unravel_index(np.argmax(np.abs(far)), far.shape)
+    most = ", at the place where it shows most" if layout.several_contacts else ""
+    return f"against the declared layout, taxel_{i} reads {far[session, i]:+.1%} of the sensed force{most}"
 
 
 def _what(j: Judged, layout: Layout) -> str:
     """What the ratios say, by the member of the family that was fitted, as a clause."""
     p, n = j.fit.member, len(layout.taxels)
     if j.hypothesis.cause == "off_centre":
+        if "axis" in j.hypothesis.free:
+            turned = f"{np.degrees(p['axis']):+.2g}° against the declared ones"
+            return f"the ratios of {n} taxels are those of a stage whose axes are turned by {turned}"
         shift = 1e3 * shift_of(p, layout)
-        place = f"a contact {np.hypot(*shift):.2g} mm off, at ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
-        if "axis" not in j.hypothesis.free:
-            return f"the ratios of {n} taxels are those of {place}"
-        turned = f"a stage whose axes are turned by {np.degrees(p['axis']):+.2g}° against the declared ones"
-        return f"the ratios of {n} taxels are those of {turned}, with {place} in the first session"
+        return f"the ratios of {n} taxels are those of a contact {np.hypot(*shift):.2g} mm off, at ({shift[0]:+.2g}, {shift[1]:+.2g}) mm"
     if j.hypothesis.cause == "gain_error":
         return f"{j.hypothesis.where} alone reads {p['gain_' + j.hypothesis.where.partition('_')[2]]:+.1%} off what its neighbours imply"
     if j.hypothesis.cause == "crosstalk":
@@ -95,10 +95,10 @@ def shift_of(p: dict[str, float], layout: Layout) -> np.ndarray:
 
 
 def _deviations(j: Judged, layout: Layout) -> np.ndarray:
-    """By how much the share of every taxel differs from the declared one, as a part of the largest share, in the first session."""
+    """By how much the share of every taxel differs from the declared one in every session, as a part of the largest share, (S, T)."""
     own = {name: value for name, value in j.fit.member.items() if name in j.hypothesis.free}
-    family = Family(layout.of([0]))
-    plain, now = family.shares({})[0], family.shares(own)[0]
+    family = Family(layout)
+    plain, now = family.shares({}), family.shares(own)
     return (now - plain) / plain.max()
 
 

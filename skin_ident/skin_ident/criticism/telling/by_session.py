@@ -160,13 +160,18 @@ def _told(u: Unknown, heard: list[str], strongest: str) -> bool:
 
 
 def force_over(model: Model, channel: str) -> float:
-    """How many times as stiff as a channel the force is: what no skin that is stiffer as a whole changes, but a gain does."""
-    return stiffness(model, "force") / stiffness(model, channel)
+    """How many times as stiff as a channel the force is: what no skin that is stiffer as a whole changes, but a gain does. nan where the
+    channel feels nothing."""
+    return _ratio(stiffness(model, "force"), stiffness(model, channel))
 
 
 def recovery(model: Model, channel: str) -> float:
-    """How long a channel takes to follow, b / k, s."""
-    return damping(model, channel) / stiffness(model, channel)
+    """How long a channel takes to follow, b / k, s; nan where it feels nothing."""
+    return _ratio(damping(model, channel), stiffness(model, channel))
+
+
+def _ratio(a: float, b: float) -> float:
+    return a / b if b > 0.0 else float("nan")
 
 
 def _quantities(own: _Alone) -> dict[str, Any]:
