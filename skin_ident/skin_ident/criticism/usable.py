@@ -52,7 +52,7 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
         _is_long_enough(r, slowest)
         _touches(r)
         _has_its_zero_at_the_surface(r)
-        _is_no_force(r)
+        _are_not_exchanged(r)
 
 
 def are_other_data(recordings: list, hold_out: list) -> None:
@@ -185,7 +185,7 @@ def _has_its_zero_at_the_surface(r) -> None:
         raise DiagnosisError(f"{said}: {advice}")
 
 
-def _is_no_force(r) -> None:
+def _are_not_exchanged(r) -> None:
     """A depth that rests at zero while the force runs below it: in the air a plunger moves, and a load cell reads nothing."""
     if r.depth is None or r.force is None:
         return

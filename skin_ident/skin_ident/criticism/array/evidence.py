@@ -44,8 +44,7 @@ def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float],
     start = start or {"level": first_level(family, gains)}
     root, log_root = covariance_root(gains, scatter)
     problem = _Problem(family, gains, tuple(names), size, root)
-    z, J = _descend(problem, np.array([start.get(n, 0.0) for n in names]) / size)
-    e = problem.misfit(z)
+    z, e, J = _descend(problem, np.array([start.get(n, 0.0) for n in names]) / size)
     H = J.T @ J
     _, log_det = np.linalg.slogdet(H)  # in units of the prior's standard deviations, so that their logarithms are in it
     std = np.sqrt(np.diag(np.linalg.inv(H))) * size
@@ -68,13 +67,16 @@ class _Problem:
     root: np.ndarray
 
     def member(self, z: np.ndarray) -> dict[str, float]:
+        """The entries by name, in their own units."""
         return dict(zip(self.names, (z * self.size).tolist(), strict=True))
 
     def misfit(self, z: np.ndarray) -> np.ndarray:
+        """What is left of the shares, whitened, and the entries, (S T + Z,)."""
         left = self.gains.value - self.family.shares(self.member(z))
         return np.concatenate([self.root @ left.ravel(), z])
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """What a unit of every entry does to the misfit, (S T + Z, Z)."""
         shares = self.family.shares(self.member(z))
         changes = np.array([self._change(z, k, shares).ravel() for k in range(z.size)])
         return np.concatenate([-self.root @ changes.T, np.eye(z.size)])
@@ -106,8 +108,8 @@ def first_level(family: Family, gains: Gains) -> float:
     return float(np.log(max(np.sum(plain * gains.value) / max(np.sum(plain**2), 1e-300), 1e-9)))
 
 
-def _descend(problem: _Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Levenberg–Marquardt from `z`; returns the end and the Jacobian there."""
+def _descend(problem: _Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Levenberg–Marquardt from `z`; returns the end, and misfit and Jacobian there."""
     e, damping = problem.misfit(z), 1e-6
     for _ in range(STEPS):
         J = problem.jacobian(z)
@@ -119,8 +121,8 @@ def _descend(problem: _Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
                 break
             damping *= 10.0
         else:
-            return z, J
+            return z, e, J
         gained, z, e, damping = e @ e - after @ after, trial, after, max(damping / 10.0, 1e-9)
         if gained < 1e-6 * max(e @ e, 1e-3):
             break
-    return z, problem.jacobian(z)
+    return z, e, problem.jacobian(z)

@@ -40,6 +40,11 @@ class Gains:
         weights = [g @ np.linalg.solve(c, g) for g, c in zip(self.value, self.covariance, strict=True)]
         return float(1.0 / np.sqrt(max(min(weights), 1e-300)))
 
+    def at_own_levels(self, shares: np.ndarray) -> np.ndarray:
+        """Shares (S, T), those of each session at the level that was measured there, by least squares."""
+        level = np.sum(shares * self.value, axis=1) / np.maximum(np.sum(shares**2, axis=1), 1e-300)
+        return shares * level[:, None]
+
     def loosened(self, taxel: int, sessions: list[int], relative: float) -> "Gains":
         """The same, where one taxel may have had another gain in some of the sessions, by a standard deviation of `relative`."""
         covariance = self.covariance.copy()

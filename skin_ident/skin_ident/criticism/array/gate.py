@@ -28,7 +28,7 @@ def held_out_gain(
     share that was measured. Where there are none, or where sessions press at different places and one of them may not show the cause, each
     of the others in turn is predicted from all but itself as well: two or three places alone may not tell where a cause is.
 
-    Before, nothing is free but a width that is only expected, and not known.
+    Before, nothing is free but how stiff the skin is from session to session, and a width that is only expected, and not known.
     """
     train = [i for i in range(len(sessions)) if i not in held]
     every = range(len(sessions))
@@ -57,5 +57,4 @@ def _predicted(
     shares = Family(layout.of(try_on)).shares(rest)
     if around.at_one_level and measured.level_error < around.places:
         return shares * np.exp(np.mean([member[f"scale_{s}"] for s in range(len(fit_on))]))
-    read = measured.value[try_on]
-    return shares * (np.sum(shares * read, axis=1) / np.maximum(np.sum(shares**2, axis=1), 1e-300))[:, None]
+    return measured.of(try_on).at_own_levels(shares)

@@ -65,11 +65,11 @@ class Background:
 
 
 def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple[Hypothesis, ...]:
-    """Nothing wrong, then every cause that this layout can show. `suspects` are the taxels whose own reading is doubted, `repeats`
+    """Every cause that this layout can show. `suspects` are the taxels whose own reading is doubted, `repeats`
     are what one taxel may repeat of one other (`repeat_3_2`)."""
     n = len(layout.taxels)
     shifts = {f"shift_{a}": SHIFT for a in range(len(layout.axes))}
-    listed = [NOTHING, Hypothesis("off_centre", "rig", 0.15, shifts)]
+    listed = [Hypothesis("off_centre", "rig", 0.15, shifts)]
     listed += [Hypothesis("gain_error", f"taxel_{i}", 0.15 / n, {f"gain_{i}": GAIN}) for i in suspects]
     listed += [Hypothesis("crosstalk", "taxel", 0.05, {"leak": LEAK}), Hypothesis("crosstalk", "taxel", 0.05, {"common": COMMON})]
     listed += [Hypothesis("crosstalk", f"taxel_{r.split('_')[1]}", 0.1 / (n * (n - 1)), {r: REPEAT}) for r in repeats]

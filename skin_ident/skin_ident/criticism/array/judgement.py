@@ -75,8 +75,7 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     mixture = list(backgrounds(layout, thickness_mm))
 
     def weighed(h: Hypothesis) -> Judged:
-        fits = _fits(family, measured, mixture, h)
-        logs = [f.log_evidence + np.log(b.weight) for f, b in zip(fits, mixture, strict=True)]
+        fits, logs = _fits(family, measured, mixture, h)
         best = int(np.argmax(logs))
         return Judged(h, float(np.logaddexp.reduce(logs) + np.log(h.prior)), fits[best], mixture[best])
 
@@ -84,7 +83,7 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     suspects = _suspects(family, measured, nothing.fit)
     every = [
         replace(j, log_odds=j.log_odds - nothing.log_odds)
-        for j in map(weighed, hypotheses(layout, suspects, _repeats(family, measured, nothing))[1:])
+        for j in map(weighed, hypotheses(layout, suspects, _repeats(family, measured, nothing)))
     ]
     causes = _one_each(sorted(filter(_of_right_sign, every), key=lambda j: -j.log_odds))
     wrong = np.logaddexp.reduce([c.log_odds for c in causes])
@@ -98,12 +97,13 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
     return replace(judgement, changed=(taxel, log - nothing.log_odds))
 
 
-def _fits(family: Family, measured: Gains, mixture: list[Background], h: Hypothesis) -> list[Fitted]:
-    """The fit of a hypothesis in every component of the mixture. These are alike: each begins where the last has ended."""
+def _fits(family: Family, measured: Gains, mixture: list[Background], h: Hypothesis) -> tuple[list[Fitted], list[float]]:
+    """The fit of a hypothesis in every component of the mixture, and the logarithms of its evidence times their weights. They are alike:
+    each begins where the last has ended."""
     fits: list[Fitted] = []
     for b in mixture:
         fits.append(fitted(family, measured, b.scatter, b.and_with(h), fits[-1].member if fits else None))
-    return fits
+    return fits, [f.log_evidence + float(np.log(b.weight)) for f, b in zip(fits, mixture, strict=True)]
 
 
 def unlike(layout: Layout, measured: Gains, j: Judged) -> float:
@@ -111,9 +111,8 @@ def unlike(layout: Layout, measured: Gains, j: Judged) -> float:
     hypothesis that it is not."""
     declared = {"width"} if layout.width_declared and "width" not in j.hypothesis.free else set()
     member = {name: value for name, value in j.fit.member.items() if name not in declared}
-    s, g = Family(layout).shares(member), measured.value
-    scale = np.sum(s * g, axis=1) / np.maximum(np.sum(s**2, axis=1), 1e-300)
-    return float(np.linalg.norm(g - scale[:, None] * s) / max(np.linalg.norm(g), 1e-300))
+    left = measured.value - measured.at_own_levels(Family(layout).shares(member))
+    return float(np.linalg.norm(left) / max(np.linalg.norm(measured.value), 1e-300))
 
 
 def _unaided(family: Family, measured: Gains, j: Judged) -> Judged:
@@ -133,8 +132,7 @@ def _changed(family: Family, measured: Gains, mixture: list[Background], suspect
 
     def weighed(taxel: int, sessions: list[int]) -> float:
         loose = measured.loosened(taxel, sessions, GAIN)
-        fits = _fits(family, loose, mixture, NOTHING)
-        return np.logaddexp.reduce([f.log_evidence + np.log(b.weight) for f, b in zip(fits, mixture, strict=True)])
+        return np.logaddexp.reduce(_fits(family, loose, mixture, NOTHING)[1])
 
     log, taxel = max((weighed(i, sessions), i) for i in suspects for sessions in when)
     return f"taxel_{taxel}", float(log + np.log(CHANGE / (taxels * len(when))))

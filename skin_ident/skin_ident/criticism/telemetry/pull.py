@@ -19,6 +19,7 @@ from skin_ident.criticism.telemetry.faults import UNLIKE, effect_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
+from skin_models.signals import Motion
 
 BEFORE_S, AFTER_S = 0.25, 0.4  # about the moment when the model says that the plunger leaves
 OUT, SLOWLY_S = 0.15e-3, 2.0  # m, or time, to which a plunger is followed that leaves more slowly
@@ -52,10 +53,10 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     if any(s.drive is not None for s in sessions) or any(e.cause == "adhesion" for e in model.effects):
         return []
     rest = [s.raw - simulated(model, s) for s in sessions]
-    width = _width(model, sessions, rest)
     leavings = _all_leavings(model, sessions, rest)
     if len(leavings) < FEWEST:
         return []
+    width = _width(model, sessions, rest)
     dips = np.array([one.dips for one in leavings])
     pulled = dips < -CLEAR * width
     carried = _agreed(pulled)
@@ -78,16 +79,18 @@ def _width(model: Model, sessions: list[Session], rest: list[np.ndarray]) -> np.
     """How wide the readings of each channel scatter about a plunger that leaves, (C,) N: as the `rest` that a model leaves does, or not
     much more than they do in the air, spikes and all, but no less than a step."""
     widths = normal_scale(np.concatenate(rest, axis=1), axis=1)
-    air = [s.raw[:, _in_air(model, s)] for s in sessions]
+    air = [s.raw[:, _parted(model, s)[2]] for s in sessions]
     air = np.concatenate([rows - np.mean(rows, axis=1, keepdims=True) for rows in air if rows.size] or air, axis=1)
     if air.shape[1] >= LEAST_AIR:
         widths = np.minimum(widths, AIR * np.std(air, axis=1))
     return np.maximum(widths, np.max([s.steps for s in sessions], axis=0))
 
 
-def _in_air(model: Model, s: Session) -> np.ndarray:
+def _parted(model: Model, s: Session) -> tuple[Motion, np.ndarray, np.ndarray]:
+    """The motion of a session, and masks (N,) of where a model has the plunger touch, and of where it is in the air."""
     moved = motion_under(s, model.dispersion)
-    return ~model.dispersion.contact(moved) & (moved.x < 0.0)
+    touched = model.dispersion.contact(moved)
+    return moved, touched, ~touched & (moved.x < 0.0)
 
 
 def is_pulled(pulling: Model, without: Model, sessions: list[Session]) -> bool:
@@ -141,9 +144,7 @@ def _all_leavings(model: Model, sessions: list[Session], rest: list[np.ndarray])
 
 def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
     """How far every channel falls below its zero, smoothed, and at which depth, each time that the plunger leaves the skin."""
-    moved = motion_under(s, model.dispersion)
-    touched = model.dispersion.contact(moved)
-    air = ~touched & (moved.x < 0.0)
+    moved, touched, air = _parted(model, s)
     before, after, slowly, near, lasts = (round(seconds / moved.dt) for seconds in (BEFORE_S, AFTER_S, SLOWLY_S, NEAR_S, SMOOTH_S))
     lasts = max(lasts, SMOOTH)
     hangs = np.zeros_like(s.raw)
