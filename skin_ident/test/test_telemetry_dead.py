@@ -17,6 +17,8 @@ from skin_ident.criticism.telemetry.dead import apart, find_dead_taxels
 from skin_ident.criticism.telemetry.loose import contact_of
 from skin_ident.recordings.load import load
 from skin_ident.recordings.recording import Recording
+from skin_ident.report.appendix import untestable_rows
+from skin_ident.report.reading import view
 
 
 def three(layout, taxels=3, seed=6):
@@ -233,3 +235,14 @@ def test_one_that_reads_noise_in_every_session_did_not_live_in_a_piece_of_one(se
     step = 0.05
     taxels = [np.array([0.5 * pressed, step * np.round(0.4 * rng.standard_normal(t.size))]) for _ in range(3)]
     assert not find_dead_taxels([Recording(f"s{i}", t, 1e-4 * pressed, pressed, y) for i, y in enumerate(taxels)])
+
+
+def test_what_else_a_dead_taxel_has_is_untestable_and_one_row_of_the_report(tmp_path):
+    sessions = make_sessions("dead_taxel", "taxel_0", "stuck", seed=11, n_sessions=2, n_taxels=3)[0]
+    write_case(sessions, tmp_path)
+    findings = diagnose(load(tmp_path)).findings
+    silent = {u["cause"] for u in findings["untestable"] if u.get("where") == "taxel_0"}
+    assert {"lag", "saturation", "hysteresis", "dead_zone", "gain_error", "force_offset", "drift", "noise"} <= silent
+    assert not [e for e in findings["excluded"] if e.get("where") == "taxel_0"]
+    rows = [names for names, *_ in untestable_rows(view(findings)) if "taxel 0" in names]
+    assert rows == ["hysteresis, dead zone, gain error, force offset, drift, saturation, quantization, lag and noise in taxel 0"]

@@ -29,8 +29,8 @@ from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import Session, longest, prepare
 from skin_ident.criticism.telemetry.quantization import depth_step
 from skin_ident.criticism.telemetry.symptom import Symptom
-from skin_ident.criticism.telling.driving import is_untold
 from skin_ident.criticism.telling.findings import found, of_reading, seen
+from skin_ident.criticism.telling.untold import is_untold
 from skin_ident.criticism.vocabulary import BY_NAME, revised
 from skin_ident.recordings.chosen import only_taxels
 from skin_models.effect import Effect

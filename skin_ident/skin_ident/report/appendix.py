@@ -82,6 +82,17 @@ def why_untestable(e: dict, v: View) -> str:
     return f"Ruled out in part only{f' (its form {forms})' if forms else ''}: {because.rstrip('.')}."
 
 
+def untestable_rows(v: View) -> Iterator[tuple[str, str, str]]:
+    """What could not be tested, why, and what would test it; causes at one place in one row where they share both."""
+    rows: dict[tuple[str, str, str], list[dict]] = {}
+    for e in v.untestable:
+        shared = place_in(e), why_untestable(e, v), with_spoken_taxels(text(e.get("needs")))
+        rows.setdefault(shared, []).append(e)
+    for (_, why, needs), (*others, last) in rows.items():
+        names = [spoken(text(e.get("cause"))) for e in others]
+        yield f"{', '.join(names)}{' and ' if names else ''}{named_at(last)}", why, needs
+
+
 def bound(e: dict) -> str:
     """How small an excluded cause must be, in words."""
     if finite(e.get("below")) is None:
@@ -112,7 +123,7 @@ def untestable(v: View) -> Safe | None:
     """Causes that these data could not show."""
     if not v.untestable:
         return None
-    rows = [[_name(e), why_untestable(e, v), sentence(with_spoken_taxels(text(e.get("needs"))))] for e in v.untestable]
+    rows = [[capital(names), why, sentence(needs)] for names, why, needs in untestable_rows(v)]
     note = "Nothing can be said about these, for or against, for the reason given."
     if any(_also(e, v.excluded) for e in v.untestable):
         note += " Where a cause was ruled out above as well, the rest of it is meant here."

@@ -32,8 +32,8 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
     because += _of_the_drive(v)
     if v.verdict in (PARTLY, UNEXPLAINED) and v.rest and v.rest > 0.0:
         because.append(f"Of what is left, {percent(v.rest)} still follows a pattern: it is not all noise.")
-    if untested := len(v.untestable) - len(v.doubts) - len(v.left_open):
-        because.append(f"{counted(untested, 'cause')} could not be tested with these data.")
+    if untested := {text(e.get("cause")) for e in v.untestable if e not in (*v.doubts, *v.left_open)}:
+        because.append(f"{counted(len(untested), 'cause')} could not be tested with these data.")
     return _grade(v, rivals > 0), tuple(because)
 
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator
 
-from skin_ident.report.appendix import SPREAD, held_at, size_ruled_out, why_untestable
+from skin_ident.report.appendix import SPREAD, held_at, size_ruled_out, untestable_rows
 from skin_ident.report.gains import error, fall
 from skin_ident.report.numbers import UNKNOWN, change
 from skin_ident.report.reading import recording_name, warning_sentences
 from skin_ident.report.sessions import by_session, in_markdown
 from skin_ident.report.sizes import number
 from skin_ident.report.story import Told, Wrong
-from skin_ident.report.tolerant import named_at, text, with_spoken_taxels
+from skin_ident.report.tolerant import named_at
 from skin_ident.report.view import Amount, View
 from skin_ident.report.words import capital, channel, sentence
 
@@ -91,8 +91,7 @@ def _excluded(v: View) -> list[str]:
 
 
 def _untestable(v: View) -> list[str]:
-    rows = [[named_at(e), why_untestable(e, v), with_spoken_taxels(text(e.get("needs")))] for e in v.untestable]
-    return _rows("Could not be tested", ["cause", "because", "would need"], rows)
+    return _rows("Could not be tested", ["cause", "because", "would need"], [list(row) for row in untestable_rows(v)])
 
 
 def _recordings(v: View) -> list[str]:

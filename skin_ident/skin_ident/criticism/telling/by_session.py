@@ -104,7 +104,7 @@ class _Fitted:
 
     def zero(self, c: int) -> Number:
         """That of a channel, N, and its standard error."""
-        return float(self.zeros[c]), float(np.sqrt(np.diag(self.covariance)[len(self.which) + c]))
+        return float(self.zeros[c]), float(np.sqrt(max(np.diag(self.covariance)[len(self.which) + c], 0.0)))
 
 
 def _fitted(model: Model, s: Session, noise: Whitener, which: tuple[Unknown, ...], heard: list[str]) -> _Fitted:
@@ -171,7 +171,7 @@ def recovery(model: Model, channel: str) -> float:
 
 
 def _ratio(a: float, b: float) -> float:
-    return a / b if b > 0.0 else float("nan")
+    return a / b if b > TINY * a else float("nan")
 
 
 def _quantities(own: _Alone) -> dict[str, Any]:
