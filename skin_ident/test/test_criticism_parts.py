@@ -17,6 +17,7 @@ from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.search.ranking import signed_pursuit
 from skin_ident.criticism.search.state import Search
+from skin_ident.criticism.search.survey import survey
 from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.weighing import weighed, with_mass
 from skin_ident.criticism.sessions.band import Band
@@ -25,6 +26,7 @@ from skin_ident.criticism.sessions.session import motion_under, prepare
 from skin_ident.recordings.recording import Recording
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
+from skin_models.effects.hysteresis import SkinHysteresis
 from skin_models.effects.inertia import Inertia
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.effects.time_shift import TimeShift
@@ -37,13 +39,19 @@ T = np.arange(4000) / 100.0
 DEPTH = 0.5e-3 + 0.3e-3 * np.sin(0.9 * T) + 0.1e-3 * np.sin(4.1 * T)
 
 
-def recording(model: Model, noise: float = 0.0, seed: int = 0) -> Recording:
-    response = model.simulate(motion(T, DEPTH))
+CORNERS = [0.1, 0.8, 0.3, 0.9, 0.5, 0.5, 0.7, 0.6, 0.95, 0.1, 0.5, 0.4, 0.5, 0.2, 0.8]  # mm
+LOOPS = np.interp(
+    T, np.cumsum([0, 1, 3, 3, 0.5, 5, 0.5, 2, 8, 2, 1, 1, 3, 4, 6]), 1e-3 * np.array(CORNERS)
+)  # large and small, fast and slow
+
+
+def recording(model: Model, noise: float = 0.0, seed: int = 0, depth: np.ndarray = DEPTH) -> Recording:
+    response = model.simulate(motion(T, depth))
     rng = np.random.default_rng(seed)
     return Recording(
         "made",
         T,
-        DEPTH,
+        depth,
         response.force + noise * rng.standard_normal(T.size),
         response.taxels + noise * rng.standard_normal((len(model.shares), T.size)),
     )
@@ -69,6 +77,24 @@ def test_signed_pursuit_reaches_the_constrained_optimum_where_it_may_use_all_dir
     best = lsq_linear(A, r, (low, np.where(high == 0.0, 1e-12, high)))
     assert gain == pytest.approx(r @ r - 2 * best.cost, rel=1e-3)
     assert np.all(z * signs >= 0.0)
+
+
+@pytest.mark.parametrize(
+    ("beside", "own"),
+    [
+        (StressRelaxation("skin", k_sensed=900.0, k_dispersed=300.0, tau=0.4), False),
+        (SkinHysteresis("skin", k_sensed=900.0, k_dispersed=300.0, threshold=2e-4), True),
+    ],
+)
+def test_a_loop_is_one_of_its_own_where_no_more_relaxation_would_do_as_much(beside, own):
+    """Relaxation with one arm is in the model; what it leaves is another arm, or a loop."""
+    arm = StressRelaxation("skin", k_sensed=2000.0, k_dispersed=600.0, tau=6.0)
+    true = replace(SILICONE, effects=(arm, beside))
+    s = prepare(recording(true, 0.01, depth=LOOPS))
+    noise = fit_whitener([residual(true, s)], [s])
+    one_arm = fit(replace(SILICONE, effects=(arm,)), [s], noise)
+    share = survey(one_arm.model, [s], directions(s)).of_its_own(("hysteresis", "skin"), {("stress_relaxation", "skin")})
+    assert (share > 0.12) if own else (share < 0.05)
 
 
 @pytest.mark.parametrize("scale", [0.02, 1.0, 5.0])

@@ -27,7 +27,7 @@ from skin_models.effects.quantization import SensorQuantization
 from skin_models.effects.rate_dependence import OneSidedDamping
 from skin_models.effects.springpot_relaxation import SpringpotRelaxation
 from skin_models.effects.stress_relaxation import StressRelaxation
-from skin_models.effects.time_shift import TimeShift
+from skin_models.effects.time_shift import Scanning, TimeShift
 from skin_models.operators.elapsed import Elapsed
 from skin_models.operators.play import play
 from skin_models.signals import Motion, motion
@@ -232,6 +232,16 @@ def test_a_delay_and_a_skew_shift_a_line_exactly():
     assert late[:, 10:] == pytest.approx(np.array([[5.0], [-1.0]]) * (t - 0.0334 - 1e-3 * t)[10:])
     early = TimeShift(where="clock_taxels", delay=-0.0334, skew=0.0).batch(line, s)
     assert early[0, :-10] == pytest.approx(5.0 * (t + 0.0334)[:-10])
+
+
+@pytest.mark.parametrize("per_taxel", [0.0125, -0.004])
+def test_taxels_that_are_read_in_turn_are_each_later_than_the_one_before(per_taxel):
+    s = at_times(np.zeros(200))
+    t = np.arange(200) * s.dt
+    rows = np.stack([np.sin(3.0 * t), 2.0 * np.sin(3.0 * t), np.cos(5.0 * t)])
+    read = Scanning(where="clock_taxels", per_taxel=per_taxel).batch(rows, s)
+    for i, (row, late) in enumerate(zip(rows, read, strict=True)):
+        assert np.allclose(late, np.interp(t - i * per_taxel, t, row))
 
 
 def test_a_running_simulation_passes_an_early_channel_on():

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
-from skin_ident.criticism.vocabulary import BY_NAME, place, spoken
+from skin_ident.criticism.vocabulary import BY_NAME, place, spoken, word_of
 from skin_models.catalogue import effects
 from skin_models.dispersion import Dispersion
 from skin_models.parameter import Parameter, parameters_of
@@ -116,7 +116,7 @@ def _without_symbols(doc: str) -> str:
 def effect_words(cause: str, where: str, names: tuple[str, ...]) -> dict[str, str]:
     """What the parameters `names` of an effect are, from its own declaration; an arm's number (`tau_2`) is kept. Unknown ones are absent.
 
-    Where a cause has several forms, the form that declares most of the names is meant.
+    Where a cause has several forms, the form that declares most of the names is meant, and others for the rest.
     """
     return {name: _of(p, name) for name, p in declared(cause, where, names).items()}
 
@@ -125,9 +125,9 @@ def effect_words(cause: str, where: str, names: tuple[str, ...]) -> dict[str, st
 def declared(cause: str, where: str, names: tuple[str, ...]) -> dict[str, Parameter]:
     """The parameters `names` of an effect as it declares them, an arm's (`tau_2`) as the first of them. Unknown ones are absent."""
     word = "taxel" if where.startswith("taxel") else where
-    forms = [{p.name: p for p in parameters_of(c)} for c in effects() if c.cause == cause and word in c.places]
+    forms = [{p.name: p for p in parameters_of(c)} for c in effects() if c.cause == cause and word in map(word_of, c.places)]
     said = [{name: of[own] for name in names for own in (_stem(name), name) if own in of and of[own].doc} for of in forms]
-    return max(said, key=len, default={})
+    return {name: p for of in sorted(said, key=len) for name, p in of.items()}
 
 
 def _stem(name: str) -> str:

@@ -2,13 +2,15 @@
 
     shift          y'(t) = y(t - delay - skew T)        T: time since the first sample
     jitter         y'(t) = y(t - J u)                   u: drawn afresh at every sample, evenly from 0 to 1
+    scanned        y'[i](t) = y[i](t - i s)             taxel i is read so long after taxel 0
 
-Both are linear between samples and hold y(0) before the first one.
+All are linear between samples and hold y(0) before the first one.
 
 `where` says which channel is late with respect to the rest: clock (force), clock_taxels, or clock_depth (all the skin's answers, as
 seen from the encoder). A finding reports all three as `clock`. A negative delay (the channel is early) can be had for a recording; a
 running simulation cannot look ahead and passes the signal on. Jitter needs a random generator and is not proposed for a finding: its
-mean is a delay, the rest noise that grows with the slope.
+mean is a delay, the rest noise that grows with the slope. A multiplexer that reads the taxels one after the other, with one time stamp
+for all of them, makes each later than the one before; s < 0 where it reads them the other way round.
 
 Source: T. I. Laakso et al., Splitting the unit delay, IEEE Signal Processing Magazine 13 (1996) 30-60 (linear interpolation).
 """
@@ -88,6 +90,36 @@ class TimeJitter(Dynamic):
             return y
         n = np.arange(len(s))
         return _shifted(y, n - whole(new_key(rng), n.shape, uniform) * self.jitter / s.dt)
+
+
+@dataclass(frozen=True)
+class Scanning(Dynamic):
+    """Taxels that are read one after the other."""
+
+    cause: ClassVar[str] = "time_shift"
+    form: ClassVar[str] = "scanned"
+    places: ClassVar = {"clock_taxels": Place.TAXEL}
+    source: ClassVar[str] = "Laakso et al. 1996, one delay for each channel"
+
+    per_taxel: float = quantity("s", 0.0, lower=-0.2, upper=0.2, typical=0.01, doc="how much later s each taxel is than the one before")
+
+    def initial(self, rng=None) -> tuple:
+        """The last samples, newest last: none."""
+        return ()
+
+    def step(self, state, y, s: Sample, dt: float):
+        """Every taxel at its own time, the present one where that is still to come."""
+        late = self._late(len(y)) / dt
+        past = _remembered(state, y, max(late, default=0.0))
+        return past, np.array([_looked_up(past, back)[i] for i, back in enumerate(late)])
+
+    def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
+        """Every row at its own shifted times; also where taxels are early."""
+        n = np.arange(len(s))
+        return np.array([_shifted(row, n - late / s.dt) for row, late in zip(y, self._late(len(y)), strict=True)]).reshape(y.shape)
+
+    def _late(self, n_taxels: int) -> np.ndarray:
+        return self.per_taxel * np.arange(n_taxels)
 
 
 def _remembered(past: tuple, y, late: float) -> tuple:

@@ -10,7 +10,7 @@ from skin_ident.criticism.gates.description import shorter_by
 from skin_ident.criticism.gates.gate import MUCH, Gain
 from skin_ident.criticism.gates.second_opinion import at_any_scale
 from skin_ident.criticism.search.by_nature import same_by_nature
-from skin_ident.criticism.search.doubt import shadowed, unproven
+from skin_ident.criticism.search.doubt import mending, shadowed, unproven
 from skin_ident.criticism.search.growing import instances, negligible
 from skin_ident.criticism.search.hardware import converter_does, encoder_does, no_other_does, stage_is_off, too_short
 from skin_ident.criticism.search.named import Named, NotNamed
@@ -25,15 +25,16 @@ SHORTER = 15.0  # twice nats by which a cause must shorten the description: some
 DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
 ALL = 0.9  # of what the richest set of directions explains, which a cause must that is small beside others
 FAR_LESS = 0.6  # of what another explains, in whose place no cause is believed where held-out data nearly bear that out
+SMALL, OF_ITS_OWN = 0.3, 0.1  # of what was named first explains, below which a cause must explain so much that no more of that does
 WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it predicts held-out data as well but for so little
 
 
 def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
     """The best trial that held-out data support, as a finding with its rivals. What is small beside the largest effect so far in a channel
-    may be its imperfect form, and is not named. Where the best is what good hardware has anyway, a lesser one is not looked for; nor is one
-    believed that explains less than what an encoder leaves open, unless it stands beside that, or far less than another that held-out data
-    nearly bear out; where force drives instead of depth, its load cell is a rival of every name in any case. Why a good one is none,
-    hardware or doubt, is noted in the search."""
+    may be its imperfect form, and is not named; nor is what more of the causes that were named would explain. Where the best is what good
+    hardware has anyway, a lesser one is not looked for; nor is one believed that explains less than what an encoder leaves open, unless it
+    stands beside that, or far less than another that held-out data nearly bear out; where force drives instead of depth, its load cell is
+    a rival of every name in any case. Why a good one is none, hardware or doubt, is noted in the search."""
     nearly, left_open = 0.0, None
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
@@ -47,9 +48,9 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         if not _is_believed(search, trial, gain, second_chance=trial not in trials):
             nearly = max(nearly, trial.score * (gain.lower > 0.0 and sized(trial)))
             continue
-        if not itself:
+        if not itself or _mends_a_form(search, trial):
             if trial.score > reach(trials[0].score):
-                search.doubts[trial.key] = shadowed(gain, search.named)
+                search.doubts[trial.key] = (mending if itself else shadowed)(gain, search.named)
             continue
         rivals = [t for t in trials if t.key != trial.key and _is_rival(search, t, trial, gain)]
         hardware = _hardware_does(search, trial, rivals, gain)
@@ -88,6 +89,13 @@ def _explains_all(search: Search, trial: Trial) -> bool:
         return False
     everything = search.survey().explained_by_everything
     return ALL * everything < trial.score < everything / ALL
+
+
+def _mends_a_form(search: Search, trial: Trial) -> bool:
+    """Whether a small trial explains little that more of what was named would not: soft play, fitted as hard, leaves a loop."""
+    others = {n.key for n in search.named}
+    small = trial.score < SMALL * max((n.explained for n in search.named), default=0.0)
+    return bool(others) and small and trial.key not in others and search.survey().of_its_own(trial.key, others) < OF_ITS_OWN
 
 
 def _forms(trials: list[Trial]) -> Iterator[Trial]:

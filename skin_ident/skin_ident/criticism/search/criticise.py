@@ -22,6 +22,7 @@ from skin_ident.criticism.sessions.session import Session, longest
 from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
+from skin_ident.criticism.vocabulary import Key
 from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
 from skin_models.model import Model
@@ -47,12 +48,19 @@ def criticise(
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = _compared(train, held, start.dispersion, mass)
-    search = Search(train, held, (*directions(longest(train)), *more), progress, encoder_step, given is None, mass_declared, most=most)
-    noise = noise_beside(start, train, search.which)
+    which = (*directions(longest(train)), *more)
+    noise = noise_beside(start, train, which)
     fitted = fit(start, train, noise)
-    search.suspected = {(s.cause, s.where) for s in find_pull(fitted.model, train)}
-    search.baseline = fitted
-    _name_all(search)
+
+    def searched(suspected: set[Key]) -> Search:
+        search = Search(train, held, which, progress, encoder_step, given is None, mass_declared, suspected=suspected, most=most)
+        search.baseline = fitted
+        _name_all(search)
+        return search
+
+    search = searched(_shown(fitted.model, train))
+    late = _shown(search.present.model, [*search.train, *search.held]) & {a.key for n in search.named for a in n.alternatives}
+    search = searched(late) if late else search  # the baseline had left too much for it to be seen
     unweigh(search)
     settle_skin(search)
     tell_of_skin(search)
@@ -63,6 +71,11 @@ def criticise(
     c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
     c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, search.hanging, train, noise))
     return _without_names(c, train, held) if _predicts_worse(c, held) else c
+
+
+def _shown(model: Model, sessions: list[Session]) -> set[Key]:
+    """The causes that the record itself shows beside a model."""
+    return {(s.cause, s.where) for s in find_pull(model, sessions)}
 
 
 def _compared(train: list[Session], held: list[Session], skin: Dispersion, mass: float) -> tuple[list[Session], list[Session]]:

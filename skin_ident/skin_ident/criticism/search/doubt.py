@@ -28,11 +28,24 @@ def shadowed(gain: Gain, named: list[Named]) -> NotNamed:
     """Why what held-out data bear out is no finding beside what was `named` and explains far more in the same channel: no form of a cause
     is quite that of a skin."""
     by = max(named, key=lambda n: n.gain.squares * (gain.channel in n.gain.carried))
-    falls = f"with it the held-out error of {gain.channel} falls from {gain.before:.2g} to {gain.after:.2g} N"
-    why = f"{falls}, little beside what {by.cause} in the {by.where} explains: it may be what an imperfect form of that leaves"
-    return NotNamed(
-        np.inf, why, f"a session in which {by.cause} in the {by.where} hardly shows, or a form of it that fits better", doubt=True
-    )
+    return _left_by(by, f"{_falls(gain)}, little beside what {by.cause} in the {by.where} explains")
+
+
+def mending(gain: Gain, named: list[Named]) -> NotNamed:
+    """Why what held-out data bear out is no finding where more of what was `named` would explain most of the same."""
+    by = max(named, key=lambda n: n.explained)
+    more = "the causes that are named" if len(named) > 1 else f"{by.cause} in the {by.where}"
+    return _left_by(by, f"{_falls(gain)}, and more of {more} would explain most of that")
+
+
+def _falls(gain: Gain) -> str:
+    return f"with it the held-out error of {gain.channel} falls from {gain.before:.2g} to {gain.after:.2g} N"
+
+
+def _left_by(by: Named, why: str) -> NotNamed:
+    """Why what an imperfect form of a cause (`by`) may leave is no finding."""
+    needs = f"a session in which {by.cause} in the {by.where} hardly shows, or a form of it that fits better"
+    return NotNamed(np.inf, f"{why}: it may be what an imperfect form of that leaves", needs, doubt=True)
 
 
 def wandering(run: Run) -> NotNamed:

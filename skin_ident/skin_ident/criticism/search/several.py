@@ -11,8 +11,9 @@ from skin_ident.criticism.search.trial import Trial
 
 
 def single_before_several(search: Search, trials: list[Trial]) -> list[Trial]:
-    """The trials, the best first; before one of several instances that other which explains more alone, and more than it with the next."""
-    if not (trials and trials[0].plainer and search.lasts):
+    """The trials, the best first; before one of several instances that other which explains more alone, and more than it with the next; not
+    before one that the record itself has shown."""
+    if not (trials and trials[0].plainer and search.lasts) or trials[0].key in search.suspected:
         return trials
     best = trials[0]
     other = max((t for t in trials if t.key[0] != best.key[0]), key=_alone, default=best)

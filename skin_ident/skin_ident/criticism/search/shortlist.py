@@ -26,7 +26,7 @@ def shortlisted(
     trials = [*tried(shown), *_best(others, tried, known)]
     enough = WITHIN * max((t.score for t in trials), default=0.0)
     trials.sort(key=lambda t: (t.ranked not in shown or t.score < enough, -t.score))
-    trials = _commoner_first(trials)
+    trials = trials if trials and trials[0].ranked in shown else _commoner_first(trials)
     again = [t for t in trials if t.key in known and t.score > reach(trials[0].score)]
     first = again[:1] or likelier_place(trials)
     return first + [t for t in trials if t not in first]

@@ -1,5 +1,6 @@
 """One look at everything the catalogue offers, on top of the present model."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,7 +15,10 @@ from skin_ident.criticism.noise.whitening import Stacked, Whitener, stack
 from skin_ident.criticism.search.proposals import Direction, between
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, Projected, Ranked, project, rank
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
+
+FORMS = 5  # directions of a cause that may mend its form, of either sign: a form may have too much of something, too
 
 
 @dataclass(frozen=True)
@@ -50,11 +54,28 @@ class Survey:
     def richest(self, sessions: list[Session]) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
         """All that may change sessions, whitened, (rows, M), what is left of them, (rows,), the coefficients (M,) of the richest set of
         directions that explain that, and how many of the M are the model's own unknowns."""
+        A, r, own = self._whitened(sessions)
+        return A, r, pursue(A, r, own + RICHEST, own), own
+
+    def of_its_own(self, cause: Key, others: Collection[Key]) -> float:
+        """The share of what a cause explains that more of `others` in the model would not: near 0 where it may stand for what their forms
+        lack. 1 where small amounts of it explain nothing."""
+        A, r, own = self._whitened(list(self.sessions))
+
+        def explained(causes: Collection[Key]) -> float:
+            offered = np.zeros(A.shape[1], bool)
+            offered[own : own + len(self.projected.which)] = [d.key in causes for d in self.projected.which]
+            return float(r @ r - np.sum((r - A @ pursue(A, r, own + FORMS * len(causes), own, offered)) ** 2))
+
+        without, theirs, its, both = map(explained, (set(), others, {cause}, {cause, *others}))
+        return (both - theirs) / (its - without) if its > without else 1.0
+
+    def _whitened(self, sessions: list[Session]) -> tuple[np.ndarray, np.ndarray, int]:
+        """All that may change sessions, whitened, (rows, M), what is left of them, (rows,), and how many of the M are the model's own."""
         every = [self.directions_of(s) for s in sessions]
-        own = every[0][1]
         A = stack([rows for rows, _ in every], sessions, self.noise)
         r = stack([residual(self.model, s) for s in sessions], sessions, self.noise)
-        return A, r, pursue(A, r, own + RICHEST, own), own
+        return A, r, every[0][1]
 
     def left_by_everything(self, session: Session) -> np.ndarray:
         """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
