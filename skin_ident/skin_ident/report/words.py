@@ -124,7 +124,7 @@ def effect_words(cause: str, where: str, names: tuple[str, ...]) -> dict[str, st
 @cache
 def declared(cause: str, where: str, names: tuple[str, ...]) -> dict[str, Parameter]:
     """The parameters `names` of an effect as it declares them, an arm's (`tau_2`) as the first of them. Unknown ones are absent."""
-    word = "taxel" if where.startswith("taxel") else where
+    word = "taxel" if where.startswith("taxel") else word_of(where)
     forms = [{p.name: p for p in parameters_of(c)} for c in effects() if c.cause == cause and word in map(word_of, c.places)]
     said = [{name: of[own] for name in names for own in (_stem(name), name) if own in of and of[own].doc} for of in forms]
     return {name: p for of in sorted(said, key=len) for name, p in of.items()}

@@ -49,7 +49,7 @@ COIN = 2.0 * np.log(2.0)  # twice nats, of having or lacking it
 TIMES = 3  # that sessions are asked whether they have it
 TELLS = 6.0  # twice nats, by which a session must be nearer without a cause to lack it
 SLIGHT = 0.01  # of a force, that a skin may differ by from day to day
-AS_WELL = 0.7  # of what a cause explains, which other numbers must to stand for one so slight
+AS_WELL = 0.7  # of what a cause explains, which other numbers must to stand for one so slight, and what a good stage does for any
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,8 @@ def take_partly(search: Search, last: Survey, best: float) -> bool:
     if not tried or reach(tried[0].score) <= least:
         return False
     first, *others = tried
+    if search.of_stage > AS_WELL * first.score:
+        return False
     numbers = ground.of_other_numbers({s.name for s in first.ahead.train if first.trial.key not in s.lacks})
     if first.score <= reach(numbers) or (numbers > AS_WELL * first.score and _too_slight_to_tell(first)):
         return False

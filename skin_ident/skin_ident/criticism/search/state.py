@@ -67,6 +67,7 @@ class Search:
     stage: dict[Key, NotNamed] = field(default_factory=dict)  # courses that explain something, and are such as a good stage does
     hardware: dict[Key, NotNamed] = field(default_factory=dict)  # it would have been named, and is such as good hardware does
     tared: dict[Key, NotNamed] = field(default_factory=dict)  # zeros of sessions that were taken into the baseline
+    of_stage: float = 0.0  # the most that such courses explain of the last round
     # The same of earlier rounds since the last cause was named: skin, zeros or a mass that were taken then may hide it now.
     set_aside: dict[Key, NotNamed] = field(default_factory=dict)
 
@@ -152,6 +153,7 @@ class Search:
         runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
         good = [r for r in runs if not r.worth(self.encoder_step) and r.score > self.least(self.present.count)]
         self.stage |= {r.course.key: stage_does(r, self.encoder_step) for r in good}
+        self.of_stage = max((r.score for r in good), default=0.0)
         return plainest_first([r for r in runs if r.worth(self.encoder_step) and r.course not in had])
 
     @property
