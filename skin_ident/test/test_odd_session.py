@@ -42,7 +42,7 @@ def test_a_factor_in_one_session(channel, factor, count):
     assert np.allclose(right[1].channels[channel], session(1).channels[channel])
 
 
-@pytest.mark.parametrize("factor", [1e-3, 1e3])
+@pytest.mark.parametrize("factor", [1e-3, 1e3, 1 / 25.4, 0.1])
 @pytest.mark.parametrize("count", [2, 4])
 def test_a_depth_in_another_unit_of_length(count, factor):
     right, (symptom,) = put_right(sessions(count, 1, lambda r: replace(r, depth=factor * r.depth)))

@@ -30,6 +30,8 @@ DEEPER = 5.0  # times that sessions of one skin may differ in stiffness and in d
 HUGE, WIDE = 100.0, 2.0  # a factor beyond HUGE is known from within a factor of WIDE
 ORDERLY = 0.3  # of the logarithm of a factor, by which the other sessions may differ among themselves
 LENGTHS = (1e3, 1e-3, 1e6, 1e-6)  # m, mm and µm for one another: no skin is so much stiffer than itself
+OTHERS = (25.4, 1 / 25.4, 10.0, 0.1, 100.0, 0.01)  # inches, centimetres and hundredths of a millimetre: a skin may be by chance,
+CLOSELY = 1.25  # and is not so exactly
 USUAL = 1e-3  # m, a depth beside which of two sessions the odd one is told
 DECIMAL = 1e-4  # by which the logarithm of a power of ten may be off
 MOST = 6  # faults of this kind in a set of sessions
@@ -154,9 +156,7 @@ def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
     found = []
     for i in range(len(group)):
         apart, wide = (float(q[i] - np.median(np.delete(q, i))) for q in (stiff, spans))
-        found += [
-            (abs(spans[i] - np.log(USUAL)), i, f) for f in LENGTHS if max(abs(apart + np.log(f)), abs(wide - np.log(f))) < np.log(DEEPER)
-        ]
+        found += [(abs(spans[i] - np.log(USUAL)), i, f) for f in (*LENGTHS, *OTHERS) if _is_in_unit(f, apart, wide)]
     if not found:
         return None
     _, i, factor = max(found)
@@ -168,6 +168,12 @@ def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
     evidence = {"why": why, "kind": UNIT_FACTOR, "session": r.name}
     symptom = Symptom("data_error", "rig", ("depth",), {"factor": quantity(factor, "1")}, evidence)
     return _Fault(symptom, i, replace(r, depth=r.depth / factor))
+
+
+def _is_in_unit(factor: float, stiffer: float, wider: float) -> bool:
+    """Whether a depth is so many times too large, by the logarithms of how much stiffer and wider a session is than the others."""
+    nearly, about = (DEEPER, DEEPER) if factor in LENGTHS else (CLOSELY, CLOSELY**3)
+    return abs(stiffer + np.log(factor)) < np.log(nearly) and abs(wider - np.log(factor)) < np.log(about)
 
 
 def _factor(logs: np.ndarray, i: int, c: int) -> float | None:
