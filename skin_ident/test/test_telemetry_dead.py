@@ -246,3 +246,20 @@ def test_what_else_a_dead_taxel_has_is_untestable_and_one_row_of_the_report(tmp_
     assert not [e for e in findings["excluded"] if e.get("where") == "taxel_0"]
     rows = [names for names, *_ in untestable_rows(view(findings)) if "taxel 0" in names]
     assert rows == ["hysteresis, dead zone, gain error, force offset, drift, saturation, quantization, lag and noise in taxel 0"]
+
+
+def test_a_taxel_that_dies_early_does_not_silence_what_the_others_say(tmp_path):
+    """Where one channel is not believed none is; of this taxel a third of one session is left, and of the load cell everything."""
+    sessions = make_sessions("null", seed=23, n_sessions=3, n_taxels=2, noise="white")[0]
+    broken = []
+    for i, s in enumerate(sessions):
+        taxels = s.taxels.copy()
+        taxels[round(0.35 * len(s.t)) * (i == 0) :, 1] = 0.0
+        broken.append(replace(s, taxels=taxels, force=s.force + 0.3 * (i > 0)))
+    write_case(broken, tmp_path / "broken")
+    write_case(sessions, tmp_path / "sound")
+    outcome = diagnose(load(tmp_path / "broken"))
+    found = {(f["cause"], f["where"]) for f in outcome.findings["findings"]}
+    assert found == {("dead_taxel", "taxel_1"), ("force_offset", "load_cell")}
+    (a, b), (c, d) = outcome.model.shares, diagnose(load(tmp_path / "sound")).model.shares
+    assert b / a == pytest.approx(d / c, rel=0.03)

@@ -13,6 +13,7 @@ from skin_ident.criticism.array.joining import array_criticism, joined
 from skin_ident.criticism.array.layout import Layout, layout_of, unplaced
 from skin_ident.criticism.array.proposing import array_directions
 from skin_ident.criticism.array.spreading import with_spread
+from skin_ident.criticism.baseline.living import with_living_shares
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.baseline.twin import read_twins
 from skin_ident.criticism.errors import DiagnosisError
@@ -29,7 +30,7 @@ from skin_ident.criticism.many import (
     with_rest,
     with_those_of_reading,
 )
-from skin_ident.criticism.record import Inspected, bad_samples, inspect
+from skin_ident.criticism.record import Inspected, bad_samples, given_up, inspect
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.search.criticise import criticise
 from skin_ident.criticism.search.named import Criticism
@@ -146,6 +147,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     step = depth_resolution(every)
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
+    c = _with_the_dead(c, looked, every)
     if c.train[0].free_mass:
         looked = looked.weighed(c.train[0].heaviest)
         every = _warned_first(every, mass_warnings(c.extended.model.dispersion.m, mass, declared))
@@ -165,6 +167,14 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     if model is None and every[0].depth is not None and not c.train[0].free_mass:
         findings["baseline"]["held"] = {"m": {"value": mass, "unit": "kg", "because": known.mass.source}}
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
+
+
+def _with_the_dead(c: Criticism, looked: Inspected, recordings: list) -> Criticism:
+    """The criticism with the shares of taxels that were given up, as they were while these lived."""
+    names = given_up(looked.symptoms, recordings)
+    fits = {which: getattr(c, which) for which in ("baseline", "extended")}
+    alive = {which: replace(f, model=with_living_shares(f.model, looked.whole, names)) for which, f in fits.items()}
+    return replace(c, **alive) if names else c
 
 
 def _warned_first(recordings: list, warnings: Iterable[str]) -> list:

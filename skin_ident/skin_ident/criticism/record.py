@@ -1,5 +1,6 @@
 """The record's own faults, found before the search for causes and kept out of it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,6 +34,7 @@ from skin_models.model import Model
 
 TREND = 25  # samples of the running median that is taken for what a force really did
 SAME_RATE = 0.01  # relative; lines are looked for in sessions of one rate
+LOST = 0.1  # of all samples
 HARMLESS = 3  # samples of depth that a straight line replaces to well within the band's noise
 
 
@@ -85,15 +87,15 @@ def inspect(recordings: list) -> Inspected:
 
 def _in_the_records(recordings: list) -> list[Symptom]:
     """What shows before any model. Steps of a channel in another unit are none of its converter."""
-    units = find_unit_faults(recordings)
+    units, dead = find_unit_faults(recordings), find_dead_taxels(recordings)
     return [
         *find_clock_faults(recordings),
         *find_copies(recordings),
         *units,
         *find_more_than_applied(recordings, tuple(c for u in units for c in u.channels)),
-        *find_dead_taxels(recordings),
+        *dead,
         *(s for s in find_quantization(recordings) if not any(set(s.channels) & set(u.channels) for u in units)),
-        *find_encoder_faults(recordings),
+        *find_encoder_faults(recordings, dead),
         *_in_the_drive(recordings),
     ]
 
@@ -108,12 +110,23 @@ def _without(symptoms: tuple[Symptom, ...], recordings: list, common: Common, co
     """The recordings as sessions without what `symptoms` rule out; `copies` are taxels that repeat another one, and are silent then."""
     clipped = [s for s in symptoms if s.cause == "saturation"]
     whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), common) for r in recordings]
-    stuck = _stuck(symptoms) | dict.fromkeys(copies, 0.0)
+    lost = given_up(symptoms, recordings)
+    stuck = _stuck(symptoms) | dict.fromkeys((*copies, *lost), 0.0)
     if not clipped and not stuck:
         return Inspected(symptoms, whole, whole)
     hard = frozenset(c for s in clipped if "lost" not in s.parameters for c in s.channels)
-    searched = [replace(prepare(r, bad_samples(r, symptoms), common), stuck=stuck, clipped=hard) for r in recordings]
+    believed = [s for s in symptoms if not set(s.channels) & set(lost)]
+    silent = [emptied(r, lost) for r in recordings]
+    searched = [replace(prepare(r, bad_samples(r, believed), common), stuck=stuck, clipped=hard) for r in silent]
     return Inspected(symptoms, searched, whole)
+
+
+def given_up(symptoms: Sequence[Symptom], recordings: list) -> tuple[str, ...]:
+    """Taxels that are dead for so long that a search does without them: where one channel is not believed, none is, for their noise is one.
+    Not of arrays, whose ratios tell where sessions press."""
+    every = LOST * sum(map(len, recordings)) if recordings[0].spread is None else np.inf
+    dead = (s for s in symptoms if s.cause == "dead_taxel" and s.bad)
+    return tuple(s.channels[0] for s in dead if sum(map(np.count_nonzero, s.bad.values())) > every)
 
 
 def _between_levels(early: list[Symptom], late: list[Symptom]) -> tuple[list[Symptom], list[Symptom]]:

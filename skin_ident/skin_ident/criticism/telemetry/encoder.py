@@ -5,6 +5,8 @@ more than its steps and its noise, and no channel shows a third of k dx nearby, 
 wider than a step some samples are far out, and no force knows of them: there must be more of these than its tail would leave.
 """
 
+from collections.abc import Collection
+
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
@@ -23,8 +25,8 @@ FROZEN = 5  # samples
 FEWEST = 2  # faults
 
 
-def find_encoder_faults(recordings: list) -> list[Symptom]:
-    """Spikes, drop-outs and frozen runs of the depth, where a force or a taxel tells what really happened."""
+def find_encoder_faults(recordings: list, dead: Collection[Symptom] = ()) -> list[Symptom]:
+    """Spikes, drop-outs and frozen runs of the depth, where a force or a taxel tells what really happened; not one while it is `dead`."""
     if recordings[0].depth is None:
         return []
     stiffness = {c: _stiffness(recordings, c) for c in recordings[0].channels}
@@ -33,7 +35,10 @@ def find_encoder_faults(recordings: list) -> list[Symptom]:
     step = max(1e-6 * declared, *levels) if declared else max(*levels, smallest_step(np.concatenate([r.depth for r in recordings])))
     departed = [_detrended(r.depth) for r in recordings]
     limits = _limits(departed, STEPS * step)
-    masks = [_faults(r, d, *limits, stiffness) for r, d in zip(recordings, departed, strict=True)]
+    masks = [
+        _faults(d, _unseen(r, d, stiffness, dead) & (np.abs(d) > limits[0]), r.depth, limits[1])
+        for r, d in zip(recordings, departed, strict=True)
+    ]
     count = int(sum(m.sum() for m in masks))
     if sum(runs(m)[0].size for m in masks) < FEWEST:
         return []
@@ -73,13 +78,11 @@ def _detrended(y: np.ndarray) -> np.ndarray:
     return d - median_filter(d, TREND)
 
 
-def _faults(recording, departed: np.ndarray, limit: float, apart: float, stiffness: dict[str, float]) -> np.ndarray:
-    """Mask (N,) of what jumps away and back beyond `apart`, and of what stands still and then jumps beyond `limit`."""
-    x = recording.depth
-    large = np.abs(departed) > limit
-    if not large.any():
+def _faults(departed: np.ndarray, silent: np.ndarray, x: np.ndarray, apart: float) -> np.ndarray:
+    """Mask (N,) of what jumps away and back beyond `apart`, and of what stands still and then jumps, where that is `silent` (N - 1,), large
+    and in no channel."""
+    if not silent.any():
         return np.zeros(x.size, bool)
-    silent = large & _unseen(recording, departed, stiffness)
     mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent & (np.abs(departed) > apart)))
     for a, b in zip(*held(x, FROZEN), strict=True):
         if silent[b - 1] and not mask[b]:
@@ -87,7 +90,7 @@ def _faults(recording, departed: np.ndarray, limit: float, apart: float, stiffne
     return fill_clusters(mask)
 
 
-def _unseen(recording, departed: np.ndarray, stiffness: dict[str, float]) -> np.ndarray:
+def _unseen(recording, departed: np.ndarray, stiffness: dict[str, float], dead: Collection[Symptom]) -> np.ndarray:
     """Where some channel would have shown a step of this size, and none did."""
     x = recording.depth
     touching = np.minimum(median_filter(x, 2 * TREND + 1)[1:], median_filter(x, 2 * TREND + 1)[:-1]) > 0.0
@@ -96,6 +99,8 @@ def _unseen(recording, departed: np.ndarray, stiffness: dict[str, float]) -> np.
         dy = _detrended(y)
         expected = abs(stiffness[channel]) * np.abs(departed)
         clear = expected > CLEAR * max(normal_scale(dy), recording.step(channel) or smallest_step(y))
+        for lost in (s.bad[recording.name, channel] for s in dead if (recording.name, channel) in s.bad):
+            clear &= ~lost[1:]
         would |= clear
         did |= clear & (maximum_filter1d(np.abs(dy), 2 * NEAR + 1) > SEEN * expected)
     return touching & would & ~did
