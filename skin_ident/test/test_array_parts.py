@@ -90,6 +90,20 @@ def test_a_row_has_one_axis_and_a_cross_of_contacts_two():
     assert len(replace(layout, contacts=np.array([[0.0, 0.0], [0.0, 4e-3]])).axes) == 2
 
 
+@pytest.mark.parametrize("scale", [1.0, 6.0])
+def test_a_shift_is_told_from_a_wrong_calibration_on_fine_arrays_and_coarse(scale):
+    """Three taxels 1.6 mm apart, or six times that, under Gaussians written out here that all lie a fourteenth of their width elsewhere."""
+    places = scale * np.array([[-0.8e-3, -0.65e-3], [0.8e-3, -0.65e-3], [0.0, 0.8e-3]])
+    contacts = scale * np.array([[0.0, 0.0], [1e-3, -0.4e-3], [0.3e-3, 1.1e-3], [-1e-3, -0.4e-3]])
+    width, off = scale * 2.5e-3, scale * np.array([0.15e-3, -0.1e-3])
+    read = np.exp(-(np.linalg.norm(places - (contacts + off)[:, None], axis=2) ** 2) / width**2)
+    layout = Layout(places, contacts, width, True, 0.008)
+    verdict = judge(layout, measured(read, 5))
+    assert verdict.named and verdict.named.key == ("off_centre", "rig") and not verdict.rivals
+    shift = sum(verdict.named.fit.member[f"shift_{a}"] * axis for a, axis in enumerate(layout.axes))
+    assert shift == pytest.approx(off, abs=0.3 * np.linalg.norm(off))
+
+
 @pytest.mark.parametrize("held", [(0.5e-3, 3.5e-3), (-1.3e-3, -3e-3)])
 def test_a_place_that_some_sessions_tell_is_the_same_place_in_all(held):
     """Fitted sessions whose contacts are nearly in the row of the taxels, and one that is held out beside it."""

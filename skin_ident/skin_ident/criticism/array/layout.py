@@ -15,6 +15,7 @@ SILICONE_WIDTH = 5.25e-3  # m, c of exp(-(r/c)^2) on 4 mm of silicone: thesis se
 DISCS = 4.86e-3  # m, what of it plunger (9.9 mm) and taxel (9.53 mm) make, by the variance of discs, a^2 / 4 per axis; a fit says 5.19
 MEASURED_AT = 4.0  # mm
 APART = 1e-4  # m, by which contacts must differ to count as different
+FLAT, THIN = 1e-3, 0.2  # m rms, or of the width of small arrays, up to which taxels and contacts lie in one row
 NOWHERE = "nobody says where the plunger presses (contact_position_mm in rig.yaml): it is taken to be at [0, 0] among the taxels"
 
 
@@ -59,7 +60,7 @@ class Layout:
             return self.known_axes
         points = self.places.reshape(-1, 2) - self.places.reshape(-1, 2).mean(axis=0)
         _, size, axes = np.linalg.svd(points, full_matrices=False)
-        kept = axes[size / np.sqrt(len(points)) > 10.0 * APART]
+        kept = axes[size / np.sqrt(len(points)) > min(FLAT, THIN * size.max() / np.sqrt(len(points)))]
         return kept * np.where(kept[np.arange(len(kept)), np.abs(kept).argmax(axis=1)] < 0.0, -1.0, 1.0)[:, None]
 
     def of(self, sessions: list[int]) -> "Layout":
