@@ -27,6 +27,7 @@ from skin_ident.criticism.telemetry.outliers import find_outliers
 from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pile_up import find_saturated_drive, find_saturation
 from skin_ident.criticism.telemetry.quantization import depth_resolution, depth_step, find_quantization
+from skin_ident.criticism.telemetry.stalled import find_stalled
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.stretches import runs
@@ -91,6 +92,7 @@ def _in_the_records(recordings: list) -> list[Symptom]:
     return [
         *find_clock_faults(recordings),
         *find_copies(recordings),
+        *find_stalled(recordings),
         *units,
         *find_more_than_applied(recordings, tuple(c for u in units for c in u.channels)),
         *dead,

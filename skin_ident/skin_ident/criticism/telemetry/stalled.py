@@ -1,0 +1,47 @@
+"""Rows that a logger wrote again and again while its stamps went on: every column stands, and then leaps at once.
+
+A plunger at rest stands, too, and coarse converters say the same of it for long. It then moves off no faster than a stage can: what leaps
+by several times the longest step that the motion has otherwise was under way while the rows stood.
+"""
+
+import numpy as np
+
+from skin_ident.criticism.telemetry.symptom import Symptom, quantity
+from skin_ident.stretches import runs
+from skin_models.words import counted
+
+FEWEST = 8  # samples that repeat one
+LEAPS = 5.0  # times the steps of all but a thousandth of the samples
+USUAL = 99.9  # percent
+
+
+def find_stalled(recordings: list) -> list[Symptom]:
+    """One symptom for all stretches of all sessions, the samples of which are not believed."""
+    stretches = [(r, a, b) for r in recordings for a, b in _stalls(r)]
+    if not stretches:
+        return []
+    first, a, b = max(stretches, key=lambda s: s[2] - s[1])
+    why = f"all columns of {first.name} repeat one row for {(b - a) * first.dt:.2f} s from {a * first.dt:.2f} s on, and then leap"
+    why += f", as at {counted(len(stretches) - 1, 'other time')}" if len(stretches) > 1 else ""
+    channels = (*first.channels, *(["depth"] if first.depth is not None else []))
+    bad = {(r.name, c): _mask(r, stretches) for r in recordings for c in channels}
+    parameters = {"from": quantity(a * first.dt, "s"), "length": quantity((b - a) * first.dt, "s")}
+    evidence = {"why": why, "kind": "repeated rows", "stretches": len(stretches)}
+    return [Symptom("data_error", "clock", channels, parameters, evidence, {key: mask for key, mask in bad.items() if mask.any()})]
+
+
+def _stalls(recording) -> list[tuple[int, int]]:
+    """The first repeated sample of every stretch, and the one behind its last."""
+    moves = recording.depth if recording.depth is not None else recording.force
+    steps = np.abs(np.diff(np.vstack([*([] if recording.depth is None else [recording.depth]), *recording.channels.values()])))
+    leap = LEAPS * np.percentile(np.abs(np.diff(moves)), USUAL)
+    ends = [(int(a) + 1, int(b) + 1) for a, b in zip(*runs(np.all(steps == 0.0, axis=0)), strict=True) if b - a >= FEWEST]
+    return [(a, b) for a, b in ends if b < len(recording) and abs(moves[b] - moves[b - 1]) > leap > 0.0]
+
+
+def _mask(recording, stretches: list) -> np.ndarray:
+    mask = np.zeros(len(recording), bool)
+    for r, a, b in stretches:
+        if r is recording:
+            mask[a:b] = True
+    return mask
