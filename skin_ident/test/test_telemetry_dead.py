@@ -261,5 +261,6 @@ def test_a_taxel_that_dies_early_does_not_silence_what_the_others_say(tmp_path):
     outcome = diagnose(load(tmp_path / "broken"))
     found = {(f["cause"], f["where"]) for f in outcome.findings["findings"]}
     assert found == {("dead_taxel", "taxel_1"), ("force_offset", "load_cell")}
+    assert ("lag", "taxel_1") in {(u["cause"], u.get("where")) for u in outcome.findings["untestable"]}
     (a, b), (c, d) = outcome.model.shares, diagnose(load(tmp_path / "sound")).model.shares
     assert b / a == pytest.approx(d / c, rel=0.03)

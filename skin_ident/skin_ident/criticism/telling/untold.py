@@ -27,7 +27,7 @@ def with_load_cell_untold(untestable: list[dict[str, Any]], named: Collection[Ke
 
 
 def with_dead_untold(untestable: list[dict[str, Any]], dead: Iterable[str]) -> list[dict[str, Any]]:
-    """The entries `untestable` with one for every cause that a taxel may have, for each of those that are `dead` throughout."""
+    """The entries `untestable` with one for every cause that a taxel may have, for each of those that are `dead`."""
     untold = [(cause, where) for where in dead for cause in _causes_of("taxel") if cause not in NOT_HIDDEN]
     kept = [e for e in untestable if (e["cause"], e.get("where")) not in untold]
     needs = "the taxel replaced, or its plug and wire mended"
