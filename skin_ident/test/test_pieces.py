@@ -53,6 +53,30 @@ def test_a_piece_that_lasts_is_an_outlier_and_is_not_believed(tmp_path, spoil, w
     assert looked.sessions[1].weight[row].mean() < looked.sessions[0].weight[row].mean()
 
 
+def swallowed(s, rng):
+    """A taxel that reads nothing below a threshold."""
+    y = s.taxels.copy()
+    y[:, 1] *= y[:, 1] > 0.1 * y[:, 1].max()
+    return replace(s, taxels=y + 0.002 * rng.standard_normal(y.shape))
+
+
+def dropped(s, rng):
+    """A taxel that reads nothing five times, 0.3 s each."""
+    y, n = s.taxels.copy(), s.force.size
+    for at in rng.integers(n // 5, 4 * n // 5, 5):
+        y[at : at + 30, 1] = 0.0
+    return replace(s, taxels=y + 0.002 * rng.standard_normal(y.shape))
+
+
+@pytest.mark.parametrize(("spoil", "told", "seed"), [(swallowed, False, 3), (swallowed, False, 4), (dropped, True, 3), (dropped, True, 4)])
+def test_what_reads_nothing_whenever_it_should_read_little_has_a_threshold_and_drops_nothing(tmp_path, spoil, told, seed):
+    sessions = [spoil(s, np.random.default_rng(seed)) for s in make_sessions(None, seed=seed, n_sessions=3, n_taxels=2, noise="white")[0]]
+    for i, s in enumerate(sessions):
+        write_table(s, tmp_path / f"session_{i}.tsv")
+    faults = {(s.cause, s.where) for s in inspect(load(tmp_path)).symptoms} & {("outliers", "taxel_1"), ("dead_taxel", "taxel_1")}
+    assert bool(faults) == told
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_heavy_tails_and_colour_are_no_pieces(tmp_path, seed):
     looked = inspect(record(tmp_path, lambda s, rng: s, 40 + seed, noise="ar_t3"))

@@ -13,6 +13,7 @@ from scipy.stats import binom, poisson
 from skin_ident.criticism.telemetry.as_read import AsRead, as_read
 from skin_ident.criticism.telemetry.excursions import OWN, excursions, fill_clusters, held
 from skin_ident.criticism.telemetry.pushed import not_pushed, not_shared
+from skin_ident.criticism.telemetry.swallowed import is_swallowed
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
 from skin_ident.criticism.telemetry.unlikely import unlikely_runs
@@ -65,6 +66,8 @@ def find_outliers(
     found = []
     for c, (away, still, unlikely) in enumerate(every):
         away = [a & ~b for a, b in zip(away, bounced, strict=True)]
+        if is_swallowed(*(np.concatenate([row[c] for row in rows]) for rows in (raw, residuals)), np.concatenate(away)):
+            away = [np.zeros_like(a) for a in away]
         away = not_shared(not_pushed(away, [r[c] for r in residuals], paths, dt, reads), c, residuals, paths, dt, reads)
         others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
         alone = ([_alone(m, o) for m, o in zip(masks, others, strict=True)] for masks in (still, unlikely))

@@ -15,6 +15,7 @@ from skin_ident.criticism.sessions.parting import beside_partings, meeting
 from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.telemetry.other_units import in_other_units
 from skin_ident.criticism.telemetry.peaks import LASTING_S, Piece, clipped_peaks, pieces_in_words, samples_of
+from skin_ident.criticism.telemetry.swallowed import is_swallowed
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.tails import smallest_step
 from skin_ident.estimators.scale import normal_scale
@@ -45,7 +46,8 @@ def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -
     by_channel = [own for c in channels if (own := [p for p in found if p.channel == c])]
     units = {own[0].channel: in_other_units(own, sessions, rest) for own in by_channel}
     rest_of_them = [own for own in by_channel if not units[own[0].channel]]
-    accidents = [own for own in rest_of_them if _accident(own, whole) and not _one_kick(own, sessions, rest)]
+    lasting = [own for own in rest_of_them if _accident(own, whole)]
+    accidents = [own for own in lasting if not (_one_kick(own, sessions, rest) or _swallowed(own, sessions, rest))]
     return [*filter(None, units.values()), *(_told(own, clipped_peaks(own, sessions, rest, width), sessions) for own in accidents)]
 
 
@@ -100,6 +102,13 @@ def _runs(mask: np.ndarray, gap: int) -> Iterator[tuple[int, int]]:
 def _accident(own: list[Piece], whole: float) -> bool:
     enough = len(own) >= FEWEST or max(p.seconds for p in own) >= LONG_S
     return enough and sum(p.seconds for p in own) < SELDOM * whole and np.mean([p.met for p in own]) <= MEETING
+
+
+def _swallowed(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> bool:
+    """Whether the channel reads nothing in the pieces since it has a threshold."""
+    c = sessions[0].channels.index(own[0].channel)
+    inside = np.concatenate([samples_of(own, s) for s in sessions])
+    return is_swallowed(*(np.concatenate([row[c] for row in rows]) for rows in ([s.raw for s in sessions], rest)), inside)
 
 
 def _one_kick(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> bool:
