@@ -15,4 +15,4 @@ def is_swallowed(read: np.ndarray, left: np.ndarray, inside: np.ndarray) -> bool
     should = read - left
     most = float(np.median(should[inside])) if inside.any() else 0.0
     as_little = (should > 0.5 * most) & (should < most)
-    return most > 0.0 and float(np.mean(np.abs(read[as_little]) < NOTHING * should[as_little])) > WHENEVER
+    return bool(as_little.any()) and float(np.mean(np.abs(read[as_little]) < NOTHING * should[as_little])) > WHENEVER
