@@ -35,7 +35,7 @@ from skin_models.model import Model
 
 TREND = 25  # samples of the running median that is taken for what a force really did
 SAME_RATE = 0.01  # relative; lines are looked for in sessions of one rate
-LOST = 0.1  # of all samples, in which a taxel must be dead to be given up
+LOST = 0.5  # of all samples, in which a taxel must be dead to be given up
 HARMLESS = 3  # samples of depth that a straight line replaces to well within the band's noise
 
 
