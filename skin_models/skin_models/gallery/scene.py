@@ -39,7 +39,7 @@ LARGER = {  # to be seen at all
     "lag": {"tau": 0.12},
     "mount_compliance": {"late": 0.04},
     "quantization": {"step_force": 1.5},
-    "time_shift": {"delay": 0.08, "skew": 0.0, "jitter": 0.04},
+    "time_shift": {"delay": 0.08, "skew": 0.0, "jitter": 0.04, "per_taxel": 0.08},
 }
 NOISE = (Noise(where="load_cell", white=0.04), Noise(where="taxel", white=0.04))  # of a fair sensor, the same with and without
 
@@ -96,13 +96,18 @@ def _profile(e: Effect, specimen: Model) -> tuple[np.ndarray, np.ndarray, np.nda
 
 def _channel(model: Model, e: Effect, s: Motion) -> np.ndarray:
     response = model.simulate(s, seed=1)
-    return response.force if not _on_taxels(e) else response.taxels[int(e.place is Place.SPREAD)]
+    return response.force if not _on_taxels(e) else response.taxels[int(_is_seen_beside(e))]
 
 
 def _name(e: Effect) -> str:
     if not _on_taxels(e):
         return "applied force"
-    return "taxel beside the plunger" if e.place is Place.SPREAD else "taxel under the plunger"
+    return "taxel beside the plunger" if _is_seen_beside(e) else "taxel under the plunger"
+
+
+def _is_seen_beside(e: Effect) -> bool:
+    """Whether an effect leaves the first taxel as it is."""
+    return e.place is Place.SPREAD or e.form == "scanned"
 
 
 def _example(cls: type[Effect]) -> Effect:
