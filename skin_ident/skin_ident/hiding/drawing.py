@@ -12,7 +12,7 @@ from skin_models.parameter import AMPLITUDE, Parameter, parameters_of
 
 ANYTHING = "any"
 APART = {"time_shift": ("delay", "skew")}  # amplitudes of which only one is hidden at a time
-ARRAY = {"crosstalk", "scanned"}  # causes and forms that one taxel cannot show
+ARRAY = ("crosstalk",)  # causes that one taxel cannot show
 POSSIBLE = {  # where a fit may look beyond
     ("crosstalk", "share"): (0.0, 0.5),  # what leaks adds, and the larger part stays where it is
     ("mount_compliance", "late"): (0.0, 0.1),  # s, of skin that damps by 1 kN s/m on a mount that gives 0.1 mm under 1 N
@@ -30,7 +30,7 @@ def hideable(session: Session) -> dict[str, list[tuple[type[Effect], str]]]:
     """Classes and places by cause, as far as the channels of the recording can carry them."""
     found: dict[str, list[tuple[type[Effect], str]]] = {}
     for cls in effects():
-        if ARRAY & {cls.cause, cls.form} and session.n_taxels < 2:
+        if cls.cause in ARRAY and session.n_taxels < 2:
             continue
         if cls.cause in BY_NAME and any(True for _ in cls.shapes(session.motion)):
             found.setdefault(cls.cause, []).extend((cls, where) for where in places_of(cls, session))

@@ -171,7 +171,7 @@ def recovery(model: Model, channel: str) -> float:
 
 
 def _ratio(a: float, b: float) -> float:
-    return a / b if b > TINY * a else float("nan")
+    return a / b if b > TINY * abs(a) else float("nan")
 
 
 def _quantities(own: _Alone) -> dict[str, Any]:
