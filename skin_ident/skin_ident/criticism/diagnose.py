@@ -172,9 +172,11 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
 def _with_the_dead(c: Criticism, looked: Inspected, recordings: list) -> Criticism:
     """The criticism with the shares of taxels that were given up, as they were while these lived."""
     names = given_up(looked.symptoms, recordings)
+    if not names:
+        return c
     fits = {which: getattr(c, which) for which in ("baseline", "extended")}
     alive = {which: replace(f, model=with_living_shares(f.model, looked.whole, names)) for which, f in fits.items()}
-    return replace(c, **alive) if names else c
+    return replace(c, **alive)
 
 
 def _warned_first(recordings: list, warnings: Iterable[str]) -> list:

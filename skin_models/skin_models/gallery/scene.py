@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
 from skin_models.effects.noise import Noise
+from skin_models.effects.time_shift import Scanning
 from skin_models.materials import material
 from skin_models.model import Model
 from skin_models.signals import Motion, motion
@@ -107,7 +108,7 @@ def _name(e: Effect) -> str:
 
 def _is_seen_beside(e: Effect) -> bool:
     """Whether an effect leaves the first taxel as it is."""
-    return e.place is Place.SPREAD or e.form == "scanned"
+    return e.place is Place.SPREAD or isinstance(e, Scanning)
 
 
 def _example(cls: type[Effect]) -> Effect:

@@ -18,12 +18,13 @@ from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_ident.criticism.vocabulary import Key
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
+from skin_models.effects.time_shift import Scanning
 from skin_models.model import Model, Response
 from skin_models.parameter import AMPLITUDE, clipped, parameters_of, scan_of
 
 PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
 CLIPS, SWALLOWS = "saturation", "dead_zone"
-IN_TURN, FEWEST = "scanned", 3  # taxels, of which so many must be read in turn: of two, one is late, or lags
+SCANNED = 3  # taxels, of which so many must be read in turn: of two, one is late, or lags
 FULL = 24.0  # N that a sensor reads at most, for which the catalogue's grid of the forces at which it clips is laid out
 SMALL = 5.0  # N that a sensor reads at most, below which its other forces of the catalogue are too large
 LEAST_READING = 0.024  # N: a sensor that reads nothing is bent by nothing
@@ -85,7 +86,7 @@ def places_of(cls: type[Effect], session: Session) -> Iterator[str]:
 def _places(cls: type[Effect], session: Session) -> Iterator[str]:
     """Every place of an effect of which some channel would say something; of several taxels each, and all of them."""
     for word in cls.places:
-        if _unseen(cls.places[word], session) or (cls.form == IN_TURN and session.n_taxels < FEWEST):
+        if _unseen(cls.places[word], session) or (cls is Scanning and session.n_taxels < SCANNED):
             continue
         if word.endswith(("taxel", "taxels")):
             if session.n_taxels == 0:
