@@ -135,10 +135,14 @@ class Search:
         """The most promising causes, each grown and refitted, the best first."""
 
         def tried(causes: Iterable[Ranked]) -> Iterator[Trial]:
-            return (t for t in map(self.tried, causes) if plausible(t, self.train))
+            return (t for t in map(self._possible, causes) if t)
 
         ranked = [r for r in last.ranked if r.key not in self.dropped]
         return shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected)
+
+    def _possible(self, r: Ranked) -> Trial | None:
+        """One cause as tried, or its first instance alone where physics rules out all of them together."""
+        return next((t for t in self.tried(r).forms if plausible(t, self.train)), None)
 
     def tried(self, r: Ranked) -> Trial:
         """One cause, grown and refitted beside everything else."""
