@@ -1,6 +1,6 @@
 """Where flags hold: stretches of True in a row of samples."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -9,6 +9,14 @@ def runs(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where runs of True in a mask (N,) begin and end (exclusive)."""
     change = np.diff(np.concatenate([[0], mask.astype(np.int8), [0]]))
     return np.flatnonzero(change > 0), np.flatnonzero(change < 0)
+
+
+def marked(n: int, stretches: Iterable[tuple[int, int]]) -> np.ndarray:
+    """A mask (n,) that is True in stretches a..b (b exclusive)."""
+    mask = np.zeros(n, bool)
+    for a, b in stretches:
+        mask[a:b] = True
+    return mask
 
 
 def without(mask: np.ndarray, dropped: Callable[[int, int], bool]) -> np.ndarray:

@@ -30,7 +30,7 @@ from skin_ident.criticism.many import (
     with_rest,
     with_those_of_reading,
 )
-from skin_ident.criticism.record import Inspected, bad_samples, given_up, inspect
+from skin_ident.criticism.record import Inspected, bad_samples, inspect
 from skin_ident.criticism.scan import diagnose_scans
 from skin_ident.criticism.search.criticise import criticise
 from skin_ident.criticism.search.named import Criticism
@@ -147,7 +147,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     step = depth_resolution(every)
     declared = every[0].declared.moving_mass_kg is not None
     c = criticise(train, held, model, progress, mass, array_directions(layout, longest(train)), step, declared)
-    c = _with_the_dead(c, looked, every)
+    c = _with_the_dead(c, looked)
     if c.train[0].free_mass:
         looked = looked.weighed(c.train[0].heaviest)
         every = _warned_first(every, mass_warnings(c.extended.model.dispersion.m, mass, declared))
@@ -169,13 +169,12 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)
 
 
-def _with_the_dead(c: Criticism, looked: Inspected, recordings: list) -> Criticism:
+def _with_the_dead(c: Criticism, looked: Inspected) -> Criticism:
     """The criticism with the shares of taxels that were given up, as they were while these lived."""
-    names = given_up(looked.symptoms, recordings)
-    if not names:
+    if not looked.given_up:
         return c
     fits = {which: getattr(c, which) for which in ("baseline", "extended")}
-    alive = {which: replace(f, model=with_living_shares(f.model, looked.whole, names)) for which, f in fits.items()}
+    alive = {which: replace(f, model=with_living_shares(f.model, looked.whole, looked.given_up)) for which, f in fits.items()}
     return replace(c, **alive)
 
 

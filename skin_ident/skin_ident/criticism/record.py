@@ -50,6 +50,12 @@ class Inspected:
     sessions: list[Session]
     whole: list[Session]
 
+    @property
+    def given_up(self) -> tuple[str, ...]:
+        """Taxels that lived, and that the search does without."""
+        dead = (s.channels[0] for s in self.symptoms if s.cause == "dead_taxel" and s.bad)
+        return tuple(c for c in dead if c in self.sessions[0].stuck)
+
     def carrying(self, beyond: list[np.ndarray], weights: list[np.ndarray]) -> "Inspected":
         """The same with what each session's twin says beyond the model, (C, N), and where it says something (C, n). A channel that is stuck
         says what it always says."""
@@ -112,7 +118,7 @@ def _without(symptoms: tuple[Symptom, ...], recordings: list, common: Common, co
     """The recordings as sessions without what `symptoms` rule out; `copies` are taxels that repeat another one, and are silent then."""
     clipped = [s for s in symptoms if s.cause == "saturation"]
     whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), common) for r in recordings]
-    lost = given_up(symptoms, recordings)
+    lost = _given_up(symptoms, recordings)
     stuck = _stuck(symptoms) | dict.fromkeys((*copies, *lost), 0.0)
     if not clipped and not stuck:
         return Inspected(symptoms, whole, whole)
@@ -123,7 +129,7 @@ def _without(symptoms: tuple[Symptom, ...], recordings: list, common: Common, co
     return Inspected(symptoms, searched, whole)
 
 
-def given_up(symptoms: Sequence[Symptom], recordings: list) -> tuple[str, ...]:
+def _given_up(symptoms: Sequence[Symptom], recordings: list) -> tuple[str, ...]:
     """Taxels that are dead for so long that a search does without them: where one channel is not believed, none is, for their noise is one.
     Not of arrays, whose ratios tell where sessions press."""
     every = LOST * sum(map(len, recordings)) if recordings[0].spread is None else np.inf

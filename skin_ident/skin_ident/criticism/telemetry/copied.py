@@ -12,6 +12,7 @@ import numpy as np
 from skin_ident.criticism.telemetry.repeats import Repeat, repeats_of
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.recordings.digits import digits_of, nearest
+from skin_ident.stretches import marked
 
 VALUES = 12  # different values that a column must hold
 FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
@@ -106,19 +107,15 @@ def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> S
         why = f"{since} repeat {source.name} from {first.origin * source.dt:.2f} s on, digit for digit{alone}"
         why += f"; so do {len(again) - 1} more" if len(again) > 2 else "; so does another stretch" if len(again) == 2 else ""
     parameters = {"from": quantity(first.start * r.dt, "s"), "length": quantity(first.length * r.dt, "s")}
-    bad = {} if whole else {(r.name, c): _mask(r, k, again) for k, r in enumerate(recordings) for c in channels}
+    bad = {} if whole else {(r.name, c): _repeated(r, k, again) for k, r in enumerate(recordings) for c in channels}
     evidence = {"why": why, "kind": SESSION if whole else "repeated block", "session": r.name}
     where = sensor_of(channels[0], len(r.taxels))
     return Symptom("data_error", where, channels, parameters, evidence, {key: mask for key, mask in bad.items() if mask.any()})
 
 
-def _mask(recording, k: int, again: list[Repeat]) -> np.ndarray:
+def _repeated(recording, k: int, again: list[Repeat]) -> np.ndarray:
     """The samples (N,) of recording `k` that were there before."""
-    mask = np.zeros(len(recording), bool)
-    for r in again:
-        if r.at == k:
-            mask[r.start : r.start + r.length] = True
-    return mask
+    return marked(len(recording), ((r.start, r.start + r.length) for r in again if r.at == k))
 
 
 def _columns(recordings: list) -> list[Symptom]:

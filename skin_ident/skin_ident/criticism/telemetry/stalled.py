@@ -7,7 +7,7 @@ by several times the longest step that the motion has otherwise was under way wh
 import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
-from skin_ident.stretches import runs
+from skin_ident.stretches import marked, runs
 from skin_models.words import counted
 
 FEWEST = 8  # samples that repeat one
@@ -24,7 +24,7 @@ def find_stalled(recordings: list) -> list[Symptom]:
     why = f"all columns of {first.name} repeat one row for {(b - a) * first.dt:.2f} s from {a * first.dt:.2f} s on, and then leap"
     why += f", as at {counted(len(stretches) - 1, 'other time')}" if len(stretches) > 1 else ""
     channels = (*first.channels, *(["depth"] if first.depth is not None else []))
-    bad = {(r.name, c): _mask(r, stretches) for r in recordings for c in channels}
+    bad = {(r.name, c): marked(len(r), ((a, b) for q, a, b in stretches if q is r)) for r in recordings for c in channels}
     parameters = {"from": quantity(a * first.dt, "s"), "length": quantity((b - a) * first.dt, "s")}
     evidence = {"why": why, "kind": "repeated rows", "stretches": len(stretches)}
     return [Symptom("data_error", "clock", channels, parameters, evidence, {key: mask for key, mask in bad.items() if mask.any()})]
@@ -38,10 +38,3 @@ def _stalls(recording) -> list[tuple[int, int]]:
     ends = [(int(a) + 1, int(b) + 1) for a, b in zip(*runs(np.all(steps == 0.0, axis=0)), strict=True) if b - a >= FEWEST]
     return [(a, b) for a, b in ends if b < len(recording) and abs(moves[b] - moves[b - 1]) > leap > 0.0]
 
-
-def _mask(recording, stretches: list) -> np.ndarray:
-    mask = np.zeros(len(recording), bool)
-    for r, a, b in stretches:
-        if r is recording:
-            mask[a:b] = True
-    return mask

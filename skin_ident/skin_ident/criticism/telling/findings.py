@@ -9,7 +9,6 @@ import numpy as np
 from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.unknowns import Unknown, values
 from skin_ident.criticism.pattern import FEWEST, in_sessions, pattern, span
-from skin_ident.criticism.record import given_up
 from skin_ident.criticism.said import Said
 from skin_ident.criticism.search.bounds import excluded_and_untestable
 from skin_ident.criticism.search.growing import instances
@@ -266,8 +265,7 @@ def as_findings(
     rounds, seen_there = [s for s, _ in c.rounds], _not_findings(c, recordings, named)
     excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there)
     untestable = with_load_cell_untold(untestable, named) if driven else untestable
-    lost = given_up(symptoms, recordings)
-    dead = [s.where for s in symptoms if s.cause == "dead_taxel" and (not s.bad or s.channels[0] in lost)]
+    dead = [s.where for s in symptoms if s.cause == "dead_taxel" and s.channels[0] in c.train[0].stuck]
     untestable = with_dead_untold(untestable, dead)
     return {
         "schema": SCHEMA,
