@@ -13,6 +13,7 @@ from skin_ident.criticism.telemetry.quantization import find_quantization
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.criticism.telling.alike import in_all_taxels, one_each
 from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.digits import digits_at
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.model import Model
@@ -137,6 +138,12 @@ def companded(y, rng):
     return edges[np.searchsorted(edges, np.clip(y + 1.0, 0.0, edges[-2]))] - 1.0
 
 
+def rounded_unevenly(y, rng):
+    """The same to the nearest."""
+    levels = np.cumsum(np.linspace(0.04, 0.2, 120)) - 1.0
+    return levels[np.searchsorted(0.5 * (levels[1:] + levels[:-1]), y)]
+
+
 def with_missing_codes(y, rng):
     """Most codes never come, and what lies there goes to the next."""
     codes = np.cumsum(np.random.default_rng(7).integers(2, 6, 400)) * 0.02 - 1.0
@@ -149,6 +156,19 @@ def test_steps_of_a_converter_that_are_uneven_are_told_beside_what_is_declared(c
     found = find_quantization(made)
     assert {s.where for s in found} == {"taxel_0", "taxel_1", "taxel_2"}
     assert all("unevenly" in s.evidence["why"] for s in found)
+
+
+def test_uneven_steps_are_told_though_stamps_tremble_and_nothing_else_is_made_of_them():
+    """What was interpolated lies between the levels; the topmost of them is no ceiling, and steps that grow are no noise that does."""
+    rng, made = np.random.default_rng(3), []
+    for i in range(3):
+        s = session(i, rounded_unevenly, Declared(taxel_step_n=(0.02,), taxel_noise_n=(0.02,)))
+        t = s.t + rng.uniform(-0.2, 0.2, s.t.size) * s.dt
+        taxels = np.array([np.interp(s.t, t, row) for row in s.taxels])
+        digits = {f"taxel_{k}": digits_at(s.t, t, s.taxels)[k] for k in range(3)}
+        made.append(replace(s, taxels=taxels, digits=digits))
+    content = diagnose(made[:2], made[2:]).findings
+    assert {f["cause"] for f in content["findings"]} == {"quantization"}
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.005, 0.02, 0.06])

@@ -265,6 +265,20 @@ def test_steps_of_a_converter_are_known_though_stamps_are_uneven(tmp_path, jitte
     assert [r.step(c) for c in ("depth", "force", "taxel_0")] == pytest.approx([2e-5, 0.2, 0.04])
 
 
+def test_steps_of_a_converter_are_known_where_samples_are_lost_from_stamps_of_this_century(tmp_path):
+    """Interpolated by some millionth of a step, for such stamps are no finer, and by a third of one where two samples are lost."""
+    rng, n = np.random.default_rng(2), 3000
+    t, kept = 1_700_000_000.25 + np.arange(n) / 160.0, rng.random(n) > 0.004
+    x, taxel = (np.round((np.sin(2.0 * t) ** 2 + 0.03 * rng.standard_normal(n)) / step) * step for step in (2e-2, 0.04))
+    rows = "".join(f"{a:.6f},{b:.6f},{c:.6f}\n" for a, b, c in zip(t[kept], x[kept], taxel[kept], strict=True))
+    (tmp_path / "a.csv").write_text("t_s,x_mm,taxel_0_n\n" + rows)
+    r = load(tmp_path)[0]
+    assert "lost" in " ".join(r.warnings)
+    assert [r.step(c) for c in ("depth", "taxel_0")] == pytest.approx([2e-5, 0.04])
+    assert r.scaled({"taxel_0": -2.0}).step("taxel_0") == pytest.approx(0.08)
+    assert r.with_channels({"taxel_0": rng.standard_normal(len(r))}).step("taxel_0") is None
+
+
 def test_steps_of_a_converter_are_known_where_topics_have_stamps_of_their_own(tmp_path):
     coarse = Recording("a", R.t, R.depth, R.force, np.round(R.taxels / 0.05) * 0.05)
 

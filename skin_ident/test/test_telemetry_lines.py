@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import lfilter
 from world import make_sessions, write_case
 
+from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.telemetry.lines import find_interference
 from skin_ident.recordings.load import load
@@ -40,6 +41,22 @@ def test_a_tone_in_the_band_is_found(tmp_path, tone, lines):
     found = named(tmp_path, humming(tone, 0.08))
     assert [s.where for s in found] == ["load_cell"]
     assert found[0].evidence["lines"][: len(lines)] == pytest.approx(lines, abs=0.1)
+
+
+def wandering(t):
+    """A motor's hum, whose speed goes up and down by 2 %."""
+    return np.sin(2 * np.pi * (6.0 * t - 0.12 * 7.0 / (2 * np.pi) * np.cos(2 * np.pi * t / 7.0)))
+
+
+@pytest.mark.parametrize("tone", [wandering, burst])
+def test_a_tone_is_no_noise_that_is_alike_from_sample_to_sample(tmp_path, tone):
+    write_case(humming(tone, 0.4), tmp_path)
+    _, truth = make_sessions("null", seed=3, n_sessions=3, noise="white")
+    with (tmp_path / "rig.yaml").open("a") as rig:
+        rig.write(f"force_noise_n: {truth.noise_rms['force']}\n")
+    sessions = load(tmp_path)
+    content = diagnose(sessions[:2], sessions[2:]).findings
+    assert [(f["cause"], f["where"]) for f in content["findings"]] == [("interference", "load_cell")]
 
 
 def test_where_the_encoder_is_coarse_a_tone_that_goes_on_at_rest_is_found(tmp_path):

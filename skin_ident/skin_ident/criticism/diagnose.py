@@ -42,6 +42,7 @@ from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, longest
 from skin_ident.criticism.sessions.thinner import thinner, with_own_of_few
 from skin_ident.criticism.telemetry.bursts import told_of_bursts
 from skin_ident.criticism.telemetry.faults import effects_of, with_effects
+from skin_ident.criticism.telemetry.lines import between_lines
 from skin_ident.criticism.telemetry.noise_level import at_leisure, by_drive, find_noise
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
@@ -270,12 +271,15 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     slow = [c & at_leisure(s) for c, s in zip(calm, sessions, strict=True)]
     right = [s & ~bad_samples(r, known) for s, r in zip(slow, recordings, strict=True)]  # of each channel
     coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
+    uneven = {c for s in known if s.evidence.get("uneven") for c in s.channels}  # where steps grow, what they leave does, too
+    dts = [r.dt for r in recordings]
+    told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, recordings, channels, rest, model)]
+    rest = between_lines(rest, channels, told, dts)
     found = [
         *(s for s in find_buried(recordings, channels, rest, calm) if s.channels[0] not in coarse),
         *find_noise(recordings, channels, rest, right, lambda: by_drive(model, sessions, recordings, rest, slow)),
     ]
-    told = [told_of_bursts(s, channels, rest, [r.dt for r in recordings]) for s in known if remains(s, recordings, channels, rest, model)]
-    return [*told, *(s for s in found if s.channels[0] not in sessions[0].stuck)]
+    return [*told, *(s for s in found if s.channels[0] not in {*sessions[0].stuck, *uneven})]
 
 
 def _blocks(session: Session) -> tuple[list[Session], list[Session]]:

@@ -138,11 +138,12 @@ def _given_up(symptoms: Sequence[Symptom], recordings: list) -> tuple[str, ...]:
 
 
 def _between_levels(early: list[Symptom], late: list[Symptom]) -> tuple[list[Symptom], list[Symptom]]:
-    """Both, where outliers of a channel with uneven steps are taken for jumps from one level to the next, which are not believed either."""
+    """Both, where outliers of a channel with uneven steps are taken for jumps from one level to the next, which are not believed either,
+    and what piles up at its topmost level for what would be read anywhere up to the next."""
     uneven = {c for q in early if q.evidence.get("uneven") for c in q.channels}
     jumps = {s.channels[0]: s for s in late if s.cause == "outliers" and s.channels[0] in uneven}
     told = [replace(q, bad=jumps[q.channels[0]].bad) if q.evidence.get("uneven") and q.channels[0] in jumps else q for q in early]
-    return told, [s for s in late if s.cause != "outliers" or s.channels[0] not in jumps]
+    return told, [s for s in late if s.cause not in ("outliers", "saturation") or s.channels[0] not in uneven]
 
 
 def _spread_again(recordings: list, symptoms) -> list:

@@ -93,14 +93,15 @@ class Recording:
         return force | {f"taxel_{i}": row for i, row in enumerate(self.taxels)}
 
     def step(self, channel: str) -> float | None:
-        """Spacing of the levels on which `depth`, `force`, `taxel_0`, … is read, m or N; None where it is not seen."""
-        return step_of(self.depth if channel == "depth" else self.channels[channel]) or self.steps.get(channel) or None
+        """Spacing of the levels on which `depth`, `force`, `taxel_0`, … is read, m or N; None where it is not seen. What was interpolated
+        has levels of its own between those, a third of the way or some millionth of it."""
+        return self.steps.get(channel) or step_of(self._row(channel))
 
     def read(self, channel: str, part: slice = slice(None)) -> np.ndarray:
         """What tells the readings of `depth`, `force`, `taxel_0`, … from each other digit for digit, (N,), or of a part of them."""
         if channel in self.digits:
             return self.digits[channel][part]
-        return digits_of((self.depth if channel == "depth" else self.channels[channel])[part])
+        return digits_of(self._row(channel)[part])
 
     def own(self, channel: str) -> Readings | None:
         """The readings of a channel at instants of their own, where there are enough to be asked."""
@@ -122,16 +123,19 @@ class Recording:
         return replace(self, taxels=self.taxels[list(rows)], **(known | more))
 
     def with_channels(self, rows: Mapping[str, np.ndarray]) -> "Recording":
-        """The recording with other samples (N,) in some of `depth`, `force`, `taxel_0`, …, of which no readings are known then."""
+        """The recording with other samples (N,) in some of `depth`, `force`, `taxel_0`, …, of which no readings are known then, and steps
+        only where most samples are as they were."""
+        steps = {name: step for name, step in self.steps.items() if name not in rows or np.mean(rows[name] == self._row(name)) > 0.5}
         taxels = np.array([rows.get(f"taxel_{i}", y) for i, y in enumerate(self.taxels)]).reshape(self.taxels.shape)
         readings = {name: own for name, own in self.readings.items() if name not in rows}
         depth, force = (rows.get(name, getattr(self, name)) for name in ("depth", "force"))
-        return replace(self, depth=depth, force=force, taxels=taxels, readings=readings)
+        return replace(self, depth=depth, force=force, taxels=taxels, steps=steps, readings=readings)
 
     def scaled(self, factors: Mapping[str, float]) -> "Recording":
-        """The recording with some of `force`, `taxel_0`, … multiplied by factors."""
+        """The recording with some of `depth`, `force`, `taxel_0`, … multiplied by factors."""
         readings = {name: own.scaled(factors.get(name, 1.0)) for name, own in self.readings.items()}
-        return replace(self.with_channels({name: f * self.channels[name] for name, f in factors.items()}), readings=readings)
+        steps = {name: step * abs(factors.get(name, 1.0)) for name, step in self.steps.items()}
+        return replace(self.with_channels({name: f * self._row(name) for name, f in factors.items()}), steps=steps, readings=readings)
 
     @property
     def longest_period(self) -> float:
@@ -152,6 +156,9 @@ class Recording:
     def warned(self, *warnings: str) -> "Recording":
         """The same with more warnings."""
         return replace(self, warnings=(*self.warnings, *warnings))
+
+    def _row(self, channel: str) -> np.ndarray:
+        return self.depth if channel == "depth" else self.channels[channel]
 
     def _set(self, **values: object) -> None:
         for name, value in values.items():

@@ -15,6 +15,7 @@ for all of them, makes each later than the one before; s < 0 where it reads them
 Source: T. I. Laakso et al., Splitting the unit delay, IEEE Signal Processing Magazine 13 (1996) 30-60 (linear interpolation).
 """
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -52,6 +53,8 @@ class TimeShift(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """y at the shifted times; also for a channel that is early."""
+        if self.skew == 0.0:
+            return _delayed(y, self.delay / s.dt)
         n = np.arange(len(s))
         return _shifted(y, n - self._late(n * s.dt) / s.dt)
 
@@ -115,8 +118,7 @@ class Scanning(Dynamic):
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """Every row at its own shifted times; also where taxels are early."""
-        n = np.arange(len(s))
-        return np.array([_shifted(row, n - late / s.dt) for row, late in zip(y, self._late(len(y)), strict=True)]).reshape(y.shape)
+        return np.array([_delayed(row, late / s.dt) for row, late in zip(y, self._late(len(y)), strict=True)]).reshape(y.shape)
 
     def _late(self, n_taxels: int) -> np.ndarray:
         return self.per_taxel * np.arange(n_taxels)
@@ -141,4 +143,15 @@ def _shifted(y: np.ndarray, at: np.ndarray) -> np.ndarray:
     at = np.clip(at, 0.0, last)
     before = np.minimum(at.astype(int), max(last - 1, 0))
     after = np.minimum(before + 1, last)
-    return y[..., before] + (at - before) * (y[..., after] - y[..., before])
+    earlier, later = np.take(y, before, axis=-1), np.take(y, after, axis=-1)
+    return earlier + (at - before) * (later - earlier)
+
+
+def _delayed(y: np.ndarray, back: float) -> np.ndarray:
+    """`y` a constant number of samples ago, whole or not, held beyond its ends: the same without looking up every sample."""
+    whole_ones, n = math.floor(back), y.shape[-1]
+    before, behind = max(whole_ones + 1, 0), max(-whole_ones, 0)
+    held = np.concatenate([np.repeat(y[..., :1], before, -1), y, np.repeat(y[..., -1:], behind, -1)], axis=-1)
+    start = before - whole_ones
+    newer, older = held[..., start : start + n], held[..., start - 1 : start - 1 + n]
+    return newer + (back - whole_ones) * (older - newer)

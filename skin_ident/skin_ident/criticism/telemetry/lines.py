@@ -6,6 +6,7 @@ where it goes on while the plunger rests, or where nothing in the motion account
 is very tall and goes on at rest: a tone whose amplitude and phase wander looks like that.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,7 @@ LOWEST_HZ = 0.3  # below, the motion itself leaves lines in a residual
 AROUND, LONELY = 30, 0.15  # a line that comes in bursts has sidebands; within so many bins the median must stay below this share of it
 MOST = 6  # lines per channel that are looked into, the tallest first
 LEFT = 0.5  # of its amplitude, which a line must keep in what the extended model leaves
+NEAR = 0.15  # of its frequency, by which a line may wander
 FINE = 101  # frequencies between DRIFT bins below and above
 
 
@@ -69,6 +71,24 @@ def is_left(symptom: Symptom, row: list[np.ndarray], dts: list[float]) -> bool:
         return True
     left = [_amplitude(e, symptom.parameters["frequency"]["value"], dt) for e, dt in zip(row, dts, strict=True)]
     return float(np.median(left)) > LEFT * symptom.parameters["amplitude"]["value"]
+
+
+def between_lines(rests: list[np.ndarray], channels: tuple[str, ...], symptoms: Iterable[Symptom], dts: list[float]) -> list[np.ndarray]:
+    """What is left (C, N) of every session, sampled every `dts` s, less all that is near the lines of these symptoms: what is alike from
+    sample to sample there is none of the channel's noise."""
+    out = [e.copy() for e in rests]
+    for s in symptoms:
+        if s.cause == "interference" and s.channels[0] in channels:
+            c = channels.index(s.channels[0])
+            for e, dt in zip(out, dts, strict=True):
+                e[c] = _less(e[c], np.array(s.evidence["lines"]), dt)
+    return out
+
+
+def _less(e: np.ndarray, lines: np.ndarray, dt: float) -> np.ndarray:
+    spectrum, frequency = np.fft.rfft(e), np.fft.rfftfreq(e.size, dt)
+    near = np.abs(frequency - lines[:, None]) <= np.maximum(NEAR * lines, DRIFT * frequency[1])[:, None]
+    return np.fft.irfft(np.where(near.any(axis=0), 0.0, spectrum), e.size)
 
 
 def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:

@@ -167,7 +167,7 @@ def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
     )
     evidence = {"why": why, "kind": UNIT_FACTOR, "session": r.name}
     symptom = Symptom("data_error", "rig", ("depth",), {"factor": quantity(factor, "1")}, evidence)
-    return _Fault(symptom, i, replace(r, depth=r.depth / factor))
+    return _Fault(symptom, i, r.scaled({"depth": 1.0 / factor}))
 
 
 def _is_in_unit(factor: float, stiffer: float, wider: float) -> bool:

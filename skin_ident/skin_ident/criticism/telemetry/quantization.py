@@ -28,15 +28,16 @@ NARROW = 40.0  # percent of the spacings, which may be as narrow as was declared
 BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
 
 
-def uneven_step(y: np.ndarray, declared: float) -> float | None:
+def uneven_step(y: np.ndarray, digits: np.ndarray, declared: float) -> float | None:
     """Median spacing of the levels to which `y` (N,) comes again and again though they are not equally spaced, as those of a converter that
-    compresses; None where it does not, or where many are no further apart than `declared`."""
-    levels, counts = np.unique(y[np.diff(y, prepend=np.nan) != 0.0], return_counts=True)
+    compresses; None where it does not, or where many are no further apart than `declared`. A level is what the samples of one reading are
+    mostly at, told from others by its `digits` (N,): what was interpolated lies between."""
+    reading, counts = np.unique(digits[np.diff(digits, prepend=~digits[:1]) != 0], return_counts=True)
     again = counts >= AGAIN
     few = np.count_nonzero(again) <= 2 * FEWEST_LEVELS
-    if few or levels.size > FEW * y.size or np.sum(counts[again]) < OFTEN * np.sum(counts):
+    if few or reading.size > FEW * y.size or np.sum(counts[again]) < OFTEN * np.sum(counts):
         return None
-    gaps = np.diff(levels[again])
+    gaps = np.diff(np.sort([np.median(y[digits == d]) for d in reading[again]]))
     return float(np.median(gaps)) if np.percentile(gaps, NARROW) > UNEVENLY * declared else None
 
 
@@ -50,7 +51,7 @@ def find_quantization(recordings: list) -> list[Symptom]:
         if step and len(steps) == len(recordings) and min(steps) > COARSER * step:
             found.append(_coarse(recordings, channel, float(np.median(steps)), "as rig.yaml declares", {"declared": quantity(step, unit)}))
             continue
-        uneven = [uneven_step(y, step) for y in _rows(recordings, channel)] if step else []
+        uneven = [uneven_step(*read, step) for read in _rows(recordings, channel)] if step else []
         if uneven and None not in uneven:
             against, known = "on average as rig.yaml declares, and unevenly", {"declared": quantity(step, unit)}
             s = _coarse(recordings, channel, float(np.median(uneven)), against, known)
@@ -117,8 +118,10 @@ def _declared(recording) -> dict[str, float | None]:
     return {"force": None, **{c: declared_step(recording, c) for c in recording.channels}, "depth": step and step * 1e-6}
 
 
-def _rows(recordings: list, channel: str) -> list[np.ndarray]:
-    return [row for r in recordings for name, row in [*r.channels.items(), ("depth", r.depth)] if name == channel and row is not None]
+def _rows(recordings: list, channel: str) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The samples of a channel and their digits, of every recording that has it."""
+    every = ((r, [*r.channels.items(), ("depth", r.depth)]) for r in recordings)
+    return [(row, r.read(channel)) for r, rows in every for name, row in rows if name == channel and row is not None]
 
 
 def _steps(recordings: list, channel: str) -> list[float | None]:
