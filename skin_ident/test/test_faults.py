@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from skin_ident.criticism.diagnose import diagnose
 from skin_ident.criticism.errors import DiagnosisError
@@ -239,6 +240,32 @@ def test_few_far_spikes_stand_out_of_noise_whose_tail_is_seen_to_be_short(tail, 
 
     found = [s for s in inspect([session(i, change) for i in range(3)]).symptoms if s.cause == "outliers"]
     assert [s.channels for s in found] == [("taxel_0",)] * told
+
+
+def coloured(rng, shape, draw):
+    return lfilter([np.sqrt(1.0 - 0.85**2)], [1.0, -0.85], draw(rng, shape))
+
+
+def test_discharges_that_die_away_are_seen_beside_noise_that_wanders():
+    def change(y, rng):
+        y = y + 0.03 * coloured(rng, y.shape, lambda r, n: r.standard_normal(n))
+        for at in rng.integers(200, 3800, 4):
+            y[1, at : at + 40] += 0.45 * rng.choice([-1, 1]) * np.exp(-np.arange(40) / rng.uniform(2.0, 4.0))
+        return y
+
+    for seed in range(5):
+        found = [s for s in inspect([session(10 * seed + i, change) for i in range(3)]).symptoms if s.cause == "outliers"]
+        assert [s.channels for s in found] == [("taxel_1",)]
+
+
+def test_noise_that_wanders_in_leaps_has_no_discharges():
+    """A leap of a heavy tail dies away as a discharge does; there are no more than that tail has."""
+
+    def change(y, rng):
+        return y + 0.03 * coloured(rng, y.shape, lambda r, n: r.standard_t(3, n))
+
+    told = [s.cause for seed in range(10) for s in inspect([session(10 * seed + i, change) for i in range(3)]).symptoms]
+    assert "outliers" not in told
 
 
 def test_noise_that_is_read_in_steps_wider_than_itself_is_the_steps():
