@@ -78,6 +78,8 @@ def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:
     """Whether a trial that some sessions lack is believed as one that all share would be."""
     if search.shadows(gain) or trial.score <= search.form_of_others(*trial.key) or _is_hardware(search, trial, gain):
         return False
+    if _mends_a_history(search, trial):
+        return False
     return _is_believed(search, trial, gain, second_chance=False) and not _hardware_does(search, trial, [], gain)
 
 
@@ -96,6 +98,13 @@ def _mends_a_form(search: Search, trial: Trial) -> bool:
     others = {n.key for n in search.named}
     small = trial.score < SMALL * max((n.explained for n in search.named), default=0.0)
     return bool(others) and small and trial.key not in others and search.survey().of_its_own(trial.key, others) < OF_ITS_OWN
+
+
+def _mends_a_history(search: Search, trial: Trial) -> bool:
+    """Whether what the skin of some sessions would have explains little beside what is named of all skin: sessions differ in what was done
+    to a skin before, and no form of a softening or a loop remembers quite as a skin does."""
+    of_skin = max((n.explained for n in search.named if n.where == "skin"), default=0.0)
+    return trial.key[1] == "skin" and trial.score < SMALL * of_skin
 
 
 def _forms(trials: list[Trial]) -> Iterator[Trial]:

@@ -17,13 +17,13 @@ from skin_ident.criticism.search.search import eliminate, run
 from skin_ident.criticism.search.state import MOST_FINDINGS, Progress, Search
 from skin_ident.criticism.search.survey import noise_beside
 from skin_ident.criticism.search.weighing import unweigh, weighed
+from skin_ident.criticism.sessions.beginning import at_rest
 from skin_ident.criticism.sessions.parting import moved, without_meeting_at, without_parting
 from skin_ident.criticism.sessions.session import Session, longest
 from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
 from skin_ident.criticism.vocabulary import Key
-from skin_models.dispersion import Dispersion
 from skin_models.effect import Effect
 from skin_models.model import Model
 
@@ -47,7 +47,7 @@ def criticise(
     """
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
-    train, held = _compared(train, held, start.dispersion, mass)
+    train, held = _compared(train, held, start, mass)
     which = (*directions(longest(train)), *more)
     noise = noise_beside(start, train, which)
     fitted = fit(start, train, noise)
@@ -78,12 +78,13 @@ def _shown(model: Model, sessions: list[Session]) -> set[Key]:
     return {(s.cause, s.where) for s in find_pull(model, sessions)}
 
 
-def _compared(train: list[Session], held: list[Session], skin: Dispersion, mass: float) -> tuple[list[Session], list[Session]]:
-    """The sessions less the moments when the plunger may have left `skin`, and, where their surface may lie elsewhere than is said, when it
-    may have met it or left it there. Raises `DiagnosisError` where too little remains."""
+def _compared(train: list[Session], held: list[Session], start: Model, mass: float) -> tuple[list[Session], list[Session]]:
+    """The sessions less the moments when the plunger may have left the skin of a model, and, where their surface may lie elsewhere than is
+    said, when it may have met it or left it there, and less beginnings at which that skin has not come to rest. Raises `DiagnosisError`
+    where too little remains."""
     surface = surface_of(train)
     there = dispersion_start([moved(s, surface) for s in train], mass).dispersion if surface else None
-    train, held = ([without_parting(s, skin) for s in sessions] for sessions in (train, held))
+    train, held = ([at_rest(without_parting(s, start.dispersion), start) for s in sessions] for sessions in (train, held))
     if there:
         train, held = ([without_meeting_at(s, surface, there) for s in sessions] for sessions in (train, held))
     enough_is_compared(train, held)

@@ -23,6 +23,7 @@ from skin_ident.criticism.search.rivals import plainest_first
 from skin_ident.criticism.search.shortlist import shortlisted
 from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.trial import Trial
+from skin_ident.criticism.sessions.beginning import at_rest
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import SENSORS, Key
 from skin_models.effect import Effect
@@ -226,6 +227,9 @@ class Search:
         else:
             more = replace(same, gain=self.gain(start, after.model, finding.where), explained=same.explained + finding.explained)
             self.named = [more if n is same else n for n in self.named]
-        self.present, self.doubts, self.set_aside = after, {}, {}
-        self.train, self.held = ([settled(after.model, s) for s in sessions] for sessions in (self.train, self.held))
+        self.doubts, self.set_aside = {}, {}
+        compared = sum(s.seconds for s in self.train)
+        self.train, self.held = ([at_rest(settled(after.model, s), after.model) for s in sessions] for sessions in (self.train, self.held))
+        shorter = sum(s.seconds for s in self.train) < compared
+        self.present = fit(after.model, self.train, self.noise) if shorter else after  # what is compared no more may have bent it
         self.progress(f"named {finding.cause} in the {finding.where}")

@@ -37,4 +37,3 @@ def _stalls(recording) -> list[tuple[int, int]]:
     leap = LEAPS * np.percentile(np.abs(np.diff(moves)), USUAL)
     ends = [(int(a) + 1, int(b) + 1) for a, b in zip(*runs(np.all(steps == 0.0, axis=0)), strict=True) if b - a >= FEWEST]
     return [(a, b) for a, b in ends if b < len(recording) and abs(moves[b] - moves[b - 1]) > leap > 0.0]
-

@@ -171,5 +171,5 @@ def _compared(name: str, c: Criticism) -> dict[str, Any]:
         return {}
     seen = told[1]
     kept, out = int(seen.sum()), int((~seen).sum())
-    because = "plunger and skin may have parted or met with a jump, or the record is wrong there"
+    because = "plunger and skin may have parted or met with a jump, the record is wrong there, or it begins in contact and the skin relaxes"
     return {"compared": {"samples": kept, "left_out": out, **({"because": because} if out else {})}}
