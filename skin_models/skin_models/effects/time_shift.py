@@ -149,9 +149,9 @@ def _shifted(y: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 def _delayed(y: np.ndarray, back: float) -> np.ndarray:
     """`y` a constant number of samples ago, whole or not, held beyond its ends: the same without looking up every sample."""
-    whole_ones, n = math.floor(back), y.shape[-1]
-    before, behind = max(whole_ones + 1, 0), max(-whole_ones, 0)
+    full, n = math.floor(back), y.shape[-1]
+    before, behind = max(full + 1, 0), max(-full, 0)
     held = np.concatenate([np.repeat(y[..., :1], before, -1), y, np.repeat(y[..., -1:], behind, -1)], axis=-1)
-    start = before - whole_ones
+    start = before - full
     newer, older = held[..., start : start + n], held[..., start - 1 : start - 1 + n]
-    return newer + (back - whole_ones) * (older - newer)
+    return newer + (back - full) * (older - newer)
