@@ -55,6 +55,7 @@ from skin_ident.criticism.telling.judging import judge
 from skin_ident.criticism.telling.leftover import systematic_rest
 from skin_ident.criticism.telling.outcome import Outcome, Round, Trace
 from skin_ident.criticism.telling.telling import samples_compared, tell
+from skin_ident.criticism.telling.untold import with_dead_untold
 from skin_ident.criticism.usable import are_other_data, belong_together, doubted, in_sound_units, named_apart, something_moves
 from skin_ident.criticism.vocabulary import Key, verdict_of
 from skin_ident.recordings.mass import KnownMass, known_mass
@@ -165,6 +166,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
     judged = judge(c, symptoms, whole, model, mass)
     findings = as_findings(judged.criticism, symptoms, every, *whole, rest, verdict, model is not None, experiments)
     findings = tell(findings, judged, symptoms, step)
+    findings["untestable"] = with_dead_untold(findings["untestable"], [s.where for s in looked.dead])
     if model is None and every[0].depth is not None and not c.train[0].free_mass:
         findings["baseline"]["held"] = {"m": {"value": mass, "unit": "kg", "because": known.mass.source}}
     return _Part(looked, train, held, judged.criticism, seen, symptoms, findings, experiments)

@@ -51,10 +51,14 @@ class Inspected:
     whole: list[Session]
 
     @property
+    def dead(self) -> tuple[Symptom, ...]:
+        """Of the taxels that the search does without: those that are silent from the first sample on, and those that are given up."""
+        return tuple(s for s in self.symptoms if s.cause == "dead_taxel" and s.channels[0] in self.sessions[0].stuck)
+
+    @property
     def given_up(self) -> tuple[str, ...]:
         """Taxels that lived, and that the search does without."""
-        dead = (s.channels[0] for s in self.symptoms if s.cause == "dead_taxel" and s.bad)
-        return tuple(c for c in dead if c in self.sessions[0].stuck)
+        return tuple(s.channels[0] for s in self.dead if s.bad)
 
     def carrying(self, beyond: list[np.ndarray], weights: list[np.ndarray]) -> "Inspected":
         """The same with what each session's twin says beyond the model, (C, N), and where it says something (C, n). A channel that is stuck

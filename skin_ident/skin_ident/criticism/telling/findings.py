@@ -22,7 +22,7 @@ from skin_ident.criticism.telling.by_session import by_session, most_left
 from skin_ident.criticism.telling.entry import Entry, alternative, no_gain
 from skin_ident.criticism.telling.given_model import not_there, numbers_fitted
 from skin_ident.criticism.telling.leftover import Rest
-from skin_ident.criticism.telling.untold import NEEDS, with_dead_untold, with_load_cell_untold
+from skin_ident.criticism.telling.untold import NEEDS, with_load_cell_untold
 from skin_ident.criticism.vocabulary import BY_NAME, PARAMETERS, Key, word_of
 from skin_ident.recordings.carried import said_of
 from skin_ident.recordings.recording import Recording
@@ -265,8 +265,6 @@ def as_findings(
     rounds, seen_there = [s for s, _ in c.rounds], _not_findings(c, recordings, named)
     excluded, untestable = excluded_and_untestable(c.last, rounds, {cause for cause, _ in named}, known, seen_there)
     untestable = with_load_cell_untold(untestable, named) if driven else untestable
-    dead = [s.where for s in symptoms if s.cause == "dead_taxel" and s.channels[0] in c.train[0].stuck]
-    untestable = with_dead_untold(untestable, dead)
     return {
         "schema": SCHEMA,
         "recordings": [_recording(r, any(r.name == s.name for s in held)) | each.get(r.name, {}) for r in recordings],

@@ -16,6 +16,7 @@ from skin_ident.criticism.baseline.residual import residual, rmse
 from skin_ident.criticism.baseline.start import dispersion_start
 from skin_ident.criticism.gates.gate import EACH_IN_TURN, FOLD_ITERATIONS, rmse_fall
 from skin_ident.criticism.search.named import Criticism
+from skin_ident.criticism.sessions.beginning import at_rest
 from skin_ident.criticism.sessions.parting import without_parting
 from skin_ident.criticism.sessions.session import Session, with_reference
 from skin_ident.criticism.telemetry.faults import PREDICTS, effect_of, effects_of, with_effects
@@ -52,10 +53,11 @@ def judge(
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
     """The criticism with the `effects` of faults in its extended model, and a baseline that was fitted to everything."""
     start = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects)
-    plain = [
-        [replace(without_parting(s, start.dispersion), skin=c.skin_before(own)) for s, own in zip(*pair, strict=True)]
-        for pair in zip(whole, (c.train, c.held), strict=True)
-    ]
+
+    def compared(s: Session, own: Session) -> Session:
+        return replace(at_rest(without_parting(s, start.dispersion), c.extended.model), skin=c.skin_before(own))
+
+    plain = [[compared(s, own) for s, own in zip(*pair, strict=True)] for pair in zip(whole, (c.train, c.held), strict=True)]
     noise = noise_of(start, plain[0])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
     train, held = ([s.with_own_of(own) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True))
