@@ -32,9 +32,10 @@ WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it 
 def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
     """The best trial that held-out data support, as a finding with its rivals. What is small beside the largest effect so far in a channel
     may be its imperfect form, and is not named; nor is what more of the causes that were named would explain. Where the best is what good
-    hardware has anyway, a lesser one is not looked for; nor is one believed that explains less than what an encoder leaves open, unless it
-    stands beside that, or far less than another that held-out data nearly bear out; where force drives instead of depth, its load cell is
-    a rival of every name in any case. Why a good one is none, hardware or doubt, is noted in the search."""
+    hardware has anyway, or the record itself shows one that held-out data bear out and that is only too small to be named here, a lesser
+    one is not looked for; nor is one believed that explains less than what an encoder leaves open, unless it stands beside that, or far
+    less than another that held-out data nearly bear out; where force drives instead of depth, its load cell is a rival of every name in any
+    case. Why a good one is none, hardware or doubt, is noted in the search."""
     nearly, left_open = 0.0, None
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
@@ -46,6 +47,8 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
         if itself and _in_doubt(search, trial, trials[0], gain):
             search.doubts[trial.key] = too_short(trial.key, trial.fit.model, search.encoder_step) or unproven()
         if not _is_believed(search, trial, gain, second_chance=trial not in trials):
+            if trial is trials[0] and trial.key in search.suspected and gain.passed:
+                return None
             nearly = max(nearly, trial.score * (gain.lower > 0.0 and sized(trial)))
             continue
         if not itself or _mends_a_form(search, trial):

@@ -59,7 +59,7 @@ def criticise(
         return search
 
     search = searched(_shown(fitted.model, train))
-    late = _shown(search.present.model, [*search.train, *search.held]) & {a.key for n in search.named for a in n.alternatives}
+    late = _shown(search.present.model, [*search.train, *search.held]) & _in_whose_place(search)
     search = searched(late) if late else search  # the baseline had left too much for it to be seen
     unweigh(search)
     settle_skin(search)
@@ -76,6 +76,15 @@ def criticise(
 def _shown(model: Model, sessions: list[Session]) -> set[Key]:
     """The causes that the record itself shows beside a model."""
     return {(s.cause, s.where) for s in find_pull(model, sessions)}
+
+
+def _in_whose_place(search: Search) -> set[Key]:
+    """Causes in whose place another may have been named: its rivals, and those that ranked before it."""
+    places = {a.key for n in search.named for a in n.alternatives}
+    for survey, cause in search.rounds:
+        first = next((i for i, r in enumerate(survey.ranked) if r.cause == cause), 0)
+        places |= {r.key for r in survey.ranked[:first]}
+    return places
 
 
 def _compared(train: list[Session], held: list[Session], start: Model, mass: float) -> tuple[list[Session], list[Session]]:
