@@ -1,4 +1,4 @@
-"""Excursions: a channel jumps away between two samples and is back soon after, by a jump or as a discharge dies away.
+"""Excursions: a channel jumps away between two samples and jumps back soon after.
 
 A skin pressed by a plunger of finite acceleration does not do that, whatever else is wrong with it: a jump must be in the measurement, not
 in the model (which may place a contact wrongly), and one jump alone may be a contact made or lost.
@@ -57,32 +57,19 @@ def _tallest(m: np.ndarray) -> float:
 
 
 def paired(e: np.ndarray, d: np.ndarray, sharp: np.ndarray) -> np.ndarray:
-    """Mask (N,) of the samples between a jump and the next one back to where it came from, or until most of it has died away."""
+    """Mask (N,) of the samples between a jump and the next one back to where it came from."""
     mask = np.zeros(e.size, bool)
     k = 0
     while k < sharp.size:
         i = sharp[k]
         later = sharp[k + 1 : k + 1 + LONGEST]
         back = [j for j in later if j - i <= LONGEST and d[i] * d[j] < 0.0 and abs(e[j + 1] - e[i]) <= BACK * min(abs(d[i]), abs(d[j]))]
-        end = back[0] if back else _dies_away(e, d, i)
-        if end is None:
-            k += 1
+        if back:
+            mask[i + 1 : back[0] + 1] = True
+            k = int(np.searchsorted(sharp, back[0])) + 1
         else:
-            mask[i + 1 : end + 1] = True
-            k = int(np.searchsorted(sharp, end, side="right"))
+            k += 1
     return mask
-
-
-def _dies_away(e: np.ndarray, d: np.ndarray, i: int) -> int | None:
-    """The last of two samples or more that a jump at `i` raises by more than little, if it falls from one to the next and stays down then.
-    Of a single one noise makes too many."""
-    raised = (e[i + 1 : i + 2 + LONGEST + AROUND] - e[i]) * np.sign(d[i])
-    low = np.flatnonzero(raised <= BACK * raised[0])
-    if not low.size or not 1 < low[0] <= LONGEST or low[0] + AROUND >= raised.size:
-        return None
-    n = int(low[0])
-    falls = np.all(np.diff(raised[: n + 1]) < 0.0) and np.all(np.abs(raised[n : n + AROUND]) <= BACK * raised[0])
-    return i + n if falls else None
 
 
 def fill_clusters(mask: np.ndarray) -> np.ndarray:
