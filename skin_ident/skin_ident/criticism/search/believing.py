@@ -79,11 +79,11 @@ def _stands_beside(search: Search, trial: Trial, other: Trial) -> bool:
 
 def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:
     """Whether a trial that some sessions lack is believed as one that all share would be."""
-    if search.shadows(gain) or trial.score <= search.form_of_others(*trial.key) or _is_hardware(search, trial, gain):
+    if search.shadows(gain) or trial.score <= search.form_of_others(*trial.key) or _mends_a_history(search, trial):
         return False
-    if _mends_a_history(search, trial):
+    if _is_hardware(search, trial, gain) or not _is_believed(search, trial, gain, second_chance=False):
         return False
-    return _is_believed(search, trial, gain, second_chance=False) and not _hardware_does(search, trial, [], gain)
+    return not _hardware_does(search, trial, [], gain)
 
 
 def _explains_all(search: Search, trial: Trial) -> bool:

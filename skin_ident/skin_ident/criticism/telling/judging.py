@@ -52,16 +52,15 @@ def judge(
 
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
     """The criticism with the `effects` of faults in its extended model, and a baseline that was fitted to everything."""
-    start = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects)
-
-    def compared(s: Session, own: Session) -> Session:
-        return replace(at_rest(without_parting(s, start.dispersion), c.extended.model), skin=c.skin_before(own))
-
-    plain = [[compared(s, own) for s, own in zip(*pair, strict=True)] for pair in zip(whole, (c.train, c.held), strict=True)]
+    start, model = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects), c.extended.model
+    plain = [
+        [replace(at_rest(without_parting(s, start.dispersion), model), skin=c.skin_before(own)) for s, own in zip(*pair, strict=True)]
+        for pair in zip(whole, (c.train, c.held), strict=True)
+    ]
     noise = noise_of(start, plain[0])
     baseline = fit(start, plain[0], noise, 0 if given else ITERATIONS)
     train, held = ([s.with_own_of(own) for s, own in zip(*pair, strict=True)] for pair in zip(plain, (c.train, c.held), strict=True))
-    model = with_effects(c.extended.model, effects)
+    model = with_effects(model, effects)
     for e in (e for e in effects if e.cause == "quantization"):
         model = _better(model.without(e), model, train)
     return replace(c, baseline=baseline, extended=replace(c.extended, model=model), train=tuple(train), held=tuple(held))
