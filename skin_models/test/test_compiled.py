@@ -5,12 +5,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from skin_models import native
 from skin_models.effects.spread_shape import SpreadShape
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.layout import A201_AREA, arbitrary, grid, hexagonal, row
 from skin_models.materials import material
 from skin_models.simulated_skin import Presses, SimulatedSkin
-from skin_models.spread import native
 from skin_models.spread.bending import Bent
 from skin_models.spread.compiled import CompiledSkin, compiles
 from skin_models.spread.contacts import Contacts

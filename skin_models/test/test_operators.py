@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from skin_models.operators import lagging
 from skin_models.operators.draws import BLOCK, Stream, gaussian, uniform, whole
 from skin_models.operators.growing_root import growing_root
-from skin_models.operators.lagging import lagged, lagged_in_contact, lagged_in_contact_step
+from skin_models.operators.lagging import lagged, lagged_either_way, lagged_in_contact, lagged_in_contact_step, lagged_step_either_way
 from skin_models.operators.play import play, play_step, stop
 from skin_models.operators.relay import relay, relay_step
 from skin_models.operators.scan import running_affine, running_clamp
@@ -140,3 +141,19 @@ def test_a_lag_in_contact_begins_anew_at_every_touch(x, tau):
 def touches(mask):
     edges = np.diff(np.concatenate([[0], mask.astype(int), [0]]))
     return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+
+
+times = st.floats(1e-3, 30.0)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@given(records, times, times)
+def test_a_lag_either_way_equals_the_loop(compiled, y, up, down):
+    rows, state, out = np.array([y, -y]), None, []
+    for sample in rows.T:
+        state, z = lagged_step_either_way(state, sample, up, down, 1.0)
+        out.append(z)
+    with pytest.MonkeyPatch.context() as without:
+        if not compiled:
+            without.setattr(lagging, "_compiled_either_way", lambda: None)
+        assert lagged_either_way(rows, up, down, 1.0) == pytest.approx(np.transpose(out), abs=1e-12)

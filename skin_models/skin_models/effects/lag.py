@@ -139,7 +139,7 @@ class OneSidedLag(Lag):
         return state, self.put_back(y, z)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
-        """The same, sample by sample: which way it goes depends on what came before."""
+        """The same of all samples."""
         return self.put_back(y, lagged_either_way(self.mine(y), *self._ways, s.dt))
 
     @property

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from skin_models.layout import Layout
+from skin_models.native import library
 from skin_models.spread.contacts import Contacts, disc_points
 from skin_models.spread.field import SpreadField
 from skin_models.spread.kernels import Kernel
-from skin_models.spread.native import library
 from skin_models.transmission import Transmission
 
 _TABLE = 8192

@@ -1,4 +1,4 @@
-"""Compiles the C source of the fast path once per machine and loads it. Without a compiler there is no fast path, only a slower one.
+"""Compiles the C source of a fast path once per machine and loads it. Without a compiler there is no fast path, only a slower one.
 
 C over a just-in-time compiler, by measurement: the compiled library is 20 kB, loads in under a millisecond and needs nothing but the C
 compiler that the message package needs anyway, where numba brings 200 MB, 0.3 s of import and seconds of compilation.
