@@ -107,7 +107,8 @@ def _before_and_after(ax, outcome: Outcome, channel: str, title: str, unit: str)
 def main() -> None:
     """Print the table; draw the figures where a folder is named."""
     if HERE is None:
-        raise SystemExit(ABSENT)
+        print(f"left out: {ABSENT}")  # as the tests are: `./skin bench` goes on to the others
+        return
     outcomes: dict[str, Outcome] = {}
     print("| data | named (or its rivals) | held-out error before → after | verdict | s |\n| --- | --- | --- | --- | --- |")
     with tempfile.TemporaryDirectory() as folder:
