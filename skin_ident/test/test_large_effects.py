@@ -5,7 +5,7 @@ import pytest
 from rows import rows
 
 from skin_ident.criticism.telemetry.excursions import excursions
-from skin_ident.criticism.telemetry.outliers import find_outliers
+from skin_ident.criticism.telemetry.outliers import Said, find_outliers
 from skin_ident.hiding.campaign import Case, result
 
 LARGE = [
@@ -27,7 +27,7 @@ def noisy(seed=0, n=4000):
 
 def found(wrong, model, jumps):
     e = noisy() + wrong
-    return find_outliers(["a"], ("force",), [e[None]], [(model + e)[None]], [jumps], 0, 0.01)
+    return find_outliers(("force",), [Said("a", e[None], (model + e)[None], jumps)], 0.01)
 
 
 def test_a_push_that_the_model_smooths_is_no_excursion():
@@ -56,9 +56,9 @@ def test_pushes_of_a_mass_are_no_outliers():
     e[at] += np.diff(path, 2)[at - 1] / 0.01**2
     later[at + 40] += np.where(np.arange(at.size) % 2, 0.5, -0.5)
     rest = np.zeros(4000, bool)
-    pushed, spikes = (find_outliers(["a"], ("force",), [y[None]], [y[None]], [rest], 0, 0.01, paths=[path], reads=1e-6) for y in (e, later))
+    pushed, spikes = (find_outliers(("force",), [Said("a", y[None], y[None], rest, path)], 0.01, reads=1e-6) for y in (e, later))
     assert not pushed and spikes[0].evidence["excursions"] == at.size
-    assert find_outliers(["a"], ("force",), [e[None]], [e[None]], [rest], 0, 0.01)
+    assert find_outliers(("force",), [Said("a", e[None], e[None], rest)], 0.01)
 
 
 @pytest.mark.parametrize(("others", "quick", "told"), [(0.5, 12e-6, False), (0.5, 0.0, True), (0.0, 12e-6, True)])
@@ -68,7 +68,7 @@ def test_what_every_channel_feels_of_a_quick_motion_is_no_outlier(others, quick,
     path = 1e-6 * np.round(0.2 * rng.standard_normal(4000)) + quick * np.searchsorted(at, np.arange(4000), "right")
     e = np.array([noisy(), 0.5 * rng.permutation(noisy())])
     e[:, at] += [[2.0], [others]]
-    found = find_outliers(["a"], ("force", "taxel_0"), [e], [e], [jumps], 1, 0.01, paths=[path], reads=1e-6)
+    found = find_outliers(("force", "taxel_0"), [Said("a", e, e, jumps, path)], 0.01, reads=1e-6)
     assert ("load_cell" in [s.where for s in found]) == told
 
 
@@ -90,4 +90,4 @@ def test_what_all_channels_feel_at_a_landing_is_no_outlier_of_one(at_landing):
         jumps[a : a + 20] = True
     for i in (1210, 2410):
         e[:, i if at_landing else i + 20] += 3.0
-    assert bool(find_outliers(["a"], ("force", "taxel_0"), [e], [e], [jumps], 1, 0.01)) is not at_landing
+    assert bool(find_outliers(("force", "taxel_0"), [Said("a", e, e, jumps)], 0.01)) is not at_landing

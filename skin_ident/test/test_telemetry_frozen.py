@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 from world import make_sessions, write_case
 
 from skin_ident.criticism.record import inspect
-from skin_ident.criticism.telemetry.outliers import find_outliers
+from skin_ident.criticism.telemetry.outliers import Said, find_outliers
 from skin_ident.recordings.load import load
 
 
@@ -26,7 +26,7 @@ def test_a_plunger_with_play_freezes_nothing(taxels):
     share = np.array([1.0, 0.4, 0.3, 0.2])[: taxels + 1, None]
     raw = 0.07 * np.round((share * way[rests] + 0.01 * rng.standard_normal((taxels + 1, t.size))) / 0.07)
     channels = ("force", *(f"taxel_{i}" for i in range(taxels)))
-    assert not find_outliers(["a"], channels, [raw - share * way], [raw], [np.zeros(t.size, bool)], taxels, 0.01)
+    assert not find_outliers(channels, [Said("a", raw - share * way, raw, np.zeros(t.size, bool))], 0.01)
 
 
 def _taken_for_outliers(noise: np.ndarray, wrong: np.ndarray, step: float) -> list[str]:
@@ -37,7 +37,7 @@ def _taken_for_outliers(noise: np.ndarray, wrong: np.ndarray, step: float) -> li
         if not np.isnan(wrong[i - 1]):
             raw[i] = raw[i - 1]
     raw = step * np.round(raw / step)
-    found = find_outliers(["a"], ("force",), [(raw - load)[None]], [raw[None]], [np.zeros(load.size, bool)], 0, 0.01)
+    found = find_outliers(("force",), [Said("a", (raw - load)[None], raw[None], np.zeros(load.size, bool))], 0.01)
     return [c for s in found for c in s.channels]
 
 
@@ -68,7 +68,7 @@ def _read(seed: int, step: float, noise: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def _told(load: np.ndarray, y: np.ndarray) -> list[str]:
-    found = find_outliers(["a"], ("force",), [(y - load)[None]], [y[None]], [np.zeros(y.size, bool)], 0, 0.0125)
+    found = find_outliers(("force",), [Said("a", (y - load)[None], y[None], np.zeros(y.size, bool))], 0.0125)
     return [s.evidence["why"] for s in found]
 
 
@@ -106,4 +106,4 @@ def test_a_reading_that_rests_while_the_encoder_trembles_is_not_frozen(seed):
     step = 2e-4
     raw = step * np.round((stiff * depth + 2e-4 * noise) / step)
     simulated = stiff * 5e-6 * np.round(depth / 5e-6 + 0.4 * rng.standard_normal(n))
-    assert not find_outliers(["a"], ("force",), [(raw - simulated)[None]], [raw[None]], [np.zeros(n, bool)], 0, 0.004, (step,))
+    assert not find_outliers(("force",), [Said("a", (raw - simulated)[None], raw[None], np.zeros(n, bool))], 0.004, (step,))

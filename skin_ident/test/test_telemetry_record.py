@@ -11,7 +11,7 @@ from world import make_sessions, write_case
 from skin_ident.criticism.record import inspect
 from skin_ident.criticism.telemetry.clock import find_clock_faults
 from skin_ident.criticism.telemetry.grid import factor_of
-from skin_ident.criticism.telemetry.outliers import find_outliers
+from skin_ident.criticism.telemetry.outliers import Said, find_outliers
 from skin_ident.criticism.telemetry.units import FACTORS
 from skin_ident.recordings.load import load
 from skin_models.tables.order import Mended
@@ -73,7 +73,7 @@ def test_spikes_of_nine_standard_deviations_stand_apart_and_heavy_tails_do_not()
     seen, false = [], 0
 
     def found(e):
-        return find_outliers(["a"], ("force",), [e[None]], [slow[None] + e[None]], [np.zeros(slow.size, bool)], 0, 0.01)
+        return find_outliers(("force",), [Said("a", e[None], slow[None] + e[None], np.zeros(slow.size, bool))], 0.01)
 
     for seed in range(20):
         rng = np.random.default_rng(seed)
@@ -148,7 +148,7 @@ def test_noise_that_wanders_in_jumps_comes_back_now_and_then(pole):
 
 
 def found_in(y):
-    return find_outliers(["a"], ("force",), [y[None] - 2.45], [y[None]], [np.zeros(y.size, bool)], 0, 0.01)
+    return find_outliers(("force",), [Said("a", y[None] - 2.45, y[None], np.zeros(y.size, bool))], 0.01)
 
 
 def test_what_is_wrong_with_the_clock_is_counted_and_not_read_from_what_is_said_of_it(tmp_path):

@@ -23,7 +23,7 @@ from skin_ident.criticism.telemetry.dead import find_dead_taxels
 from skin_ident.criticism.telemetry.encoder import find_encoder_faults
 from skin_ident.criticism.telemetry.lines import find_interference
 from skin_ident.criticism.telemetry.more_than_applied import find_more_than_applied
-from skin_ident.criticism.telemetry.outliers import find_outliers
+from skin_ident.criticism.telemetry.outliers import Said, find_outliers
 from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pile_up import find_saturated_drive, find_saturation
 from skin_ident.criticism.telemetry.quantization import depth_resolution, depth_step, find_quantization
@@ -164,12 +164,12 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
     goes on: no simulation predicts it."""
     if recordings[0].depth is not None:
         return []
-    rows = [r.force[None] for r in recordings]
-    rest = [y - median_filter(y, (1, TREND)) for y in rows]
+    forces = [r.force[None] for r in recordings]
+    rest = [y - median_filter(y, (1, TREND)) for y in forces]
     at_rest = [np.ones(len(r), bool) for r in recordings]  # a force that is held is no frozen one
-    names, n = [r.name for r in recordings], len(recordings[0].taxels)
+    said = [Said(r.name, e, y, j, recording=r) for r, e, y, j in zip(recordings, rest, forces, at_rest, strict=True)]
     step = max(r.step("force") or 0.0 for r in recordings)
-    spikes = find_outliers(names, ("force",), rest, rows, at_rest, n, recordings[0].dt, (step,), recordings=recordings)
+    spikes = find_outliers(("force",), said, recordings[0].dt, (step,))
     return [*spikes, *find_saturated_drive(recordings, [mended_depth(r, spikes).force for r in recordings])]
 
 
@@ -185,8 +185,8 @@ def _in_residuals(
     jumps = [meeting(s.motion, first.dispersion) for s in sessions]
     names = [s.name for s in sessions]
     steps = tuple(np.max([s.steps for s in sessions], axis=0))
-    paths = [r.depth for r in recordings if r.depth is not None]
-    outliers = find_outliers(names, channels, rest, raw, jumps, n, dt, steps, paths, depth_resolution(recordings), recordings)
+    said = [Said(r.name, e, y, j, r.depth, r) for r, e, y, j in zip(recordings, rest, raw, jumps, strict=True)]
+    outliers = find_outliers(channels, said, dt, steps, depth_resolution(recordings))
     believed = _beside(raw, recordings, outliers)
     clipped = find_saturation(names, channels, believed, predicted, n, steps)
     clipped += [s for s in find_ceilings(names, channels, believed, predicted, jumps, n) if s.channels not in {c.channels for c in clipped}]

@@ -5,6 +5,7 @@ simulation then runs ahead of it, its depth being smoothed. A frozen run misses 
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -37,54 +38,55 @@ CLEAR = 3.0  # noise widths above which it can
 BOUNCING = 0.05  # chance below which it is none that excursions are at landings
 
 
-def find_outliers(
-    names: list[str],
-    channels: tuple[str, ...],
-    residuals: list[np.ndarray],
-    raw: list[np.ndarray],
-    jumps: list[np.ndarray],
-    n_taxels: int,
-    dt: float,
-    steps: Sequence[float] = (),
-    paths: Sequence[np.ndarray] = (),
-    reads: float = 0.0,
-    recordings: Sequence[Recording] = (),
-) -> list[Symptom]:
-    """Excursions and frozen runs per channel.
+@dataclass(frozen=True)
+class Said:
+    """What the channels of a session said, at full rate: `raw` (C, N), N, and the `residual` (C, N) of it, measured less simulated. `jumps`
+    (N,) marks samples where a force may really jump out of a rest, `path` (N,) m is what an encoder says. Channels of which a `recording`
+    knows readings at instants of their own are looked at there."""
 
-    `residuals` (measured less simulated) and `raw` are (C, N) at full rate for each session; `jumps` (N,) marks samples where a force may
-    really jump out of a rest; `steps` of converters are looked for in `raw` where they are not given. `paths` (N,) m are what an encoder
-    that `reads` so finely says: what stands still while it does misses nothing. Channels of which `recordings` know readings at instants of
-    their own are looked at there.
-    """
+    name: str
+    residual: np.ndarray
+    raw: np.ndarray
+    jumps: np.ndarray
+    path: np.ndarray | None = None
+    recording: Recording | None = None
+
+
+def find_outliers(
+    channels: tuple[str, ...], sessions: Sequence[Said], dt: float, steps: Sequence[float] = (), reads: float = 0.0
+) -> list[Symptom]:
+    """Excursions and frozen runs per channel. `steps` of converters are looked for where they are not given; what stands still while an
+    encoder that `reads` so finely does so, too, misses nothing."""
     steps = steps or [0.0] * len(channels)
-    sessions = list(zip(residuals, raw, jumps, recordings or [None] * len(raw), strict=True))
-    lines = [[_line(channel, c, *session) for session in sessions] for c, channel in enumerate(channels)]
+    residuals, jumps = [s.residual for s in sessions], [s.jumps for s in sessions]
+    paths = [s.path for s in sessions if s.path is not None]
+    n_taxels = sum(channel != "force" for channel in channels)
+    lines = [[_line(channel, c, s) for s in sessions] for c, channel in enumerate(channels)]
     read = [_of_channel(lines[c], steps[c]) for c in range(len(channels))]
     every = [tuple([line.on_grid(m) for line, m in zip(lines[c], masks, strict=True)] for masks in read[c]) for c in range(len(channels))]
     bounced = _bounced([away for away, _, _ in every], jumps)
     found = []
     for c, (away, still, unlikely) in enumerate(every):
         away = [a & ~b for a, b in zip(away, bounced, strict=True)]
-        if is_swallowed(*(np.concatenate([row[c] for row in rows]) for rows in (raw, residuals)), np.concatenate(away)):
+        if is_swallowed([s.raw[c] for s in sessions], [e[c] for e in residuals], away):
             away = [np.zeros_like(a) for a in away]
-        away = not_shared(not_pushed(away, [r[c] for r in residuals], paths, dt, reads), c, residuals, paths, dt, reads)
-        others = [[_startled(r[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, r in enumerate(residuals)]
+        away = not_shared(not_pushed(away, [e[c] for e in residuals], paths, dt, reads), c, residuals, paths, dt, reads)
+        others = [[_startled(e[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, e in enumerate(residuals)]
         alone = ([_alone(m, o) for m, o in zip(masks, others, strict=True)] for masks in (still, unlikely))
         own, lost = (_under_way(masks, paths, reads) for masks in alone)
-        sure = sum(_sure(s, r, y, c) for s, r, y in zip(own, residuals, raw, strict=True))
+        sure = sum(_sure(masked, s, c) for masked, s in zip(own, sessions, strict=True))
         if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
             own = [np.zeros_like(s) for s in own]
         if sum(runs(m)[0].size for m in lost) >= FEWEST:
             own = [s | m for s, m in zip(own, lost, strict=True)]
-        found.append(told(names, channels[c], lines[c], read[c], away, own, n_taxels, dt))
+        found.append(told([s.name for s in sessions], channels[c], lines[c], read[c], away, own, n_taxels, dt))
     return [s for s in found if s is not None]
 
 
-def _line(channel: str, c: int, e: np.ndarray, y: np.ndarray, jumps: np.ndarray, recording: Recording | None) -> AsRead:
+def _line(channel: str, c: int, s: Said) -> AsRead:
     """Row `c` of a session as its channel was read."""
-    read = () if recording is None else (recording.t, recording.own(channel))
-    return as_read(e[c], y[c], jumps, *read)
+    read = () if s.recording is None else (s.recording.t, s.recording.own(channel))
+    return as_read(s.residual[c], s.raw[c], s.jumps, *read)
 
 
 def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
@@ -179,8 +181,9 @@ def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
     return without(still, lambda a, b: any(o[a : b + 2].any() for o in others))
 
 
-def _sure(still: np.ndarray, e: np.ndarray, y: np.ndarray, c: int) -> int:
-    """How many runs of `still`, a mask of channel `c` of `y` (C, N), miss a movement from their beginning on, which no channel denies."""
+def _sure(still: np.ndarray, s: Said, c: int) -> int:
+    """How many runs of `still`, a mask of channel `c`, miss a movement from their beginning on, which no channel denies."""
+    e, y = s.residual, s.raw
     noise = [reach(np.diff(row)) / LEAST for row in e]
     return sum(_from_the_start((y - e)[c, a : b + 1]) and not _denied(e, y, noise, c, a, b) for a, b in zip(*runs(still), strict=True))
 

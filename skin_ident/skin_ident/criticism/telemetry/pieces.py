@@ -107,8 +107,7 @@ def _accident(own: list[Piece], whole: float) -> bool:
 def _swallowed(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> bool:
     """Whether the channel reads nothing in the pieces since it has a threshold."""
     c = sessions[0].channels.index(own[0].channel)
-    inside = np.concatenate([samples_of(own, s) for s in sessions])
-    return is_swallowed(*(np.concatenate([row[c] for row in rows]) for rows in ([s.raw for s in sessions], rest)), inside)
+    return is_swallowed([s.raw[c] for s in sessions], [e[c] for e in rest], [samples_of(own, s) for s in sessions])
 
 
 def _one_kick(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> bool:
