@@ -85,9 +85,10 @@ def test_noise_grows_with_the_load_not_with_its_own_readings(grows):
     rng, load = np.random.default_rng(4), 1e-3 * np.clip(np.sin(0.5 * T), 0.0, None) * (20.0 if grows else 0.3)
     noise = rng.normal(0.0, 6e-4, T.size) * (1.0 + (2.0 * load / load.max() if grows else 0.0))
     taxel = 6.5e-4 * np.round((load + noise) / 6.5e-4)
-    declared = Declared(taxel_noise_n=(6e-4,), taxel_step_n=(6.5e-4,))
+    declared = Declared(force_noise_n=6e-4, taxel_noise_n=(6e-4,), taxel_step_n=(6.5e-4,))
     r = Recording("a", T, 1e-3 * np.sin(0.5 * T), load, taxel[None], declared=declared)
-    found = find_noise([r], ("force", "taxel_0"), [np.stack([0.0 * load, taxel - load])], [np.ones((2, T.size), bool)], lambda: np.zeros(2))
+    left = np.stack([rng.normal(0.0, 6e-4, T.size), taxel - load])
+    found = find_noise([r], ("force", "taxel_0"), [left], [np.ones((2, T.size), bool)], lambda: np.zeros(2))
     assert [s.evidence["kind"] for s in found] == ["growth"] * grows
 
 

@@ -11,7 +11,7 @@
     taxel_gain_uncertainty: 0.03  # relative standard error of every taxel's calibration
     skin_thickness_mm: 4
     moving_mass_kg: 0.000432      # what moves between load cell and skin
-    force_noise_n: 0.03           # standard deviation that the load cell is said to have
+    force_noise_n: 0.03           # standard deviation that the load cell is said to have, of whatever colour
     taxel_noise_n: 0.03
     calibration:                  # for columns or topics in volts: force = slope * (voltage - zero)
       ai0: {channel: force, slope_n_per_v: -4.1448, zero_v: -0.072}

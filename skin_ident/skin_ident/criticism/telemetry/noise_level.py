@@ -1,17 +1,22 @@
 """Noise: not what rig.yaml declares, in level, in colour, or because it grows with the load.
 
 Looks at what the extended model leaves of what was read, far from contact made or lost, less its own running median: what is slow may be
-the model's. Speaks only where a level is declared (`force_noise_n`, `taxel_noise_n`, as white noise), and widens it by the converter's step
-q and by u, rms of what errors of the depth do to the simulation, through stiffness and damping (or those of the force, where that drives
-the test), or of what all channels share of them:
+the model's. Speaks only where a level is declared (`force_noise_n`, `taxel_noise_n`), and widens it by the converter's step q and by u, rms
+of what errors of the depth do to the simulation, through stiffness and damping (or those of the force, where that drives the test), or of
+what all channels share of them:
 
     expected^2 = declared^2 + q^2 / 12 + u^2.
+
+A level says nothing of colour, nor of loads. Whoever measured it in the air declares it truly of noise that wanders, too. So these are
+held against the other channels of which a level is declared: that is odd which is unlike most of them.
 
 An encoder that adds as much as was declared makes any noise coloured and load-dependent; then only the level is looked at. And noise is
 read through steps as wide as itself now as nothing, now as a whole step; then only a level that is too high is.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,18 +25,19 @@ from scipy.ndimage import maximum_filter1d, median_filter
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.read_again import read_again
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.telemetry.as_read import AsRead, calm_lines
+from skin_ident.criticism.telemetry.as_read import calm_lines
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.model import Model
 
 SLOW_S = 2.0  # of the running median
 OTHER_LEVEL = 1.5  # times as much, or as little, as expected
-COLOURED = 0.5  # correlation of neighbouring samples of noise that should have none
-GROWN = 1.6  # times the spread in the air, in the third of the samples with the greatest load
+COLOURED, WHITE = 0.5, 0.25  # correlations of neighbouring samples: of a channel that is odd beside one of less
+GROWN, STEADY = 1.6, 1.25  # times the spread in the air, in the third of the samples with the greatest load: the same
 BURIED = 0.5  # of the noise declared, which rounding to a converter's steps is (rms) where they are 1.7 times as wide as it
 SEEN = (
-    f"looked for and not seen: it shows where it is {OTHER_LEVEL:g} times as loud as declared or more, or so much quieter, where "
-    f"neighbouring samples are alike (correlation above {COLOURED:g}), or where a load makes it {GROWN:g} times as loud"
+    f"looked for and not seen: it shows where it is {OTHER_LEVEL:g} times as loud as declared or more, or so much quieter, and where, in "
+    f"one channel and not in another, neighbouring samples are alike (correlation above {COLOURED:g}) or a load makes it {GROWN:g} times "
+    "as loud"
 )
 FEWEST = 300  # samples that a verdict needs
 AROUND_S = 0.3  # within which the plunger's greatest speed counts
@@ -47,18 +53,30 @@ def find_noise(
     declared.
     """
     levels = {c: level for c, channel in enumerate(channels) if (level := _declared(recordings[0], channel))}
-    errors, n_taxels, found = unread() if levels else np.zeros(0), len(recordings[0].taxels), []
-    for c, level in levels.items():
-        channel = channels[c]
-        lines = calm_lines(channel, c, recordings, residuals, [b[c] for b in believed])
-        periods = [r.dt if line.own is None else line.own.period for line, r in zip(lines, recordings, strict=True)]
-        steps = np.array([(recordings[0].step(channel) or 0.0) / np.sqrt(12.0), errors[c]])
-        why = _unlike(level, steps, lines, periods)
+    errors = unread() if levels else np.zeros(0)
+    looks = [_looked(channels[c], c, level, errors[c], recordings, residuals, believed) for c, level in levels.items()]
+    found = []
+    for look in looks:
+        why = _unlike(look, [other for other in looks if other is not look])
         if why:
             kind, sentence, parameters = why
-            text = f"the noise of {channel} {sentence}"
-            found.append(Symptom("noise", sensor_of(channel, n_taxels), (channel,), parameters, {"why": text, "kind": kind}))
+            text, where = f"the noise of {look.channel} {sentence}", sensor_of(look.channel, len(recordings[0].taxels))
+            found.append(Symptom("noise", where, (look.channel,), parameters, {"why": text, "kind": kind}))
     return found
+
+
+def _looked(
+    channel: str, c: int, level: float, error: float, recordings: list, residuals: list[np.ndarray], believed: list[np.ndarray]
+) -> "_Look":
+    """Row `c` of what is left, as its channel was read; the simulation is wrong by `error`, N rms, where the depth is."""
+    lines = calm_lines(channel, c, recordings, residuals, [b[c] for b in believed])
+    periods = [r.dt if line.own is None else line.own.period for line, r in zip(lines, recordings, strict=True)]
+    steps = np.array([(recordings[0].step(channel) or 0.0) / np.sqrt(12.0), error])
+    calm = [~line.jumps for line in lines]
+    whole = np.concatenate([line.e[b] - line.e[b].mean() if b.any() else line.e[b] for line, b in zip(lines, calm, strict=True)])
+    rows = [_quick(line.e, period) for line, period in zip(lines, periods, strict=True)]
+    loads = [line.y - line.e for line in lines]
+    return _Look(channel, level, steps, rows, loads, calm, periods[0], _spread(whole) if whole.size else 0.0)
 
 
 def at_leisure(s: Session) -> np.ndarray:
@@ -97,61 +115,111 @@ def _with_shared(unread: np.ndarray, e: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(unread**2, [np.median(row[other]) for row, other in zip(shared, others, strict=True)]))
 
 
+@dataclass(frozen=True)
+class _Look:
+    """The noise of a channel: its declared `level` and what `steps` of the converter and the encoder add, N; of every session, what is left
+    less its running median (`rows`), under which simulated `loads` (a reading is high by its noise, too), and which samples are `believed`.
+    `slow` is the spread with what is slow in it, N."""
+
+    channel: str
+    level: float
+    steps: np.ndarray
+    rows: list[np.ndarray]
+    loads: list[np.ndarray]
+    believed: list[np.ndarray]
+    period: float
+    slow: float
+
+    @cached_property
+    def e(self) -> np.ndarray:
+        """All of the noise that is believed (n,), N."""
+        return np.concatenate([row[b] for row, b in zip(self.rows, self.believed, strict=True)])
+
+    @cached_property
+    def expected(self) -> float:
+        """Its spread by what is declared, N."""
+        return float(np.hypot(self.level, np.hypot(*self.steps)))
+
+    @property
+    def is_buried(self) -> bool:
+        """Whether the converter's steps are most of it."""
+        return bool(self.steps[0] >= BURIED * self.level)
+
+    @property
+    def is_its_own(self) -> bool:
+        """Whether neither steps nor the encoder's errors, which are coloured and grow with the load, are most of it."""
+        return not self.is_buried and bool(self.steps[1] < 0.5 * self.level) and self.e.size >= FEWEST
+
+    @property
+    def declared(self) -> str:
+        """What is declared, in words."""
+        return f"rig.yaml declares noise of {self.level:.3g} N"
+
+    @cached_property
+    def colour(self) -> float:
+        """The correlation of neighbouring samples."""
+        return float(np.median([_neighbours(row, b) for row, b in zip(self.rows, self.believed, strict=True)]))
+
+    @cached_property
+    def idle_and_loaded(self) -> tuple[float, float, float]:
+        """Its spread under the least loads and under the greatest, and the mean magnitude of these, N; nothing where loads are alike."""
+        y = np.concatenate([load[b] for load, b in zip(self.loads, self.believed, strict=True)])
+        low, high = np.percentile(y, [33.0, 67.0])
+        if high <= low + self.expected:
+            return 0.0, 0.0, 0.0
+        most = y >= high
+        return max(_spread(self.e[y <= low]), 0.5 * self.expected), _spread(self.e[most]), max(float(np.mean(np.abs(y[most]))), 1e-9)
+
+    @property
+    def times_under_load(self) -> float:
+        """How many times as loud it is under the greatest loads."""
+        idle, loaded, _ = self.idle_and_loaded
+        return loaded / idle if idle else 1.0
+
+
 _Unlike = tuple[str, str, dict[str, dict[str, Any]]]  # kind, sentence and numbers of what is unlike the declaration
 
 
-def _unlike(level: float, steps: np.ndarray, lines: list[AsRead], periods: list[float]) -> _Unlike | None:
-    """The first thing that is unlike a declared `level`, N, under the loads that are simulated (a reading is high by its noise, too),
-    beside what `steps` of the converter and the encoder do, N."""
-    rows = [_quick(line.e, period) for line, period in zip(lines, periods, strict=True)]
-    loads, believed = [line.y - line.e for line in lines], [~line.jumps for line in lines]
-    e, y = (np.concatenate([r[b] for r, b in zip(of, believed, strict=True)]) for of in (rows, loads))
-    if e.size < FEWEST:
+def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
+    """The first thing that is unlike what is declared of a channel, or unlike most of the `others` of which as much is."""
+    if look.e.size < FEWEST:
         return None
-    expected, declared = float(np.hypot(level, np.hypot(*steps))), f"rig.yaml declares white noise of {level:.3g} N"
-    buried, encoder_adds = steps[0] >= BURIED * level, steps[1] >= 0.5 * level
-    found = None
-    if not (buried or encoder_adds):
-        found = _growing(e, y, expected, declared) or _wandering(e, rows, believed, periods[0], declared)
-    at_rest = 0.0 if buried else float(np.hypot(level, steps[0]))  # where an encoder adds nothing; of buried noise nothing is expected
-    return found or _of_another_level(_spread(e), level, expected, at_rest, declared)
+    peers = [o for o in others if o.is_its_own] if look.is_its_own else []
+    grows = bool(peers) and look.times_under_load > GROWN and np.median([o.times_under_load for o in peers]) < STEADY
+    wanders = bool(peers) and look.colour > COLOURED and np.median([o.colour for o in peers]) < WHITE
+    return (_growing(look) if grows else None) or (_wandering(look) if wanders else None) or _of_another_level(look)
 
 
-def _growing(e: np.ndarray, y: np.ndarray, expected: float, declared: str) -> _Unlike | None:
-    """Noise e (n,), N, that is louder under the greatest loads y (n,), N, than under the least."""
-    low, high = np.percentile(y, [33.0, 67.0])
-    idle, loaded = max(_spread(e[y <= low]), 0.5 * expected), _spread(e[y >= high])
-    if not (high > low + expected and loaded > GROWN * idle):
-        return None
-    share = np.sqrt(loaded**2 - idle**2) / max(float(np.mean(np.abs(y[y >= high]))), 1e-9)
+def _growing(look: _Look) -> _Unlike:
+    idle, loaded, load = look.idle_and_loaded
+    share = np.sqrt(loaded**2 - idle**2) / load
     said = f"grows with the load, from {idle:.3g} N in the third of the samples with the least to {loaded:.3g} N in that with the most"
     numbers = {
         "times_under_load": quantity(loaded / idle, "1"),
         "white": quantity(idle, "N"),
         "proportional": quantity(min(share, 1.0), "1"),
     }
-    return "growth", f"{said}; {declared}, the same at any load", numbers
+    return "growth", f"{said}, where that of another channel does not; {look.declared}", numbers
 
 
-def _wandering(e: np.ndarray, rows: list[np.ndarray], believed: list[np.ndarray], period: float, declared: str) -> _Unlike | None:
-    """Noise e (n,), N, whose neighbours are alike in the `rows` (N,) of sessions, a `period` (s) apart."""
-    colour = float(np.median([_neighbours(r, b) for r, b in zip(rows, believed, strict=True)]))
-    if colour <= COLOURED:
+def _wandering(look: _Look) -> _Unlike:
+    tau = -look.period / float(np.log(min(look.colour, 0.9999)))
+    alike = f"neighbouring samples are alike (correlation {look.colour:.2f}), as those of another channel are not, over about {tau:.2g} s"
+    spread, over = quantity(_spread(look.e), "N"), quantity(tau, "s")
+    numbers = {"correlation_of_neighbours": quantity(look.colour, "1"), "coloured": spread, "tau": over}
+    return "correlation", f"wanders: {alike}; {look.declared}", numbers
+
+
+def _of_another_level(look: _Look) -> _Unlike | None:
+    """Noise that is clearly louder than is expected, or, with what is slow in it, quieter than is expected where an encoder adds nothing;
+    of noise that is buried nothing is expected."""
+    measured, at_rest = _spread(look.e), 0.0 if look.is_buried else float(np.hypot(look.level, look.steps[0]))
+    ratio = measured / look.expected
+    if ratio <= OTHER_LEVEL and OTHER_LEVEL * max(measured, look.slow) >= at_rest:
         return None
-    tau = -period / float(np.log(min(colour, 0.9999)))
-    said = f"wanders: neighbouring samples are alike (correlation {colour:.2f}, where white noise has none), over about {tau:.2g} s"
-    numbers = {"correlation_of_neighbours": quantity(colour, "1"), "coloured": quantity(_spread(e), "N"), "tau": quantity(tau, "s")}
-    return "correlation", f"{said}; {declared}", numbers
-
-
-def _of_another_level(measured: float, level: float, expected: float, at_rest: float, declared: str) -> _Unlike | None:
-    """Noise that is clearly louder than is `expected`, N, or quieter than is expected `at_rest`."""
-    ratio = measured / expected
-    if ratio <= OTHER_LEVEL and OTHER_LEVEL * measured >= at_rest:
-        return None
-    steps = f", {expected:.3g} N together with the steps of converter and encoder" if expected > 1.05 * level else ""
+    steps = f", {look.expected:.3g} N together with the steps of converter and encoder" if look.expected > 1.05 * look.level else ""
     numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
-    return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {declared}{steps}", numbers
+    return "level", f"is {measured:.3g} N, {ratio:.2g} times what is expected: {look.declared}{steps}", numbers
 
 
 def _declared(recording, channel: str) -> float | None:

@@ -1,0 +1,63 @@
+"""A declared level is held against the noise that is there; its colour and its growth with the load against other channels."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from skin_ident.criticism.telemetry.noise_level import find_noise
+from skin_ident.recordings.declared import Declared
+from skin_ident.recordings.recording import Recording
+
+T = np.arange(6000) / 100.0
+LOAD = np.array([8.0, 3.0, 2.0, 1.0])[:, None] * np.clip(np.sin(0.5 * T), 0.0, None)
+CHANNELS = ("force", "taxel_0", "taxel_1", "taxel_2")
+LEVEL = 0.03
+
+
+def wandering(rng, pole: float, level: float = LEVEL) -> np.ndarray:
+    """AR(1) noise with this standard deviation in all."""
+    return lfilter([level * np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal(T.size + 2000))[2000:]
+
+
+def told(noise: list[np.ndarray]) -> list[tuple[str, str]]:
+    """Where and in what the noise (N,) of the four channels is not as declared."""
+    declared = Declared(force_noise_n=LEVEL, taxel_noise_n=(LEVEL,))
+    y = LOAD + noise
+    r = Recording("a", T, 1e-3 * np.sin(0.5 * T), y[0], y[1:], declared=declared)
+    found = find_noise([r], CHANNELS, [y - LOAD], [np.ones(y.shape, bool)], lambda: np.zeros(4))
+    return [(s.where, s.evidence["kind"]) for s in found]
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.5, 0.8, 0.9, 0.97, 0.99, 0.995])
+def test_a_level_that_was_measured_in_the_air_is_true_of_noise_of_any_colour(pole):
+    rng = np.random.default_rng(1)
+    assert told([wandering(rng, pole) for _ in CHANNELS]) == []
+
+
+@pytest.mark.parametrize("odd", range(4))
+def test_one_channel_that_wanders_among_white_ones_is_odd(odd):
+    rng = np.random.default_rng(2)
+    noise = [wandering(rng, 0.97 if c == odd else 0.0) for c in range(4)]
+    assert told(noise) == [("load_cell" if odd == 0 else f"taxel_{odd - 1}", "correlation")]
+
+
+def test_taxels_may_all_wander_beside_a_load_cell_that_does_not():
+    rng = np.random.default_rng(3)
+    assert told([wandering(rng, 0.97 if c else 0.0) for c in range(4)]) == []
+
+
+@pytest.mark.parametrize("every", [True, False])
+def test_noise_that_grows_with_the_load_is_odd_in_one_channel(every):
+    rng = np.random.default_rng(4)
+    grown = 1.0 + 2.0 * LOAD / LOAD.max(axis=1, keepdims=True)
+    noise = [LEVEL * rng.standard_normal(T.size) * (grown[c] if every or c == 1 else 1.0) for c in range(4)]
+    kinds = {"level"} if every else {"growth"}
+    assert {kind for _, kind in told(noise)} == kinds
+
+
+@pytest.mark.parametrize(("times", "is_told"), [(0.4, True), (0.8, False), (1.0, False), (1.2, False), (2.0, True)])
+@pytest.mark.parametrize("pole", [0.0, 0.9])
+def test_another_level_is_told_of_any_colour(times, is_told, pole):
+    rng = np.random.default_rng(5)
+    found = told([wandering(rng, pole, times * LEVEL if c == 0 else LEVEL) for c in range(4)])
+    assert found == [("load_cell", "level")] * is_told
