@@ -114,6 +114,16 @@ def test_a_twin_whose_clock_began_elsewhere_is_set_by_its_depth(late):
     assert f"{late:+.3g} s" in twin.warnings[0][-1]
 
 
+@pytest.mark.parametrize("late", [2.5, -3.0])
+def test_clocks_that_cover_each_other_by_chance_begin_together(late):
+    """By their stamps most of both is at the same time, but not the same motion."""
+    other = replace(TWINS[0], t=T + late)
+    looked = inspect(MEASURED[:1])
+    twin = read_twins(looked.sessions, MEASURED[:1], [other], 0.0)
+    said = simulated(twin.surrogate, looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions[0])
+    assert np.std(said[0] - TWINS[0].force) < 1e-3 * np.std(TWINS[0].force) and "another clock" in twin.warnings[0][0]
+
+
 def test_a_dead_taxel_says_what_it_says_whatever_its_twin_says():
     """Every session of the twin answers; the measured taxel_1 does not, and nothing is left of it to be explained."""
     level = 0.37

@@ -32,8 +32,8 @@ def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
             f"the twin {twin.name} says something {1.0 / twin.dt:.3g} times a second: {least:.3g} are needed for what is compared, up to "
             f"{CUTOFF_HZ:.3g} Hz"
         )
-    t, warnings = _begun(recording, twin)
     by, drive = _told_by_both(recording, twin), _drive(recording)
+    t, warnings = _begun(recording, twin, by)
     late = _late(recording, t, *_both(recording, twin, by)) if by else 0.0
     hides = ""
     if by == drive:
@@ -54,15 +54,25 @@ def at(times: np.ndarray, t: np.ndarray, y: np.ndarray) -> np.ndarray:
     return Akima1DInterpolator(t, y)(np.clip(times, t[0], t[-1]))
 
 
-def _begun(recording, twin) -> tuple[np.ndarray, list[str]]:
-    """The twin's instants; clocks that have nothing to do with each other are taken to begin together."""
+def _begun(recording, twin, by: str) -> tuple[np.ndarray, list[str]]:
+    """The twin's instants. Clocks that have nothing to do with each other are taken to begin together; so are those by which what is told
+    `by` both does not go together, where it does from beginnings on."""
     shared = min(recording.t[-1], twin.t[-1]) - max(recording.t[0], twin.t[0])
     length = recording.t[-1] - recording.t[0]
-    if shared >= COVERED * length:
+    together = twin.t - twin.t[0] + recording.t[0]
+    is_long = twin.t[-1] - twin.t[0] >= COVERED * length
+    is_of_own = is_long and by and _alike(recording, twin, twin.t, by) < SAME_MOTION < _alike(recording, twin, together, by)
+    if shared >= COVERED * length and not is_of_own:
         return twin.t, []
-    if twin.t[-1] - twin.t[0] < COVERED * length:
+    if not is_long:
         raise DiagnosisError(f"the twin {twin.name} lasts {np.ptp(twin.t):.3g} s, the recording {recording.name} {length:.3g} s")
-    return twin.t - twin.t[0] + recording.t[0], [f"{twin.name}: has another clock than {recording.name}; they are taken to begin together"]
+    return together, [f"{twin.name}: has another clock than {recording.name}; they are taken to begin together"]
+
+
+def _alike(recording, twin, t: np.ndarray, by: str) -> float:
+    """How well what is told `by` both correlates where the twin's clock is `t`, or later or earlier by as much as it may be off."""
+    ours, theirs = _both(recording, twin, by)
+    return float(np.corrcoef(ours, at(recording.t + _late(recording, t, ours, theirs), t, theirs))[0, 1])
 
 
 def _drive(recording) -> str:
