@@ -123,6 +123,14 @@ def test_one_taxel_with_steps_unlike_the_others_needs_no_declaration():
     assert not find_quantization(two)
 
 
+def test_a_taxel_of_a_wider_range_has_larger_steps_and_as_much_more_noise():
+    def wider(y, rng):
+        wide = y[0] + 0.3 * rng.standard_normal(y.shape[1])
+        return np.array([0.1 * np.round(wide / 0.1), *(0.01 * np.round(row / 0.01) for row in y[1:])])
+
+    assert not [s for s in inspect([session(i, wider) for i in range(3)]).symptoms if s.cause == "quantization"]
+
+
 @pytest.mark.parametrize(("times", "told"), [(1.4, True), (1.1, False)])
 def test_levels_a_third_further_apart_than_declared_are_seen(times, told):
     made = [
