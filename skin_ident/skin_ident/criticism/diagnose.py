@@ -207,14 +207,14 @@ def _of_twins(every: list, twins: list, known: _Known, progress: Progress) -> _P
 
 def _better(plain: _Part, extended: _Part) -> _Part:
     """Of what a plain and an extended surrogate of twins came to: that which leaves less, or of two that leave as much that with fewer
-    findings."""
+    findings, or else the extended one, which is more like the twin."""
 
     def left(part: _Part) -> float:
         return float(sum(gain["held_out_rmse_after"] for gain in part.findings["gain_by_channel"].values()))
 
     if not 1.0 / AS_MUCH < left(plain) / left(extended) < AS_MUCH:
         return min(plain, extended, key=left)
-    return min(plain, extended, key=lambda part: len(part.findings["findings"]))
+    return min(extended, plain, key=lambda part: len(part.findings["findings"]))
 
 
 def _outcome(
