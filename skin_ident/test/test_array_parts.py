@@ -9,7 +9,7 @@ from scipy.stats import multivariate_normal
 from world.specimen import draw_specimen
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
-from skin_ident.criticism.array.bending import Leaning, Walking, Widening
+from skin_ident.criticism.array.bending import Leaning, Settling, SettlingReaching, Walking, Widening
 from skin_ident.criticism.array.evidence import fitted
 from skin_ident.criticism.array.extending import NO_FORM, NOT_JUDGED, TOO_LARGE, known, unwritten
 from skin_ident.criticism.array.family import Family
@@ -36,6 +36,8 @@ BENDS = [
     Leaning("rig", ROW, (1.0, 0.0), 5e-3, 1e-3, shift=3e-4),
     Walking("rig", ROW, (0.6, 0.8), 5e-3, 4.0, shift=3e-4),
     Widening("skin", ROW, 5e-3, growth=200.0),
+    Settling("skin", ROW, 5e-3, usual=7e-4, growth=400.0, settling=2e-4),
+    SettlingReaching("skin", ROW, 5e-3, usual=7e-4, growth=400.0, settling=2e-4),
     Smeared("taxel", ROW, share=0.05, tau=0.1),
     Capacitive("taxel", ROW, share=0.05, tau=0.1),
 ]
@@ -169,7 +171,7 @@ def judged_as(cause: str, where: str, name: str) -> SimpleNamespace:
 
 def test_what_has_no_effect_in_the_catalogue_is_not_said_to_be_in_the_model():
     plain = Model(Dispersion(m=0.0, b1=900.0, k1=9600.0, b2=600.0, k2=2800.0), (0.6, 0.8, 0.1))
-    leaning, walking, widening, smeared, _ = BENDS
+    leaning, walking, widening, _, _, smeared, _ = BENDS
     model = replace(plain, effects=(leaning, widening, smeared))
     nothing = SimpleNamespace(named=False)
     assert unwritten(model, nothing) == {("crosstalk", "taxel"): NO_FORM}

@@ -12,7 +12,7 @@ from skin_models.effects.anisotropy import Anisotropy
 from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.layout_crosstalk import LayoutCrosstalk
 from skin_models.effects.off_centre import OffCentre
-from skin_models.effects.spread_depth import SpreadDepth
+from skin_models.effects.spread_depth import SettlingSpreadDepth, SpreadDepth
 from skin_models.effects.spread_shape import SpreadShape
 from skin_models.effects.spread_width import SpreadWidth
 from skin_models.errors import ModelError
@@ -34,7 +34,8 @@ XY = np.array([[0.0, 0.0], [6e-3, 1e-3], [-5e-3, 4e-3], [-2e-3, -9e-3], [12e-3, 
 LAYOUT = arbitrary(np.column_stack([XY, np.zeros(5)]), np.tile([0.0, 0.0, 1.0], (5, 1)), 0.25 * A201_AREA)
 BENDING = [c.typical(next(iter(c.places))) for c in effects() if Place.SPREAD in c.places.values()]
 ALL = (OffCentre(where="rig", dx=1e-3, dy=-5e-4), Anisotropy(where="skin", stretch=0.4, angle=0.7), SpreadWidth(where="skin", wider=0.2),
-       SpreadDepth(where="skin", growth=150.0), SpreadShape(where="skin", flatness=0.3))  # fmt: skip
+       SpreadDepth(where="skin", growth=150.0), SettlingSpreadDepth(where="skin", growth=300.0),
+       SpreadShape(where="skin", flatness=0.3))  # fmt: skip
 R, V = np.meshgrid(np.linspace(-0.02, 0.02, 41), np.linspace(-0.02, 0.02, 41))
 
 

@@ -1,9 +1,12 @@
-"""Spread depth: the kernel grows wider as the contact goes deeper.
+"""Spread depth: the kernel grows wider as the contact goes deeper. Two forms:
 
-    K'(p) = K(p / w) / w^2,        w = 1 + g x, at least 0.1        what it gains in width it loses in height: the force stays
+    plain       w = 1 + g x
+    settling    w = 1 + g h (1 - exp(-x / h))        most of it within a depth h, as a round tip grows into its footprint
 
-Source: the contact of a sphere widens with depth (K. L. Johnson, Contact Mechanics, 1985, ch. 4); the thesis found no such growth in
-silicone between 0.4 and 1 mm (Table 4-8).
+    K'(p) = K(p / w) / w^2, w at least 0.1        what it gains in width it loses in height: the force stays
+
+Source: the contact of a sphere widens with depth, as its square root (K. L. Johnson, Contact Mechanics, 1985, ch. 4); the thesis found no
+such growth in silicone between 0.4 and 1 mm (Table 4-8).
 """
 
 from dataclasses import dataclass
@@ -12,7 +15,7 @@ from typing import ClassVar
 import numpy as np
 
 from skin_models.effect import Place
-from skin_models.parameter import quantity
+from skin_models.parameter import SHAPE, quantity
 from skin_models.spread.bending import Bending
 
 
@@ -40,3 +43,17 @@ class SpreadDepth(Bending):
     def scale(self, x):
         """w = 1 + g x, at least 0.1."""
         return np.maximum(1.0 + self.growth * x, 0.1)
+
+
+@dataclass(frozen=True)
+class SettlingSpreadDepth(SpreadDepth):
+    """A width that changes with depth, and less the deeper it is."""
+
+    form: ClassVar[str] = "settling"
+    refines: ClassVar[type] = SpreadDepth
+
+    settling: float = quantity("m", 0.3e-3, lower=1e-6, upper=0.05, role=SHAPE, typical=0.3e-3, doc="depth h within which most of it comes")
+
+    def scale(self, x):
+        """w = 1 + g h (1 - exp(-x / h)), at least 0.1."""
+        return np.maximum(1.0 - self.growth * self.settling * np.expm1(-x / self.settling), 0.1)

@@ -7,6 +7,8 @@ All act on the share of every taxel, exp(-(r / c)^2) with r from the contact, an
     Widening   the width is (1 + growth (x - x_0)) c at depth x                                          spread_depth
     Reaching   the same, with the share right under the contact as it was                                spread_depth
 
+Both spread most in the first depth h as `Settling` and `SettlingReaching`, with h (1 - exp(-x / h)) in place of x.
+
 They need to know where the taxels are, so they are made for one layout and are not in the catalogue.
 """
 
@@ -17,7 +19,7 @@ import numpy as np
 
 from skin_models.effect import Memoryless, Place
 from skin_models.operators.elapsed import Elapsed
-from skin_models.parameter import quantity
+from skin_models.parameter import SHAPE, quantity
 
 Pairs = tuple[tuple[float, float], ...]
 
@@ -98,7 +100,11 @@ class Widening(OverTaxels, Memoryless):
 
     def wider(self, x):
         """The width at depth `x` (m) over c, at least 0.2."""
-        return np.maximum(1.0 + self.growth * (np.maximum(x, 0.0) - self.usual), 0.2)
+        return np.maximum(1.0 + self.growth * (self.reached(np.maximum(x, 0.0)) - self.reached(self.usual)), 0.2)
+
+    def reached(self, x):
+        """What the width follows at a depth x >= 0, m."""
+        return x
 
 
 @dataclass(frozen=True)
@@ -110,3 +116,34 @@ class Reaching(Widening):
     def apply(self, y, s):
         """What Widening makes of it, less its loss in the centre."""
         return super().apply(y, s) * self.wider(s.x) ** 2
+
+
+def _settled(x: Any, settling: float) -> Any:
+    """h (1 - exp(-x / h)), m."""
+    return -settling * np.expm1(-x / settling)
+
+
+@dataclass(frozen=True)
+class Settling(Widening):
+    """The same, less the deeper it is, as a round tip grows into its footprint."""
+
+    form: ClassVar[str] = "settling"
+
+    settling: float = quantity("m", 3e-4, lower=1e-6, upper=0.05, role=SHAPE, typical=3e-4, doc="depth h within which most of it comes")
+
+    def reached(self, x):
+        """h (1 - exp(-x / h))."""
+        return _settled(x, self.settling)
+
+
+@dataclass(frozen=True)
+class SettlingReaching(Reaching):
+    """The same of a spread that is as strong in the centre."""
+
+    form: ClassVar[str] = "settling_reaching"
+
+    settling: float = quantity("m", 3e-4, lower=1e-6, upper=0.05, role=SHAPE, typical=3e-4, doc="depth h within which most of it comes")
+
+    def reached(self, x):
+        """h (1 - exp(-x / h))."""
+        return _settled(x, self.settling)

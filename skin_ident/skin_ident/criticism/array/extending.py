@@ -25,7 +25,7 @@ from skin_models.effects.crosstalk import Crosstalk
 from skin_models.effects.gain_error import GainError
 from skin_models.effects.leaning import Leaning as CatalogueLeaning
 from skin_models.effects.off_centre import OffCentre
-from skin_models.effects.spread_depth import SpreadDepth
+from skin_models.effects.spread_depth import SettlingSpreadDepth, SpreadDepth
 from skin_models.effects.spread_shape import SpreadShape
 from skin_models.effects.spread_width import SpreadWidth
 from skin_models.errors import ModelError
@@ -85,7 +85,9 @@ def known(e: Any) -> Effect | None:
         x, y = np.array(e.axis) * e.shift / e.deepest
         return CatalogueLeaning("rig", lean_x=float(x), lean_y=float(y))
     if isinstance(e, Widening):
-        return SpreadDepth("skin", growth=float(np.clip(e.growth / max(1.0 - e.growth * e.usual, 0.2), -1e3, 1e4)))
+        growth = float(np.clip(e.growth / max(1.0 - e.growth * e.reached(e.usual), 0.2), -1e3, 1e4))
+        settling = getattr(e, "settling", None)
+        return SpreadDepth("skin", growth=growth) if settling is None else SettlingSpreadDepth("skin", growth=growth, settling=settling)
     return None
 
 

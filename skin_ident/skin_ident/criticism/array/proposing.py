@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from skin_ident.criticism.array.bending import Leaning, Reaching, Walking, Widening
+from skin_ident.criticism.array.bending import Leaning, Reaching, Settling, SettlingReaching, Walking, Widening
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.array.smeared import TAUS, Capacitive, Smeared
 from skin_ident.criticism.search.proposals import Direction
@@ -12,6 +12,7 @@ from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
+EARLY = 0.2  # of the greatest depth, within which a spread that settles begins to do so
 USUAL = 0.75  # of the greatest depth: where a slope over all depths is that of the share
 
 
@@ -45,6 +46,8 @@ def _effects(layout: Layout, session: Session) -> Iterator[Effect]:
         usual = USUAL * deepest
         yield Widening("skin", taxels, layout.width, usual, growth=0.0)
         yield Reaching("skin", taxels, layout.width, usual, growth=0.0)
+        for form in (Settling, SettlingReaching):
+            yield form("skin", taxels, layout.width, usual, growth=0.0, settling=EARLY * deepest)
         yield from (form("taxel", taxels, share=0.0, tau=tau) for form in (Smeared, Capacitive) for tau in TAUS)
 
 

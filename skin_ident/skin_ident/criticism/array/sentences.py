@@ -83,7 +83,9 @@ def changing(e: Effect) -> str:
         x, y = 1e3 * e.shift * np.array(e.axis)
         return f"the ratios of {len(e.taxels)} taxels change as if the contact moved by ({x:+.2g}, {y:+.2g}) mm {when}"
     if isinstance(e, Widening):
-        return f"the spread grows by {1e-3 * e.growth:.1%} per mm of depth"
+        settling = getattr(e, "settling", None)
+        where = "" if settling is None else f" at the surface, most of it within {1e3 * settling:.2g} mm"
+        return f"the spread grows by {1e-3 * e.growth:.1%} per mm of depth{where}"
     if isinstance(e, Capacitive):
         return f"every taxel repeats {e.share:.1%} of what changes in its neighbours within {1e3 * e.tau:.0f} ms"
     return f"every taxel repeats {e.share:.1%} of its neighbours, {1e3 * e.tau:.0f} ms late" if isinstance(e, Smeared) else ""

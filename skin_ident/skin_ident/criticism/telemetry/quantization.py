@@ -21,7 +21,6 @@ COARSER = 1.25  # times the declared step, which no calibration is off by
 UNEVENLY = 1.5  # the same of steps that are not all alike
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
 FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
-FELT = 0.25  # of what is uneven from sample to sample, which rounding to such steps is at least: of less nobody need know
 FEW = 0.05  # of the samples, the most levels of a converter whose steps are uneven, and which reads
 OFTEN = 0.9  # of the times that a level is come to, those of levels to which it comes again and again
 AGAIN = 5  # times that a level is come to
@@ -95,22 +94,25 @@ def find_buried(recordings: list, channels: tuple[str, ...], rests: list[np.ndar
 
 
 def _unlike(recordings: list, declared: dict[str, float | None]) -> list[Symptom]:
-    """Taxels whose steps are coarser than those of all others, where nobody said what they should be, and are felt in their noise: one of
-    a wider range has larger ones."""
+    """Taxels whose steps are coarser than those of all others, where nobody said what they should be, and coarser beside the noise beneath
+    them, too: one of a wider range has more of both."""
     names = [c for c in recordings[0].channels if c.startswith("taxel") and not declared[c]]
     each = {c: _steps(recordings, c) for c in names}
     steps = {c: float(np.median(s)) for c, s in each.items() if None not in s}
     if len(steps) < FEWEST_ALIKE:
         return []
     usual = float(np.median(list(steps.values())))
-    alone = [c for c, step in steps.items() if step > UNLIKE * usual and step / np.sqrt(12.0) > FELT * _uneven(recordings, c)]
+    beside_noise = {c: step / max(_beneath(recordings, c, step), 1e-300) for c, step in steps.items()}
+    alike = float(np.median(list(beside_noise.values())))
+    alone = [c for c, step in steps.items() if step > UNLIKE * usual and beside_noise[c] > UNLIKE * alike]
     known, against = {"usual": quantity(usual, "N")}, "as those of the other taxels, and no step is declared"
     return [_coarse(recordings, c, steps[c], against, known) for c in alone]
 
 
-def _uneven(recordings: list, channel: str) -> float:
-    """By how much neighbouring samples of a channel differ as those of white noise do, N rms."""
-    return float(np.median([white_noise(row) for row, _ in _rows(recordings, channel)]))
+def _beneath(recordings: list, channel: str, step: float) -> float:
+    """The white noise of a channel beneath its steps, N rms: s^2 = r^2 - q^2 / 12."""
+    r = float(np.median([white_noise(row) for row, _ in _rows(recordings, channel)]))
+    return float(np.sqrt(max(r**2 - step**2 / 12.0, 0.0)))
 
 
 def _coarse(recordings: list, channel: str, step: float, against: str, known: dict[str, dict[str, Any]]) -> Symptom:
