@@ -104,3 +104,22 @@ def test_skin_that_is_stiffer_in_one_session_is_no_gain_of_a_sensor(tmp_path):
     recordings = load(tmp_path)
     named = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     assert not [f for f in named if f["cause"] == "gain_error"]
+
+
+@pytest.mark.parametrize(("where", "times"), rows([("load_cell", 6.0), ("taxel", 6.0), ("load_cell", 3.0), ("taxel", 3.0)], 2))
+def test_a_zero_that_jumps_is_an_offset_and_no_drift(tmp_path, where, times):
+    """A gauge that comes loose, three times in every session and back again, at moments of each session's own."""
+    made, truth = make_sessions(None, seed=63, n_sessions=3, noise="white")
+    rng = np.random.default_rng(7)
+
+    def jumping(s):
+        at = s.t[0] + np.ptp(s.t) * (np.array([0.2, 0.45, 0.7]) + rng.uniform(-0.08, 0.08, 3))
+        zero = times * np.array([0.0, 0.5, -0.5, 0.6])[np.searchsorted(at, s.t)]
+        force, taxel = truth.noise_rms.values()
+        return replace(s, force=s.force + force * zero) if where == "load_cell" else replace(s, taxels=s.taxels + taxel * zero[:, None])
+
+    write_case([jumping(s) for s in made], tmp_path)
+    recordings = load(tmp_path)
+    (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
+    assert (found["cause"], found["where"]) == ("force_offset", where)
+    assert all("N at" in words for words in found["evidence"]["of_each_session"].values())

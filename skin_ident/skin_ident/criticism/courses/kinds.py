@@ -12,6 +12,7 @@ from skin_ident.criticism.vocabulary import Key
 CONSTANT, STEPS, BEND, WAVE = "constant", "steps", "bend", "wave"
 CAUSES = {
     (ZERO, CONSTANT): "force_offset",
+    (ZERO, STEPS): "force_offset",
     (ZERO, BEND): "drift",
     (SLOPE, CONSTANT): "gain_error",
     (SLOPE, STEPS): "gain_error",

@@ -6,7 +6,12 @@ from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, S
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
 from skin_ident.criticism.said import Said
 
-SIZES = {SLOPE: ("{:+.1f} %", 1e2), DEPTH: ("{:+.1f} µm", 1e6), DELAY: ("{:+.2f} ms", 1e3)}  # of steps, and how many to a unit
+SIZES = {  # of steps, and how many to a unit
+    SLOPE: ("{:+.1f} %", 1e2),
+    DEPTH: ("{:+.1f} µm", 1e6),
+    DELAY: ("{:+.2f} ms", 1e3),
+    ZERO: ("{:+.3g} N", 1.0),
+}
 UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # of values, all others in N
 START_S = 5.0  # s, within which a step is how the session began
 
@@ -25,7 +30,7 @@ def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
         return f"{-z[0]:+.3g} N"  # what the load cell reads too much
     if course.carrier == DRIVEN:
         return f"{-1e2 * z[0]:+.1f} %"
-    if course.carrier == ZERO:
+    if course.carrier == ZERO and course.shape != STEPS:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size, scale = SIZES[course.carrier]
     if course.shape == BEND:
