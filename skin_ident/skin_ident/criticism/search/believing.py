@@ -31,18 +31,18 @@ WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it 
 
 def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
     """The best trial that held-out data support, as a finding with its rivals. What is small beside the largest effect so far in a channel
-    may be its imperfect form, and is not named; nor is what more of the causes that were named would explain. Where the best is what good
-    hardware has anyway, or the record itself shows one that held-out data bear out and that is only too small to be named here, a lesser
-    one is not looked for; nor is one believed that explains less than what an encoder leaves open, unless it stands beside that, or far
-    less than another that held-out data nearly bear out; where force drives instead of depth, its load cell is a rival of every name in any
-    case. Why a good one is none, hardware or doubt, is noted in the search."""
-    nearly, left_open = 0.0, None
+    may be its imperfect form, and is not named, unless it is more of a cause that is; nor is what more of those would explain. Where the
+    best is what good hardware has anyway, or the record itself shows one that held-out data bear out and that is only too small to be named
+    here, a lesser one is not looked for; nor is one believed that explains less than what an encoder leaves open, unless it stands beside
+    that, or far less than another that held-out data nearly bear out; where force drives instead of depth, its load cell is a rival of
+    every name in any case. Why a good one is none, hardware or doubt, is noted in the search."""
+    nearly, left_open, known = 0.0, None, {n.key for n in search.named if not n.courses}
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
         if _is_hardware(search, trial, gain):
             _note_the_like(search, trial, trials)
             return None
-        itself = not search.shadows(gain) and trial.score > search.form_of_others(*trial.key)
+        itself = trial.key in known or (not search.shadows(gain) and trial.score > search.form_of_others(*trial.key))
         itself = itself or _explains_all(search, trial)
         if itself and _in_doubt(search, trial, trials[0], gain):
             search.doubts[trial.key] = too_short(trial.key, trial.fit.model, search.encoder_step) or unproven()
