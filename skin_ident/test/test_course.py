@@ -123,3 +123,19 @@ def test_a_zero_that_jumps_is_an_offset_and_no_drift(tmp_path, where, times):
     (found,) = diagnose(recordings[:2], recordings[2:]).findings["findings"]
     assert (found["cause"], found["where"]) == ("force_offset", where)
     assert all("N at" in words for words in found["evidence"]["of_each_session"].values())
+
+
+def test_a_zero_that_jumps_at_about_the_same_time_in_every_session_is_no_drift(tmp_path):
+    """Sessions share most of that, as a drift would have it; there is nothing for one to do beside the jumps."""
+    made, truth = make_sessions(None, seed=64, n_sessions=3, noise="white")
+    size = 5.0 * truth.noise_rms["force"]
+
+    def jumping(s):
+        begun = (s.t - s.t[0]) / np.ptp(s.t)
+        return replace(s, force=s.force + size * ((begun > 0.3) & (begun < 0.6)))
+
+    write_case([jumping(s) for s in made], tmp_path)
+    recordings = load(tmp_path)
+    assert [(f["cause"], f["where"]) for f in diagnose(recordings[:2], recordings[2:]).findings["findings"]] == [
+        ("force_offset", "load_cell")
+    ]

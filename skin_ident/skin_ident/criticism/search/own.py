@@ -14,6 +14,7 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.uncertain import left_open
 from skin_ident.criticism.search.doubt import wandering
+from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first, reach
@@ -165,6 +166,7 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
     """Give every session its course, and name it, unless it is no more than a tare leaves; the rest of the search goes on with what is
     left. The course was found in noise that held it, too, and its moments may be off: so it is fitted once more in what is left with it,
     there and in held-out sessions."""
+    run, finding = _in_place_of_drift(search, run, finding)
     search.runs.append(run)
     train = added(search.train, run.values)
     model = fit(search.present.model, train, search.noise).model
@@ -182,3 +184,25 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
         return
     search.named.append(replace(finding, courses={**run.said, **(other.said if other else {})}))
     search.progress(f"named {finding.cause} in the {finding.where}")
+
+
+def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, Named]:
+    """The course of a zero and its finding; where a drift of the same zero was named that explains next to nothing beside a course fitted
+    without it, those without, and the drift is gone: of jumps a drift is what all sessions share."""
+    drift = next((n for n in search.named if n.key == ("drift", run.course.where) and not n.courses), None)
+    if run.course.carrier != ZERO or drift is None:
+        return run, finding
+    bare = fit(lacking(search.present.model, *drift.key), search.train, search.noise)
+    alone = fitted(run.course, bare.model, search.train, search.noise)
+    after = fit(bare.model, added(search.train, alone.values), search.noise)
+    beside, _ = fit_beside(search, run)
+    if after.cost + alone.charge - beside.cost - run.charge > search.least(after.count):
+        return run, finding
+    noise = grown_noise_of(after.model, added(search.train, alone.values))
+    gain = course_gain(run.course, bare.model, after.model, search.train, search.held, noise)
+    if not believed(gain, run.course):
+        return run, finding
+    search.named.remove(drift)
+    search.befores.pop(drift.key, None)
+    search.present = bare
+    return alone, replace(finding, gain=gain, explained=bare.cost - after.cost - alone.charge)
