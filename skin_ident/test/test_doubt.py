@@ -26,8 +26,8 @@ def test_doubt_is_said_and_excludes_nothing_there(tmp_path, hide, seed, taxels, 
 
 
 def test_what_may_be_the_imperfect_form_of_a_larger_cause_is_in_doubt(tmp_path):
-    """A loop of a taxel as large as the noise, under relaxation of six times that: in no form is that quite the skin's."""
-    hidden = [Hide("stress_relaxation", "skin", None, 6.0), Hide("hysteresis", "taxel_0", None, 1.0)]
+    """A loop of a taxel as large as the noise, under relaxation of eight times that: in no form is that quite the skin's."""
+    hidden = [Hide("stress_relaxation", "skin", None, 8.0), Hide("hysteresis", "taxel_0", None, 1.0)]
     write_case(make_sessions(hidden, seed=2, protocol="full")[0], tmp_path)
     recordings = load(tmp_path)
     findings = diagnose(recordings[:2], recordings[2:]).findings

@@ -77,12 +77,24 @@ def beside_the_rest(model: Model, train: list[Session], held: list[Session], noi
 
 
 def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
-    runs = [_run(course, ground) for course in courses(ground.sessions[0])]
+    runs = [r for r in (_run(course, ground) for course in courses(ground.sessions[0])) if _shows_in_the_air(r, ground)]
     untold = max((r for r in runs if not r.worth(encoder_step)), key=lambda r: r.score, default=None)
     able = [r for r in _of_sensors(runs, ground) if r.worth(encoder_step) and (untold is None or r.score > untold.score)]
     if not able and untold and untold.score > LEAST:
         return [untold]
     return sorted(able, key=lambda r: -r.score)
+
+
+def _shows_in_the_air(run: Run, g: "_Ground") -> bool:
+    """Whether jumps of a zero show where nothing is pressed, too: what only loads bring is none. True of all other courses."""
+    if (run.course.carrier, run.course.shape) != (ZERO, STEPS):
+        return True
+    (row,), before, after = run.course.rows, 0.0, 0.0
+    for s in g.sessions:
+        air = s.motion.x <= 0.0
+        e, zero = (s.raw - g.plain[s.name])[row, air], run.values[s.name][row, air]
+        before, after = before + float(e @ e), after + float((e - zero) @ (e - zero))
+    return after < before
 
 
 def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:

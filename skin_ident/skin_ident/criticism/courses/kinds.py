@@ -81,7 +81,9 @@ def courses(session: Session) -> Iterator[Course]:
         if channel in session.stuck:
             continue
         where = sensor_of(channel, session.n_taxels)
-        kinds = (kind for kind in CAUSES if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None))
+        kinds = [kind for kind in CAUSES if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None)]
+        if session.drive is not None:
+            kinds.remove((ZERO, STEPS))  # nobody knows when it is in the air
         yield from (Course(*kind, (c,), where) for kind in kinds)
     taxels = every[session.taxel_rows]
     if session.drive is not None:

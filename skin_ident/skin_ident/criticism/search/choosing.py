@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from skin_ident.criticism.baseline.fitting import Fit
-from skin_ident.criticism.courses.carriers import DELAY, SLOPE
-from skin_ident.criticism.courses.kinds import CONSTANT
+from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
+from skin_ident.criticism.courses.kinds import CONSTANT, STEPS
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.named import Named
@@ -24,8 +24,16 @@ def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[
     one cause at one place that form is taken which explains more.
 
     Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named that
-    explains far less. A clock that slips wherever it helps is no noise: where it predicts nothing, it is passed over.
+    explains far less. A clock that slips, or a zero that jumps, wherever it helps is no noise: where it predicts nothing, it is passed
+    over.
     """
+    chosen = _chosen(search, trials, runs)
+    others = [r for r in runs if (r.course.carrier, r.course.shape) != (ZERO, STEPS)]
+    jumps = bool(runs) and runs[0] not in others
+    return _chosen(search, trials, others) if jumps and not any(chosen) else chosen
+
+
+def _chosen(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
     if not runs:
         return None, first_believed(search, trials, runs)
     first, best = runs[0], max((t.score for t in trials), default=0.0)
@@ -37,7 +45,7 @@ def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[
     if own:
         return own, None
     if leads and first.course.carrier == DELAY:
-        return choose(search, trials, [r for r in runs if r.course.carrier != DELAY])
+        return _chosen(search, trials, [r for r in runs if r.course.carrier != DELAY])
     shared = first_believed(search, trials, runs) if not leads or best > BESIDE * first.score else None
     if not (shared or leads) and score > BEHIND * best:
         return _own(search, runs, trials), None
