@@ -94,34 +94,35 @@ def test_twins_that_do_not_belong():
         diagnose(MEASURED[:1], model=THEIRS, twins=TWINS[:1])
 
 
+def as_said_beside_the_first(twin):
+    """What a twin says on the clock of the first recording, (C, N) N, and its warnings."""
+    looked = inspect(MEASURED[:1])
+    read = read_twins(looked.sessions, MEASURED[:1], [twin], 0.0)
+    return simulated(read.surrogate, looked.carrying(read.beyond(read.surrogate), read.known).sessions[0]), read.warnings[0]
+
+
 def test_another_rate_and_another_clock():
     slow = replace(TWINS[0], t=1000.0 + T[::2], depth=None, force=TWINS[0].force[::2], taxels=TWINS[0].taxels[:, ::2])
-    looked = inspect(MEASURED[:1])
-    twin = read_twins(looked.sessions, MEASURED[:1], [slow], 0.0)
-    said = simulated(twin.surrogate, looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions[0])
-    assert np.std(said[0] - TWINS[0].force) < 0.004 and "another clock" in twin.warnings[0][0]
+    said, warnings = as_said_beside_the_first(slow)
+    assert np.std(said[0] - TWINS[0].force) < 0.004 and "another clock" in warnings[0]
 
 
 @pytest.mark.parametrize("late", [0.013, -0.4])
 def test_a_twin_whose_clock_began_elsewhere_is_set_by_its_depth(late):
     """Of a delay of 13 ms the fit would make another damping."""
     other = replace(TWINS[0], t=T + late)
-    looked = inspect(MEASURED[:1])
-    twin = read_twins(looked.sessions, MEASURED[:1], [other], 0.0)
-    said = simulated(twin.surrogate, looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions[0])
+    said, warnings = as_said_beside_the_first(other)
     inside = slice(50, -50)
     assert np.std((said[0] - TWINS[0].force)[inside]) < 1e-3 * np.std(TWINS[0].force)
-    assert f"{late:+.3g} s" in twin.warnings[0][-1]
+    assert f"{late:+.3g} s" in warnings[-1]
 
 
 @pytest.mark.parametrize("late", [2.5, -3.0])
 def test_clocks_that_cover_each_other_by_chance_begin_together(late):
     """By their stamps most of both is at the same time, but not the same motion."""
     other = replace(TWINS[0], t=T + late)
-    looked = inspect(MEASURED[:1])
-    twin = read_twins(looked.sessions, MEASURED[:1], [other], 0.0)
-    said = simulated(twin.surrogate, looked.carrying(twin.beyond(twin.surrogate), twin.known).sessions[0])
-    assert np.std(said[0] - TWINS[0].force) < 1e-3 * np.std(TWINS[0].force) and "another clock" in twin.warnings[0][0]
+    said, warnings = as_said_beside_the_first(other)
+    assert np.std(said[0] - TWINS[0].force) < 1e-3 * np.std(TWINS[0].force) and "another clock" in warnings[0]
 
 
 def test_a_dead_taxel_says_what_it_says_whatever_its_twin_says():

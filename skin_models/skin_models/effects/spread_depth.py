@@ -19,6 +19,11 @@ from skin_models.parameter import SHAPE, quantity
 from skin_models.spread.bending import Bending
 
 
+def settled(x, settling: float):
+    """h (1 - exp(-x / h)), m, of depths x >= 0, m, and h = `settling`, m."""
+    return -settling * np.expm1(-x / settling)
+
+
 @dataclass(frozen=True)
 class SpreadDepth(Bending):
     """A width that changes with depth."""
@@ -56,4 +61,4 @@ class SettlingSpreadDepth(SpreadDepth):
 
     def scale(self, x):
         """w = 1 + g h (1 - exp(-x / h)), at least 0.1."""
-        return np.maximum(1.0 - self.growth * self.settling * np.expm1(-x / self.settling), 0.1)
+        return np.maximum(1.0 + self.growth * settled(x, self.settling), 0.1)

@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from skin_models.effect import Memoryless, Place
+from skin_models.effects.spread_depth import settled
 from skin_models.operators.elapsed import Elapsed
 from skin_models.parameter import SHAPE, quantity
 
@@ -118,11 +119,6 @@ class Reaching(Widening):
         return super().apply(y, s) * self.wider(s.x) ** 2
 
 
-def _settled(x: Any, settling: float) -> Any:
-    """h (1 - exp(-x / h)), m."""
-    return -settling * np.expm1(-x / settling)
-
-
 @dataclass(frozen=True)
 class Settling(Widening):
     """The same, less the deeper it is, as a round tip grows into its footprint."""
@@ -133,17 +129,11 @@ class Settling(Widening):
 
     def reached(self, x):
         """h (1 - exp(-x / h))."""
-        return _settled(x, self.settling)
+        return settled(x, self.settling)
 
 
 @dataclass(frozen=True)
-class SettlingReaching(Reaching):
+class SettlingReaching(Reaching, Settling):
     """The same of a spread that is as strong in the centre."""
 
     form: ClassVar[str] = "settling_reaching"
-
-    settling: float = quantity("m", 3e-4, lower=1e-6, upper=0.05, role=SHAPE, typical=3e-4, doc="depth h within which most of it comes")
-
-    def reached(self, x):
-        """h (1 - exp(-x / h))."""
-        return _settled(x, self.settling)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from skin_ident.criticism.array.analysis import ArrayCriticism
-from skin_ident.criticism.array.bending import Leaning, Widening
+from skin_ident.criticism.array.bending import Leaning, Settling, Widening
 from skin_ident.criticism.array.family import Family
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
@@ -86,8 +86,8 @@ def known(e: Any) -> Effect | None:
         return CatalogueLeaning("rig", lean_x=float(x), lean_y=float(y))
     if isinstance(e, Widening):
         growth = float(np.clip(e.growth / max(1.0 - e.growth * e.reached(e.usual), 0.2), -1e3, 1e4))
-        settling = getattr(e, "settling", None)
-        return SpreadDepth("skin", growth=growth) if settling is None else SettlingSpreadDepth("skin", growth=growth, settling=settling)
+        settles = isinstance(e, Settling)
+        return SettlingSpreadDepth("skin", growth=growth, settling=e.settling) if settles else SpreadDepth("skin", growth=growth)
     return None
 
 

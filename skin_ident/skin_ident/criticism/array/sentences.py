@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from skin_ident.criticism.array.bending import Leaning, Walking, Widening
+from skin_ident.criticism.array.bending import Leaning, Settling, Walking, Widening
 from skin_ident.criticism.array.family import HALF_SPACE, Family, is_repeat
 from skin_ident.criticism.array.judgement import Judged
 from skin_ident.criticism.array.layout import Layout
@@ -83,8 +83,7 @@ def changing(e: Effect) -> str:
         x, y = 1e3 * e.shift * np.array(e.axis)
         return f"the ratios of {len(e.taxels)} taxels change as if the contact moved by ({x:+.2g}, {y:+.2g}) mm {when}"
     if isinstance(e, Widening):
-        settling = getattr(e, "settling", None)
-        where = "" if settling is None else f" at the surface, most of it within {1e3 * settling:.2g} mm"
+        where = f" at the surface, most of it within {1e3 * e.settling:.2g} mm" if isinstance(e, Settling) else ""
         return f"the spread grows by {1e-3 * e.growth:.1%} per mm of depth{where}"
     if isinstance(e, Capacitive):
         return f"every taxel repeats {e.share:.1%} of what changes in its neighbours within {1e3 * e.tau:.0f} ms"

@@ -60,11 +60,11 @@ def _begun(recording, twin, by: str) -> tuple[np.ndarray, list[str]]:
     shared = min(recording.t[-1], twin.t[-1]) - max(recording.t[0], twin.t[0])
     length = recording.t[-1] - recording.t[0]
     together = twin.t - twin.t[0] + recording.t[0]
-    is_long = twin.t[-1] - twin.t[0] >= COVERED * length
-    is_of_own = is_long and by and _alike(recording, twin, twin.t, by) < SAME_MOTION < _alike(recording, twin, together, by)
-    if shared >= COVERED * length and not is_of_own:
-        return twin.t, []
-    if not is_long:
+    if shared >= COVERED * length:
+        is_another = by and _alike(recording, twin, twin.t, by) < SAME_MOTION < _alike(recording, twin, together, by)
+        if not is_another:
+            return twin.t, []
+    elif twin.t[-1] - twin.t[0] < COVERED * length:
         raise DiagnosisError(f"the twin {twin.name} lasts {np.ptp(twin.t):.3g} s, the recording {recording.name} {length:.3g} s")
     return together, [f"{twin.name}: has another clock than {recording.name}; they are taken to begin together"]
 

@@ -103,8 +103,8 @@ def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: 
     """Residual (C, n) with each block's course fitted to its neighbours. When the depth or a zero jumped, or a buffer slipped, may be seen
     in all blocks: jumping a little too early or too late feigns a speed that was not there, or a spike, and of half a session more slips
     are told than of all of it, each of which is far off in the blocks between."""
-    e, jumps = residual(model, s), course.carrier in (DEPTH, DELAY) or (course.carrier, course.shape) == (ZERO, STEPS)
-    known = fitted(course, model, [s], noise, free).moments if jumps else None
+    e = residual(model, s)
+    known = fitted(course, model, [s], noise, free).moments if course.carrier in (DEPTH, DELAY) or course.jumps else None
     at = known if known and known[s.name].size else None
     block = BRIEF_S if course.wanders else BLOCK_S[course.shape]
     block = min(block, float(np.ptp(s.t)) / FEWEST_BLOCKS) if course.slopes else block

@@ -59,6 +59,11 @@ class Course:
         return (self.carrier, self.shape) == (SLOPE, CONSTANT)
 
     @property
+    def jumps(self) -> bool:
+        """Whether it is a zero that jumps."""
+        return (self.carrier, self.shape) == (ZERO, STEPS)
+
+    @property
     def wanders(self) -> bool:
         """Whether it is a delay that bends."""
         return (self.carrier, self.shape) == (DELAY, BEND)

@@ -30,7 +30,7 @@ def _words(course: Course, moments: np.ndarray, z: np.ndarray) -> str:
         return f"{-z[0]:+.3g} N"  # what the load cell reads too much
     if course.carrier == DRIVEN:
         return f"{-1e2 * z[0]:+.1f} %"
-    if course.carrier == ZERO and course.shape != STEPS:
+    if course.carrier == ZERO and not course.jumps:
         return f"{z[0]:+.3g} N" if course.shape == CONSTANT else f"from {z[0]:+.3g} to {z[-1]:+.3g} N"
     size, scale = SIZES[course.carrier]
     if course.shape == BEND:

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from skin_ident.criticism.baseline.fitting import Fit
-from skin_ident.criticism.courses.carriers import DELAY, SLOPE, ZERO
-from skin_ident.criticism.courses.kinds import CONSTANT, STEPS
+from skin_ident.criticism.courses.carriers import DELAY, SLOPE
+from skin_ident.criticism.courses.kinds import CONSTANT
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.search.believing import first_believed
 from skin_ident.criticism.search.named import Named
@@ -28,9 +28,9 @@ def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[
     over.
     """
     chosen = _chosen(search, trials, runs)
-    others = [r for r in runs if (r.course.carrier, r.course.shape) != (ZERO, STEPS)]
-    jumps = bool(runs) and runs[0] not in others
-    return _chosen(search, trials, others) if jumps and not any(chosen) else chosen
+    if any(chosen) or not runs or not runs[0].course.jumps:
+        return chosen
+    return _chosen(search, trials, [r for r in runs if not r.course.jumps])
 
 
 def _chosen(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:

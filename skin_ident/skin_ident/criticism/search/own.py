@@ -21,6 +21,7 @@ from skin_ident.criticism.search.rivals import Rival, own_rivals, plainest_first
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_held
 from skin_ident.criticism.search.trial import Trial
+from skin_models.model import Model
 
 ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
 SEARCHED = 1.5  # times what makes a cause worth naming, which one must explain whose moments are searched for
@@ -45,8 +46,7 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
     rivals."""
     search.progress(f"trying {run.course.cause} in the {run.course.where}, session by session")
     after, score = fit_beside(search, run)
-    noise = grown_noise_of(after.model, added(search.train, run.values))  # that of the search holds the course as well
-    gain = course_gain(run.course, search.present.model, after.model, search.train, search.held, noise)
+    gain = _gain_of(search, run, search.present.model, after.model)
     score = max(run.score, score)
     near = reach(_alike_in_all(run, trials, score))
     rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > near and t.key[0] != run.course.cause)
@@ -63,6 +63,12 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
             search.doubts[run.course.key] = wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
+
+
+def _gain_of(search: Search, run: Run, before: Model, after: Model) -> Gain:
+    """What a course gains beside `after` over `before`, in the noise that is left with it: that of the search holds the course as well."""
+    noise = grown_noise_of(after, added(search.train, run.values))
+    return course_gain(run.course, before, after, search.train, search.held, noise)
 
 
 def _of_wandering(run: Run, least: float) -> float:
@@ -198,8 +204,7 @@ def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, N
     beside, _ = fit_beside(search, run)
     if after.cost + alone.charge - beside.cost - run.charge > search.least(after.count):
         return run, finding
-    noise = grown_noise_of(after.model, added(search.train, alone.values))
-    gain = course_gain(run.course, bare.model, after.model, search.train, search.held, noise)
+    gain = _gain_of(search, alone, bare.model, after.model)
     if not believed(gain, run.course):
         return run, finding
     search.named.remove(drift)

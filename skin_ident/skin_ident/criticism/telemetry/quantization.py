@@ -102,9 +102,12 @@ def _unlike(recordings: list, declared: dict[str, float | None]) -> list[Symptom
     if len(steps) < FEWEST_ALIKE:
         return []
     usual = float(np.median(list(steps.values())))
+    coarse = [c for c, step in steps.items() if step > UNLIKE * usual]
+    if not coarse:
+        return []
     beside_noise = {c: step / max(_beneath(recordings, c, step), 1e-300) for c, step in steps.items()}
     alike = float(np.median(list(beside_noise.values())))
-    alone = [c for c, step in steps.items() if step > UNLIKE * usual and beside_noise[c] > UNLIKE * alike]
+    alone = [c for c in coarse if beside_noise[c] > UNLIKE * alike]
     known, against = {"usual": quantity(usual, "N")}, "as those of the other taxels, and no step is declared"
     return [_coarse(recordings, c, steps[c], against, known) for c in alone]
 
