@@ -13,12 +13,10 @@ each amplitude and each moment charged.
 Whether sessions that were held out bear one out is asked in `gate`.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag
 from scipy.optimize import lsq_linear
 
 from skin_ident.criticism.baseline.residual import simulated
@@ -28,7 +26,7 @@ from skin_ident.criticism.courses.left_by_tare import MORE, Tare, tares
 from skin_ident.criticism.courses.run import LEAST, Moments, Run
 from skin_ident.criticism.courses.words import said_of
 from skin_ident.criticism.gates.uncertain import Open, own_rows
-from skin_ident.criticism.noise.estimate import pursue
+from skin_ident.criticism.noise.pursuit import Normal
 from skin_ident.criticism.noise.steps import sharpest
 from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
@@ -253,16 +251,11 @@ def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:
-    rows = _rows(course, g, s, moments, course.shape == STEPS)
-    return sum((a * row for a, row in zip(z, rows, strict=True)), np.zeros_like(s.raw))
-
-
-def _rows(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> Iterator[np.ndarray]:
-    """What a unit of every z_k adds, (C, N) N. A step of the depth is done `exactly` when the speed that it feigns is felt, too."""
-    if exactly and course.carrier == DEPTH:
-        yield from (after_jump(g.model, s, g.plain[s.name], m) for m in moments)
-    else:
-        yield from (g.carrier(course, s) * phi for phi in _on(moments, course, s))
+    """What the amplitudes z (K,) add, (C, N) N. A step of the depth is done exactly, for the speed that it feigns is felt, too."""
+    if course.carrier == DEPTH:
+        jumps = (a * after_jump(g.model, s, g.plain[s.name], m) for a, m in zip(z, moments, strict=True))
+        return sum(jumps, np.zeros_like(s.raw))
+    return g.carrier(course, s) * (z @ _on(moments, course, s))
 
 
 def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
@@ -302,22 +295,24 @@ def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, f
 def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) -> Solution:
     """Amplitudes by session, the fall of the squared whitened error less the charge for each of them, and that charge."""
     rows = [_felt(course, g, s, moments[s.name], exactly) for s in g.sessions]
-    A = g.beside(block_diag(*(stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True))))
-    steps, r = course.shape == STEPS, g.left
-    z = pursue(A, r, MOST_STEPS * len(g.sessions)) if steps else _least_squares(A, r, _free(course, g, rows))
+    normal = Normal.by_blocks([stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True)], g.left, g.Q)
+    steps = course.shape == STEPS
+    z = normal.pursue(MOST_STEPS * len(g.sessions)) if steps else normal.least_squares(_free(course, g, rows))
     if course.tares:
-        z = _as_tared(A, r, z, g.tared[course.rows[0]].leaves)
-    charge = np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z) * (2 if steps else 1)
+        z = _as_tared(normal, z, g.tared[course.rows[0]].leaves)
+    charge = np.log(max(normal.count, 2)) * np.count_nonzero(z) * (2 if steps else 1)
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
-    return dict(zip((s.name for s in g.sessions), split, strict=True)), float(r @ r - np.sum((r - A @ z) ** 2) - charge), float(charge)
+    return dict(zip((s.name for s in g.sessions), split, strict=True)), normal.explained(z) - float(charge), float(charge)
 
 
 def _felt(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> np.ndarray:
-    """The same in the common band, (K, C, n) N: only the course's own channels feel anything."""
-    own = list(course.rows) or slice(None)
-    out = np.zeros((_on(moments, course, s).shape[0], *s.measured.shape))
-    for felt, row in zip(out, _rows(course, g, s, moments, exactly), strict=True):
-        felt[own] = s.band.thin(row[own])
+    """What a unit of every z_k changes in the common band, (K, C, n) N: only the course's own channels feel anything."""
+    if exactly and course.carrier == DEPTH:
+        return np.array([s.band.thin(after_jump(g.model, s, g.plain[s.name], m)) for m in moments])
+    phi, carrier = _on(moments, course, s), g.carrier(course, s)
+    out = np.zeros((len(phi), *s.measured.shape))
+    for c in course.rows or range(len(carrier)):
+        out[:, c] = s.band.thin(carrier[c] * phi)
     return out
 
 
@@ -331,11 +326,7 @@ def _free(course: Course, g: _Ground, rows: list[np.ndarray]) -> np.ndarray:
     return (loaded - loaded.mean(axis=0)).T if len(loaded) else loaded.T
 
 
-def _least_squares(A: np.ndarray, r: np.ndarray, free: np.ndarray) -> np.ndarray:
-    return free @ np.linalg.lstsq(A @ free, r, rcond=1e-8)[0] if free.size else np.zeros(A.shape[1])
-
-
-def _as_tared(A: np.ndarray, r: np.ndarray, z: np.ndarray, most: float) -> np.ndarray:
+def _as_tared(normal: Normal, z: np.ndarray, most: float) -> np.ndarray:
     """The zeros within what tares leave, where they explain as much as any others."""
-    within = lsq_linear(A, r, (-most, most)).x if most > 0.0 else np.zeros(z.size)
-    return within if np.sum((r - A @ within) ** 2) - np.sum((r - A @ z) ** 2) < MORE else z
+    within = lsq_linear(*normal.square(), (-most, most)).x if most > 0.0 else np.zeros(z.size)
+    return within if normal.explained(z) - normal.explained(within) < MORE else z

@@ -19,12 +19,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.noise.pursuit import pursue
 from skin_ident.criticism.noise.taken import taken
 from skin_ident.criticism.noise.whitening import Given, Stacked, Whitener, fit_whitener, order_for, stack, white, with_growth
 from skin_ident.criticism.sessions.session import Session
 
 RICHEST = 24  # directions that the richest model may use
-NEXT = 8  # columns that may be chosen next
 AS_FEW = 12.0  # words by which passes do not differ: then the first of them, which explains more
 
 
@@ -68,32 +68,3 @@ def _richest(residuals: list[np.ndarray], every: Stacked, forced: int, noise: Wh
 def _less(residuals: list[np.ndarray], every: list[np.ndarray], z: np.ndarray) -> list[np.ndarray]:
     used = z != 0.0
     return [e - np.tensordot(z[used], a[used], 1) for e, a in zip(residuals, every, strict=True)]
-
-
-def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0, offered: np.ndarray | None = None) -> np.ndarray:
-    """Orthogonal matching pursuit of r (R,): coefficients (M,) of at most `most` columns of A (R, M), the first `forced` always used, until
-    nothing gains; of the others only those `offered` (M,), where that is given.
-
-    Inner products are taken with the columns alone that may be chosen next, the best few at once: of hundreds, two dozen are chosen, and to
-    read all columns takes longer than to multiply them.
-    """
-    product, size = A.T @ r, np.sqrt(np.einsum("ij,ij->j", A, A))
-    able = size > 0 if offered is None else (size > 0) & offered
-    chosen = [i for i in range(forced) if size[i] > 0]
-    grams = dict(zip(chosen, A.T[chosen] @ A, strict=True))
-    z, charge = np.zeros(A.shape[1]), np.log(max(len(r), 2))
-    while True:
-        left = product
-        if chosen:
-            gram = np.array([grams[i] for i in chosen])
-            z[chosen] = np.linalg.lstsq(gram[:, chosen], product[chosen], rcond=1e-10)[0]
-            left = product - z[chosen] @ gram
-        gains = np.where(able, (left / np.where(able, size, 1.0)) ** 2, 0.0)
-        gains[chosen] = 0.0
-        best = int(np.argmax(gains))
-        if len(chosen) >= most or gains[best] < charge:
-            return z
-        if best not in grams:
-            few = np.argsort(-gains, kind="stable")[:NEXT]
-            grams.update(zip(few.tolist(), A.T[few] @ A, strict=True))
-        chosen.append(best)

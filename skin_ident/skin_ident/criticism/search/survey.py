@@ -10,7 +10,8 @@ from skin_ident.criticism.baseline.fitting import sliding, tangents, unpressed
 from skin_ident.criticism.baseline.residual import residual
 from skin_ident.criticism.baseline.unknowns import scales, unknowns, values
 from skin_ident.criticism.courses.course import bends_of_each_session
-from skin_ident.criticism.noise.estimate import RICHEST, less, noise_model, pursue
+from skin_ident.criticism.noise.estimate import RICHEST, less, noise_model
+from skin_ident.criticism.noise.pursuit import pursue
 from skin_ident.criticism.noise.whitening import Stacked, Whitener, stack
 from skin_ident.criticism.search.proposals import Direction, between
 from skin_ident.criticism.search.ranking import AT_FULL_RATE, Projected, Ranked, project, rank

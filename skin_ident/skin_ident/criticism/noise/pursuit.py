@@ -1,0 +1,102 @@
+"""Orthogonal matching pursuit: of many directions the few that explain most, chosen one after the other, until nothing gains.
+
+A direction must gain more than log n of the squared error of n samples, what it takes to say its amplitude.
+
+Source: Y. C. Pati, R. Rezaiifar and P. S. Krishnaprasad, Proc. 27th Asilomar Conference (1993) 40-44.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+NEXT = 8  # columns that may be chosen next
+NOTHING = 1e-10  # of a column's square, what rounding leaves of one that others span
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Columns A (R, M) and what they are to explain, r (R,), by their inner products: `gram` A^T A (M, M), `product` A^T r (M,). Of `count`
+    samples."""
+
+    gram: np.ndarray
+    product: np.ndarray
+    count: int
+
+    @staticmethod
+    def by_blocks(blocks: list[np.ndarray], r: np.ndarray, Q: np.ndarray | None) -> "Normal":
+        """Of columns [(R_i, M_i), …] that lie in samples of their own, one block below the other, less what an orthonormal `Q` (R', U)
+        spans, of which r (R',) has nothing; samples beyond those of the blocks are nothing to the columns."""
+        starts = np.cumsum([0, *(len(a) for a in blocks)])
+        parts = [slice(start, start + len(a)) for start, a in zip(starts, blocks, strict=False)]
+        product = np.concatenate([a.T @ r[part] for a, part in zip(blocks, parts, strict=True)])
+        gram, ends = np.zeros((product.size, product.size)), np.cumsum([0, *(a.shape[1] for a in blocks)])
+        for a, start, end in zip(blocks, ends[:-1], ends[1:], strict=True):
+            gram[start:end, start:end] = a.T @ a
+        if Q is not None:
+            whole = gram.diagonal().copy()
+            spanned = np.concatenate([Q[part].T @ a for a, part in zip(blocks, parts, strict=True)], axis=1)
+            gram -= spanned.T @ spanned
+            gone = gram.diagonal() < NOTHING * whole
+            gram[gone], gram[:, gone], product[gone] = 0.0, 0.0, 0.0
+        return Normal(gram, product, np.count_nonzero(r))
+
+    def explained(self, z: np.ndarray) -> float:
+        """By how much A z brings the squared error down."""
+        return float(2.0 * z @ self.product - z @ self.gram @ z)
+
+    def least_squares(self, free: np.ndarray) -> np.ndarray:
+        """The best coefficients (M,) within the span of `free` (M, L)."""
+        z = free @ np.linalg.lstsq(free.T @ self.gram @ free, free.T @ self.product, rcond=NOTHING)[0]
+        return np.where(self.gram.diagonal() > 0.0, z, 0.0)
+
+    def square(self) -> tuple[np.ndarray, np.ndarray]:
+        """As few columns (K, M) and samples (K,) as have the same inner products."""
+        sizes, vectors = np.linalg.eigh(self.gram)
+        felt = sizes > NOTHING * sizes.max(initial=0.0)
+        roots, some = np.sqrt(sizes[felt]), vectors.T[felt]
+        return roots[:, None] * some, some @ self.product / roots
+
+    def pursue(self, most: int) -> np.ndarray:
+        """Coefficients (M,) of at most so many columns."""
+        return _pursue(self.product, np.sqrt(self.gram.diagonal()), lambda few: self.gram[few], self.count, most)
+
+
+def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0, offered: np.ndarray | None = None) -> np.ndarray:
+    """The same of r (R,) by columns of A (R, M), the first `forced` always used; of the others only those `offered` (M,), where that is
+    given.
+
+    Inner products are taken with the columns alone that may be chosen next, the best few at once: of hundreds, two dozen are chosen, and to
+    read all columns takes longer than to multiply them.
+    """
+    return _pursue(A.T @ r, np.sqrt(np.einsum("ij,ij->j", A, A)), lambda few: A.T[few] @ A, len(r), most, forced, offered)
+
+
+def _pursue(
+    product: np.ndarray,
+    size: np.ndarray,
+    grams_of: Callable[[list[int]], np.ndarray],
+    count: int,
+    most: int,
+    forced: int = 0,
+    offered: np.ndarray | None = None,
+) -> np.ndarray:
+    able = size > 0 if offered is None else (size > 0) & offered
+    chosen = [i for i in range(forced) if size[i] > 0]
+    grams = dict(zip(chosen, grams_of(chosen), strict=True))
+    z, charge = np.zeros(product.size), np.log(max(count, 2))
+    while True:
+        left = product
+        if chosen:
+            gram = np.array([grams[i] for i in chosen])
+            z[chosen] = np.linalg.lstsq(gram[:, chosen], product[chosen], rcond=1e-10)[0]
+            left = product - z[chosen] @ gram
+        gains = np.where(able, (left / np.where(able, size, 1.0)) ** 2, 0.0)
+        gains[chosen] = 0.0
+        best = int(np.argmax(gains))
+        if len(chosen) >= most or gains[best] < charge:
+            return z
+        if best not in grams:
+            few = np.argsort(-gains, kind="stable")[:NEXT].tolist()
+            grams.update(zip(few, grams_of(few), strict=True))
+        chosen.append(best)
