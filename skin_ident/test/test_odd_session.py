@@ -42,6 +42,18 @@ def test_a_factor_in_one_session(channel, factor, count):
     assert np.allclose(right[1].channels[channel], session(1).channels[channel])
 
 
+@pytest.mark.parametrize("change", [times("taxel_1", -1.0), reordered((1, 0, 2))])
+def test_what_a_minority_of_sessions_has_is_one_finding(change):
+    right, (symptom,) = put_right([change(r) if i in (1, 4) else r for i, r in enumerate(sessions(5))])
+    assert symptom.cause == "data_error" and symptom.evidence["only_in"] == ["session_1", "session_4"]
+    assert "in session_1 and session_4" in symptom.evidence["why"]
+    assert all(np.allclose(r.taxels, session(i).taxels) for i, r in enumerate(right))
+
+
+def test_of_as_many_sessions_nobody_knows_which_are_in_order():
+    assert not put_right([reordered((1, 0, 2))(r) if i in (1, 3) else r for i, r in enumerate(sessions(4))])[1]
+
+
 @pytest.mark.parametrize("factor", [1e-3, 1e3, 1 / 25.4, 0.1])
 @pytest.mark.parametrize("count", [2, 4])
 def test_a_depth_in_another_unit_of_length(count, factor):

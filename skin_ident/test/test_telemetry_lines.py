@@ -111,7 +111,9 @@ def beside(seed, made_of, tone):
     rng, t = np.random.default_rng(seed), 0.01 * np.arange(1000)
     forces = [corners(3 * seed + k) for k in range(3)]
     rest = [0.01 * rng.standard_normal(t.size) + made_of(f) + tone(t + 100.0 * k) for k, f in enumerate(forces)]
-    return find_interference(("taxel_0",), [e[None] for e in rest], [f[None] for f in forces], 0.01, 1)
+    return find_interference(
+        [f"session_{i}" for i in range(len(rest))], ("taxel_0",), [e[None] for e in rest], [f[None] for f in forces], 0.01, 1
+    )
 
 
 def test_a_tone_stands_out_of_a_motion_that_moves_as_much_there_but_has_no_line():

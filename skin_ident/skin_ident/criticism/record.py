@@ -195,7 +195,7 @@ def _in_residuals(
     pieces = [s for s in find_pieces(first, sessions, rest) if (s.cause, s.channels[0]) not in known]
     rest = _beside(rest, recordings, [*outliers, *pieces])
     alike = [i for i, r in enumerate(recordings) if abs(r.dt / dt - 1.0) < SAME_RATE]
-    lines = find_interference(channels, [rest[i] for i in alike], [predicted[i] for i in alike], dt, n, stepped)
+    lines = find_interference([names[i] for i in alike], channels, [rest[i] for i in alike], [predicted[i] for i in alike], dt, n, stepped)
     return [*outliers, *pieces, *clipped, *lines]
 
 

@@ -2,12 +2,17 @@
 
     f = -F b (1 - (x / l)^2)^2        for |x| < l, else 0
 
-b is the bond: made where the plunger is pressed deeper than l, broken where it is drawn further than l out of the surface. The force
-is zero at both, so it comes and goes without a step; on the way out it is strongest at the surface, -F, and pulls a little way into
-the air. It acts after the contact rule, which otherwise forbids pulling. A cycle costs the work of adhesion, 16/15 F l.
+b is the bond, of which there are two forms:
+
+    grown      made where the plunger is pressed deeper than l: the force is zero there, and comes without a step
+    snapping   made as soon as the surfaces touch, a twentieth of l deep: two that merely meet do not hold each other
+
+Both are broken where the plunger is drawn further than l out of the surface. On the way out the force is strongest at the surface, -F, and
+pulls a little way into the air; the snapping one pulls as much on the way in. It acts after the contact rule, which otherwise forbids
+pulling. A cycle costs the work of adhesion, 16/15 F l, or half of that.
 
 Source: the law is a smooth stand-in for K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324 (1971) 301-313, whose contact
-also forms and parts at different gaps; D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269.
+forms with a snap at the surface and parts at a gap; D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269.
 """
 
 from dataclasses import dataclass
@@ -19,6 +24,8 @@ from skin_models.effect import Dynamic, Place
 from skin_models.operators.relay import relay, relay_step
 from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
+
+TOUCHING = 0.05  # of the reach
 
 
 @dataclass(frozen=True)
@@ -41,14 +48,30 @@ class Adhesion(Dynamic):
         return 0.0
 
     def step(self, state, y, s: Sample, dt: float):
-        """The bond by a relay that is on from x = l and off from x = -l, then its pull on both branches."""
-        state = relay_step(state, s.x, -self.reach, self.reach)
+        """The bond by a relay that is on from where it is made and off from x = -l, then its pull on both branches."""
+        state = relay_step(state, s.x, -self.reach, self._made_at)
         return state, y + self._pull(state, s.x)
 
     def batch(self, y: np.ndarray, s: Motion, rng=None) -> np.ndarray:
         """The same with the relay over the whole recording."""
-        return y + self._pull(relay(s.x, -self.reach, self.reach), s.x)
+        return y + self._pull(relay(s.x, -self.reach, self._made_at), s.x)
+
+    @property
+    def _made_at(self) -> float:
+        """The depth at which the bond is made, m."""
+        return self.reach
 
     def _pull(self, bond, x):
         shape = np.maximum(1.0 - (x / self.reach) ** 2, 0.0) ** 2
         return -np.multiply.outer(np.array([self.pull_sensed, self.pull_dispersed]), bond * shape)
+
+
+@dataclass(frozen=True)
+class SnappingAdhesion(Adhesion):
+    """A pull from the first touch on."""
+
+    form: ClassVar[str] = "snapping"
+
+    @property
+    def _made_at(self) -> float:
+        return TOUCHING * self.reach

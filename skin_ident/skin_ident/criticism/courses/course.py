@@ -22,7 +22,7 @@ from scipy.optimize import lsq_linear
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, SLOPE, ZERO, after_jump, carried
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course, common_slope, courses
-from skin_ident.criticism.courses.left_by_tare import MORE, Tare, tares
+from skin_ident.criticism.courses.left_by_tare import MORE, Tare, tare_of_drive, tares
 from skin_ident.criticism.courses.run import LEAST, Moments, Run
 from skin_ident.criticism.courses.words import said_of
 from skin_ident.criticism.gates.uncertain import Open, own_rows
@@ -139,9 +139,15 @@ class _Ground:
         i = next(i for i, s in enumerate(self.sessions) if s is session)
         return self.left[sum(sizes[:i]) : sum(sizes[: i + 1])].reshape(session.measured.shape)
 
+    def tare(self, course: Course) -> Tare | None:
+        """What tares leave of a zero that lasts as long as the session; of no other course."""
+        if not course.tares:
+            return None
+        return tare_of_drive(self.sessions) if course.carrier == DRIVE else self._tared[course.rows[0]]
+
     @cached_property
-    def tared(self) -> list[Tare]:
-        """What tares leave of every channel: worked out from the noise's spectrum once for all zeros."""
+    def _tared(self) -> list[Tare]:
+        """The same of every channel: worked out from the noise's spectrum once for all zeros."""
         return tares(self.sessions, self.noise)
 
     @cached_property
@@ -214,8 +220,7 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: said_of(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
     largest = max(float(np.abs(row).max(initial=0.0)) for row in z.values())
-    tare = g.tared[course.rows[0]] if course.tares else None
-    return Run(course, score, charge, largest, values, said, g.sessions[0].period, tare, moments, z)
+    return Run(course, score, charge, largest, values, said, g.sessions[0].period, g.tare(course), moments, z)
 
 
 def _solved(course: Course, g: _Ground, at: Moments | None) -> tuple[Moments, Solution]:
@@ -298,8 +303,9 @@ def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) 
     normal = Normal.by_blocks([stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True)], g.left, g.Q)
     steps = course.shape == STEPS
     z = normal.pursue(MOST_STEPS * len(g.sessions)) if steps else normal.least_squares(_free(course, g, rows))
-    if course.tares:
-        z = _as_tared(normal, z, g.tared[course.rows[0]].leaves)
+    tare = g.tare(course)
+    if tare:
+        z = _as_tared(normal, z, tare.leaves)
     charge = np.log(max(normal.count, 2)) * np.count_nonzero(z) * (2 if steps else 1)
     split = np.split(z, np.cumsum([len(own) for own in rows])[:-1])
     return dict(zip((s.name for s in g.sessions), split, strict=True)), normal.explained(z) - float(charge), float(charge)

@@ -51,7 +51,7 @@ class Course:
     @property
     def tares(self) -> bool:
         """Whether it is a zero that lasts as long as the session, as tares leave one."""
-        return (self.carrier, self.shape) == (ZERO, CONSTANT)
+        return self.carrier in (ZERO, DRIVE) and self.shape == CONSTANT
 
     @property
     def slopes(self) -> bool:

@@ -17,9 +17,12 @@ from scipy.stats import norm
 from skin_ident.criticism.gates.resolution import ROUNDED, converter_step
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
+from skin_ident.stretches import runs
 
 AVERAGED_S = 0.5  # that a tare lasts at least
 CHANCE = 0.01  # that any zero lies further off than is said
+RESTING = 0.02  # of the greatest force, below which next to nothing presses
+FEWEST = 8  # averages that tell how a force wanders
 MORE = 10.0  # fall of the squared whitened error, by which larger zeros may explain more
 
 
@@ -59,3 +62,25 @@ def tares(sessions: list[Session], noise: Whitener) -> list[Tare]:
     wander = noise.averaged(max(round(AVERAGED_S / first.band.spacing), 1))
     zeros = len(first.channels) * len(sessions)
     return [Tare(converter_step(sessions, c), float(w), zeros) for c, w in zip(first.channels, wander, strict=True)]
+
+
+def tare_of_drive(sessions: list[Session]) -> Tare:
+    """What tares leave of the force that drives `sessions`: by what is white of its noise, and how averages of it wander while it rests."""
+    noise, step = (max(getattr(s, of) for s in sessions) for of in ("drive_noise", "drive_step"))
+    white = noise / float(np.sqrt(2.0 * sessions[0].band.edge * AVERAGED_S))
+    averages = [a - np.mean(a) for a in map(_averages_at_rest, sessions) if a.size > 1]
+    seen = sum(a.size - 1 for a in averages)
+    wanders = float(np.sqrt(sum(np.sum(a**2) for a in averages) / seen)) if seen >= FEWEST else 0.0
+    return Tare(step, max(white, wanders), len(sessions))
+
+
+def drive_rests(s: Session) -> np.ndarray:
+    """Where next to nothing presses in a test that a force drives, (N,)."""
+    return np.abs(s.drive) < RESTING * s.drive.max()
+
+
+def _averages_at_rest(s: Session) -> np.ndarray:
+    """The averages of the driving force over times as long as a tare while it rests, N."""
+    size = max(round(AVERAGED_S / s.motion.dt), 1)
+    starts = [np.arange(a, b - size + 1, size) for a, b in zip(*runs(drive_rests(s)), strict=True)]
+    return np.array([np.mean(s.drive[i : i + size]) for i in np.concatenate(starts or [np.zeros(0, int)])])

@@ -16,7 +16,7 @@ from skin_ident.criticism.search.trial import Trial
 MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
 BEHIND = 0.9  # times the same to be tried at all, where held-out data refuse that cause
 NEARLY = 0.9  # of what a course that bends explains, which one that lasts must
-BESIDE = 0.6  # of what a course explains that predicts nothing, the least that a shared cause must explain to be asked beside it
+BESIDE = 0.6  # of what a course explains that predicts nothing, the least that another cause must explain to be asked beside it
 
 
 def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
@@ -25,7 +25,7 @@ def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[
 
     Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named that
     explains far less. A clock that slips, or a zero that jumps, wherever it helps is no noise: where it predicts nothing, it is passed
-    over.
+    over; what explains far less than a clock that is in doubt is not named.
     """
     chosen = _chosen(search, trials, runs)
     if any(chosen) or not runs or not runs[0].course.jumps:
@@ -45,7 +45,9 @@ def _chosen(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple
     if own:
         return own, None
     if leads and first.course.carrier == DELAY:
-        return _chosen(search, trials, [r for r in runs if r.course.carrier != DELAY])
+        least = BESIDE * first.score if first.course.key in search.doubts else 0.0
+        others = [r for r in runs if r.course.carrier != DELAY and r.score > least]
+        return _chosen(search, [t for t in trials if t.score > least], others)
     shared = first_believed(search, trials, runs) if not leads or best > BESIDE * first.score else None
     if not (shared or leads) and score > BEHIND * best:
         return _own(search, runs, trials), None

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from skin_ident.criticism.baseline.residual import stiffness
 from skin_ident.criticism.courses.carriers import DEPTH
-from skin_ident.criticism.courses.left_by_tare import Tare
+from skin_ident.criticism.courses.left_by_tare import Tare, drive_rests, tare_of_drive
 from skin_ident.criticism.courses.run import AT_REST, Run, least_depth
 from skin_ident.criticism.gates.claim import Claim
 from skin_ident.criticism.gates.gate import Gain
@@ -20,6 +21,8 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 FINER = "an encoder, and converters, with finer steps and less noise"
+SWALLOWS = "dead_zone"
+CROSSES = 3.0  # standard deviations of a force that rests
 TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
 
 
@@ -47,7 +50,20 @@ def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed
     if of_the_drive(claim):
         worth = f"it would {_worth(claim.gain)}, mostly while the driving force rests or little of what there is"
         return _usual(f"{worth}: the noise of that force may do it", "a depth beside the force, or a load cell with less noise")
-    return too_short(claim.key, claim.after, encoder_step) or steps_do(claim, noise, encoder_step)
+    return too_short(claim.key, claim.after, encoder_step) or drive_crosses(claim) or steps_do(claim, noise, encoder_step)
+
+
+def drive_crosses(claim: Claim) -> NotNamed | None:
+    """Why a threshold that gains is no finding, where noise or the zero of the force that drives the test reaches across it."""
+    if not claim.driven or claim.cause != SWALLOWS:
+        return None
+    model, tare = claim.after, tare_of_drive(claim.train)
+    felt = model.dispersion.k1 if claim.key[1] == "skin" else stiffness(model, claim.channel)
+    applied = max(e.threshold for e in instances(model, *claim.key)) * stiffness(model, "force") / max(felt, 1e-9)
+    rest = np.concatenate([s.drive[drive_rests(s)] for s in claim.train])
+    reach = max(tare.leaves, CROSSES * float(np.sqrt(np.mean(rest**2))) if rest.size else 0.0)
+    why = f"it would swallow {applied:.2g} N of the applied force, and noise and zero of that reach as far as {reach:.2g} N"
+    return _usual(why, "a load cell with finer steps and less noise, or a depth beside the force") if applied <= reach else None
 
 
 def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
@@ -99,9 +115,12 @@ def specimens_do(largest: Mapping[str, float]) -> NotNamed:
 
 
 def skin_does(run: Run) -> NotNamed:
-    """Why a gain that sessions have of their own is no finding, where a skin that is another in each of them explains as much or more."""
-    off = f"the gains of single sessions would be off by up to {100.0 * run.largest:.2g} %, as a skin that is another in each of them"
-    return _usual(f"{off} may feign: few sessions do not show which of both it is", "four sessions or more of one specimen in one place")
+    """Why a gain, or a zero of depth, that sessions have of their own is no finding, where a skin that is another in each of them explains
+    as much or more."""
+    depth = run.course.carrier == DEPTH
+    what, off = ("zeros of depth", _micrometres(run.largest)) if depth else ("gains", f"{100.0 * run.largest:.2g} %")
+    why = f"the {what} of single sessions would be off by up to {off}, as a skin that is another in each of them may feign"
+    return _usual(f"{why}: these sessions do not show which of both it is", "many sessions of one specimen in one place, with taxels")
 
 
 def no_other_does(key: Key, why: NotNamed) -> NotNamed:

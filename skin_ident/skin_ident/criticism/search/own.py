@@ -13,7 +13,7 @@ from skin_ident.criticism.courses.kinds import STEPS
 from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain
 from skin_ident.criticism.gates.uncertain import left_open
-from skin_ident.criticism.search.doubt import wandering
+from skin_ident.criticism.search.doubt import unproven, wandering
 from skin_ident.criticism.search.growing import lacking
 from skin_ident.criticism.search.hardware import tare_does
 from skin_ident.criticism.search.named import Named
@@ -59,8 +59,9 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
     stood = stood and (run.course.slopes or helps(run, search.present.model, after.model, search.train, search.held, search.noise))
     if not (told and stood) or search.steps_do(run.course.key, gain, after.model):
         search.wandering = max(search.wandering, run.score)
-        if told and score > least and run.course.carrier != DELAY and not believed(gain, run.course):
-            search.doubts[run.course.key] = wandering(run)
+        slips = run.course.carrier == DELAY
+        if told and score > least and not believed(gain, run.course) and (not slips or gain.ci95[0] > 0.0):
+            search.doubts[run.course.key] = unproven() if slips else wandering(run)
         return None
     return run, Named(run.course.cause, run.course.where, gain, score, rivals, courses=run.said)
 

@@ -34,7 +34,8 @@ from skin_models.model import Model
 
 FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
 AHEAD = 1.1  # times what a course explains, which other numbers must to go before it
-MUCH = 0.5  # of what other numbers explain, which a gain must that is said to be in doubt
+NEARLY = 0.85  # of what one does that may as well be such numbers
+MUCH = 0.5  # of what other numbers explain, which a gain or a zero must that is said to be in doubt
 PATTERN = 4  # sessions in which a gain that steps differs from skin that strays
 NATURAL = 0.045  # that a stiffness may be off where specimens differ by a hundredth; what differs by more is told
 TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, until they move by less
@@ -51,15 +52,15 @@ def explained_by_own_skin(search: Search) -> float:
 
 
 def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]) -> bool:
-    """Whether numbers of each session's own have `explained` as much as the `best` cause, and clearly more than the `runs` of one sensor or
-    clock, and were taken: two numbers of a skin may be a gain, or a zero of depth. Which of both it is shows in how it goes from session to
-    session, and in few of them it does not: what strays there no farther than skin does is left to it where it explains as much. That it
-    may be a gain is noted."""
-    told = _told_from_skin(search, runs)
-    if explained <= max(LEAST, reach(best), AHEAD * max((r.score for r in told), default=0.0)):
+    """Whether numbers of each session's own have `explained` as much as the `best` cause of all sessions, and clearly more than the `runs`
+    of one sensor or clock, and were taken: two numbers of a skin may be a gain, or a zero of depth. Whether it is a gain shows in how it
+    goes from session to session beside other channels, and in few sessions, or a lone channel, it does not: what strays there no farther
+    than skin does is left to it where it explains nearly as much. So is a zero of depth anywhere. That it may be one of these is noted."""
+    worth = max((r.score * (NEARLY if _may_be_skin(search, r) else AHEAD) for r in runs), default=0.0)
+    if explained <= max(LEAST, reach(best), worth):
         return False
-    gains = [r for r in runs if r.course.carrier == SLOPE and r.score > MUCH * explained]
-    search.tared |= {r.course.key: skin_does(r) for r in reversed(gains)}  # of one key the first is said, which explains most
+    others = [r for r in runs if r.course.carrier in (SLOPE, DEPTH) and r.score > MUCH * explained]
+    search.tared |= {r.course.key: skin_does(r) for r in reversed(others)}  # of one key the first is said, which explains most
     search.progress("letting the skin differ from session to session")
     search.own_skin = True  # they are fitted where the next round begins
     return True
@@ -70,17 +71,13 @@ def too_few_for_a_pattern(sessions: list[Session]) -> bool:
     return len(sessions) < PATTERN
 
 
-def _told_from_skin(search: Search, runs: list[Run]) -> list[Run]:
-    """Those of the `runs` that may be told from a skin that strays."""
-    return [r for r in runs if not _may_be_skin(r)] if too_few_for_a_pattern(search.train) else runs
-
-
-def _may_be_skin(run: Run) -> bool:
-    """Whether a run is a gain that differs between sessions by no more than skin does, about its mean, or from one to the next; or a zero
-    of depth, that a slope makes up for."""
+def _may_be_skin(search: Search, run: Run) -> bool:
+    """Whether a run is a zero of depth, that a slope makes up for; or, where nothing tells a gain from skin, one that differs between
+    sessions by no more than skin does, about its mean, or from one to the next."""
     if run.course.carrier == DEPTH:
         return True
-    return run.course.carrier == SLOPE and run.largest < (NATURAL / 2.0 if run.course.shape == CONSTANT else NATURAL)
+    alike = too_few_for_a_pattern(search.train) or search.train[0].channels == ("force",)
+    return alike and run.course.carrier == SLOPE and run.largest < (NATURAL / 2.0 if run.course.shape == CONSTANT else NATURAL)
 
 
 def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> bool:
@@ -96,8 +93,8 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
         cost_of(search.present.model, sessions, search.noise)
         for sessions in (search.held, with_own_skin, *(added(search.held, r.values) for r in best))
     )
-    zeros_of_few = too_few_for_a_pattern(search.train) and all(r.course.carrier == DEPTH for r in best)
-    ahead = 1.0 if zeros_of_few else AHEAD  # such a zero may be a skin that strays; a gain of held-out sessions alone is told from one
+    zeros = all(r.course.carrier == DEPTH for r in best)
+    ahead = 1.0 if zeros else AHEAD  # such a zero may be a skin that strays; a gain of held-out sessions alone is told from one
     worth = max((now - cost - r.charge for cost, r in zip(by_course, best, strict=True)), default=0.0)  # a moment was searched for
     return now - by_skin > ahead * worth and take_own_skin(search, explained, 0.0, [])
 

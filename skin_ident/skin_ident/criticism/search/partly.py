@@ -10,9 +10,10 @@ with whitened directions d, what is left r, and P = I - Q Q' what projects off t
 sessions are parted in two where the one part, having one amount, explains most; who has it is chosen, and charged as so many coins. With
 the cause fitted to these, every session is asked once more whether it is nearer with or without it, and so is each that was held out.
 
-Zeros, gains, clocks and drifts of each session's own are courses (see `courses.course`), whatever their amounts. Where the skin itself is
-another in those sessions, any cause may seem to come and go with it: other numbers of the plain model for them are a rival, and where they
-explain clearly more nothing is named.
+Zeros, gains, clocks and drifts of each session's own are courses (see `courses.course`), whatever their amounts; what one of them explains
+as well in the same sensor, were its amount the same in those sessions, is that course. Where the skin itself is another in those sessions,
+any cause may seem to come and go with it: other numbers of the plain model for them are a rival, and where they explain clearly more, or
+most of what is as slight as another day's skin, nothing is named.
 """
 
 from collections.abc import Iterable
@@ -24,13 +25,14 @@ from skin_ident.criticism.baseline.fitting import Fit, cost_of, fit, whitened
 from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.courses.course import basis
 from skin_ident.criticism.courses.kinds import CAUSES as COURSES
+from skin_ident.criticism.courses.kinds import CONSTANT
+from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.gates.gate import Gain, gain_of_residuals, held_out_gain, in_turn, left_by
 from skin_ident.criticism.gates.second_opinion import halves_in_turn
 from skin_ident.criticism.noise.whitening import stack
 from skin_ident.criticism.search.believing import believed_in_part
 from skin_ident.criticism.search.growing import felt, lacking
 from skin_ident.criticism.search.named import Named
-from skin_ident.criticism.search.own_skin import too_few_for_a_pattern
 from skin_ident.criticism.search.plausible import plausible
 from skin_ident.criticism.search.ranking import AT_FULL_RATE
 from skin_ident.criticism.search.rivals import PROMISING, Rival, reach
@@ -48,7 +50,7 @@ UNFELT = 1e-3  # of what other sessions feel, and of what is felt before the mod
 COIN = 2.0 * np.log(2.0)  # twice nats, of having or lacking it
 TIMES = 3  # that sessions are asked whether they have it
 TELLS = 6.0  # twice nats, by which a session must be nearer without a cause to lack it
-SLIGHT = 0.01  # of a force, that a skin may differ by from day to day
+SLIGHT = 0.02  # of a force, that a skin may differ by from day to day
 AS_WELL = 0.7  # of what a cause explains, which other numbers must to stand for one so slight, and what a good stage does for any
 
 
@@ -70,8 +72,9 @@ class _Tried:
     score: float
 
 
-def take_partly(search: Search, last: Survey, best: float) -> bool:
-    """Name the cause that explains clearly more than the `best` of all others where some sessions lack it, if it is believed."""
+def take_partly(search: Search, last: Survey, best: float, runs: list[Run]) -> bool:
+    """Name the cause that explains clearly more than the `best` of all others, and than `runs` of its sensor, where some sessions lack it,
+    if it is believed; return whether to look again."""
     if len(search.train) < FEWEST:
         return False
     least = max(best, search.least(search.present.count))
@@ -81,7 +84,7 @@ def take_partly(search: Search, last: Survey, best: float) -> bool:
     if not tried or reach(tried[0].score) <= least:
         return False
     first, *others = tried
-    if search.of_stage > AS_WELL * first.score:
+    if search.of_stage > AS_WELL * first.score or _is_course(first, runs, ground.charge):
         return False
     numbers = ground.of_other_numbers({s.name for s in first.ahead.train if first.trial.key not in s.lacks})
     if first.score <= reach(numbers) or (numbers > AS_WELL * first.score and _too_slight_to_tell(first)):
@@ -98,6 +101,7 @@ def take_partly(search: Search, last: Survey, best: float) -> bool:
         return True
     search.train, search.held = first.ahead.train, first.ahead.held
     search.accept(first.trial.fit, named)
+    search.end_round(last, named.cause)
     return True
 
 
@@ -215,12 +219,17 @@ def _lacks(search: Search, after: Fit, s: Session, key: Key) -> bool:
     return lacking < having - TELLS
 
 
+def _is_course(tried: _Tried, runs: list[Run], charge: float) -> bool:
+    """Whether one number of each session explains as much in the same sensor, charged as what so many sessions have alike."""
+    key, coins = tried.trial.key, COIN * len(tried.ahead.train)
+    alike = [r for r in runs if r.course.where == key[1] and r.course.shape == CONSTANT]
+    return any(r.score + r.charge - charge - coins > reach(tried.score) for r in alike)
+
+
 def _too_slight_to_tell(tried: _Tried) -> bool:
-    """Whether a cause of the skin changes so little, and sessions are so few, that nobody knows it from another day's skin."""
-    key, model, sessions = tried.trial.key, tried.trial.fit.model, tried.ahead.train
-    if key[1] != "skin" or not too_few_for_a_pattern(sessions):
-        return False
-    having, without = [s for s in sessions if key not in s.lacks], lacking(model, *key)
+    """Whether a cause changes so little that nobody knows it from another day's skin."""
+    key, model = tried.trial.key, tried.trial.fit.model
+    having, without = [s for s in tried.ahead.train if key not in s.lacks], lacking(model, *key)
     force = np.sqrt(sum(np.sum(simulated(without, s) ** 2, axis=1) for s in having))
     return bool(np.all(felt(model, key, having) < SLIGHT * force))
 

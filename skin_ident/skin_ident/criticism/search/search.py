@@ -59,12 +59,11 @@ def _round(search: Search) -> bool:
         return True
     of_skin = explained_by_own_skin(search)
     look = _Look(last, trials, runs, best, of_skin, mass if mass and may_wait(search, mass) else None)
-    if take_partly(search, last, max(best, of_skin)):
-        search.end_round(last, search.named[-1].cause)
+    if take_partly(search, last, max(best, of_skin), runs):
         return True
     if of_skin > best and take_zeros(search, of_skin):  # one number of a session is plainer than four
         return True
-    if take_own_skin(search, of_skin, best, runs):
+    if take_own_skin(search, of_skin, max((t.score for t in trials), default=0.0), runs):
         return True
     return _take_believed(search, look) or _believing_none(search, look)
 

@@ -6,7 +6,7 @@ from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.courses.carriers import DEPTH, ZERO
 from skin_ident.criticism.courses.course import added
 from skin_ident.criticism.courses.kinds import CAUSES, CONSTANT, STEPS
-from skin_ident.criticism.courses.left_by_tare import tares
+from skin_ident.criticism.courses.left_by_tare import tare_of_drive, tares
 from skin_ident.criticism.courses.run import LEAST, least_depth
 from skin_ident.criticism.courses.tare import Zeros, added_by, zeros
 from skin_ident.criticism.gates.gate import own_channels
@@ -115,9 +115,12 @@ def _instead(search: Search, sessions: list[Session], explained: float, *, free:
 
 
 def _said(search: Search, found: Zeros) -> None:
-    *channels, depth = np.max(np.abs([*found.values()]), axis=0).tolist()
+    *channels, driving = np.max(np.abs([*found.values()]), axis=0).tolist()
     for channel, largest, tare in zip(search.train[0].channels, channels, tares(search.train, search.noise), strict=True):
         if largest > WORTH_SAYING * tare.leaves:
             search.tared[OFFSET, sensor_of(channel, search.train[0].n_taxels)] = tare_does(largest, tare)
-    if depth > WORTH_SAYING * least_depth(search.encoder_step):
-        search.tared[SHIFT, sensor_of("depth", search.train[0].n_taxels)] = zeros_do(depth, search.encoder_step)
+    if search.train[0].drive is not None:
+        if driving > WORTH_SAYING * tare_of_drive(search.train).leaves:
+            search.tared[OFFSET, "load_cell"] = tare_does(driving, tare_of_drive(search.train))
+    elif driving > WORTH_SAYING * least_depth(search.encoder_step):
+        search.tared[SHIFT, sensor_of("depth", search.train[0].n_taxels)] = zeros_do(driving, search.encoder_step)

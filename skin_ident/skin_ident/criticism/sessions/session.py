@@ -41,6 +41,7 @@ class Session:
     period: float  # s, between samples as they were recorded
     drive: np.ndarray | None = None
     drive_noise: float = 0.0  # N rms of it in the common band, as far as it is white
+    drive_step: float = 0.0  # N, between the levels on which it is read, 0 where none are seen
     spread: np.ndarray | None = None  # (T,), what `Model.shares` is multiplied by, where sessions press at different places
     contact: np.ndarray | None = None  # (2,) m, where this one presses, in the taxels' frame
     beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
@@ -89,7 +90,7 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering); `common` is what it shares with
     the recordings that it is compared with."""
     band = Band(recording.dt, common.cutoff, max(common.slowest, recording.longest_period))
-    drive, drive_noise = (band.smooth(recording.force), band.white(recording.force)) if recording.depth is None else (None, 0.0)
+    drive = band.smooth(recording.force) if recording.depth is None else None
     moved = drawn_again(recording.depth) if drive is None else recording.force / NOMINAL
     s = motion(recording.t, band.smooth(moved), band.speed(moved))
     channels, raw = stacked(recording)
@@ -97,7 +98,8 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     bridged = with_lines(raw, bad)
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
     contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
-    rows, kept, driven = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight, recording.dt), (drive, drive_noise)
+    rows, kept = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight, recording.dt)
+    driven = (drive, *((0.0, 0.0) if drive is None else (band.white(recording.force), recording.step("force") or 0.0)))
     steps = tuple(recording.step(c) or 0.0 for c in channels)
     depth_noise = beside_rounding(recording) if drive is None else 0.0
     return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact, steps=steps, depth_noise=depth_noise)

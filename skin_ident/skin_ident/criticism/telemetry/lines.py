@@ -1,25 +1,29 @@
-"""Interference: a line in the residual's spectrum, at full rate, at the same frequency in every session.
+"""Interference: a line in the residual's spectrum, at full rate, at the same frequency in every session, or in several.
 
 Each residual's periodogram is divided by its own smooth background (a running median); a line stands where the mean over sessions of the
 normalised power is beyond what exponential statistics allow (R. A. Fisher, Tests of significance in harmonic analysis, 1929). It is named
 where it goes on while the plunger rests, or where nothing in the motion accounts for it (see `motion_lines`). A hump is no line, unless it
-is very tall and goes on at rest: a tone whose amplitude and phase wander looks like that.
+is very tall and goes on at rest: a tone whose amplitude and phase wander looks like that. What two sessions or more have and others lack
+may be of a motion that only they have: there it must go on at rest, or stand very tall where the motion hardly moves.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.signal import zoom_fft
 from scipy.stats import gamma
 
+from skin_ident.criticism.pattern import in_sessions
 from skin_ident.criticism.telemetry.bursts import COMING, coming, envelope
 from skin_ident.criticism.telemetry.motion_lines import LONE, goes_on_at_rest, is_of_motion, over_background
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.words import counted
 
 CHANCE = 1e-4  # of one false line per channel
+TALLER = 3.0  # times what chance makes, that a line must stand
 SEEN = 5.0  # times its background, as tall as a line is in more than this part of the sessions: a few motions may be of one speed
 MOST_SESSIONS = 2 / 3  # that a motion's own line may be in
 DRIFT = 5  # bins by which a line may differ from session to session
@@ -45,6 +49,7 @@ class Line:
 
 
 def find_interference(
+    names: list[str],
     channels: tuple[str, ...],
     residuals: list[np.ndarray],
     predicted: list[np.ndarray],
@@ -52,16 +57,44 @@ def find_interference(
     n_taxels: int,
     stepped: bool = False,
 ) -> list[Symptom]:
-    """Periodic disturbances per channel, from measured less simulated and simulated rows (C, N) at full rate; one symptom per channel.
+    """Periodic disturbances per channel, from measured less simulated and simulated rows (C, N) at full rate of the sessions `names`; one
+    symptom per channel.
 
     Where depth is read in such steps (`stepped`) that they leave lines of their own, only what goes on at rest is believed.
     """
     found = []
     for c, channel in enumerate(channels):
-        lines = _lines([e[c] for e in residuals], [m[c] for m in predicted], dt, stepped)
+        rows, motion, there = [e[c] for e in residuals], [m[c] for m in predicted], names
+        lines = _lines(rows, motion, dt, stepped)
+        if not lines:
+            some = _of_some(rows, dt)
+            lines = _lines([rows[i] for i in some], [motion[i] for i in some], dt, stepped, strict=True) if some else []
+            there = [names[i] for i in some]
         if lines:
-            found.append(_symptom(channel, lines, len(residuals), n_taxels))
+            found.append(_symptom(channel, lines, in_sessions(there, names), n_taxels, len(there)))
     return found
+
+
+def _of_some(rows: list[np.ndarray], dt: float) -> list[int]:
+    """Which of the rows (N,) have the tallest line that two or more have, where others have none."""
+    if len(rows) <= 2:
+        return []
+    n = min(e.size for e in rows)
+    tall = np.array([maximum_filter1d(over_background(e[:n]), DRIFT) for e in rows]) * _asked(n, dt)
+    limit, shared = TALLER * _by_chance(n, 1), np.sort(tall, axis=0)[-2]
+    some = np.flatnonzero(tall[:, np.argmax(shared)] > limit)
+    return some.tolist() if 1 < some.size < len(rows) else []
+
+
+def _asked(n: int, dt: float) -> np.ndarray:
+    """Mask of the frequencies of n samples at which lines are looked for."""
+    frequency = np.fft.rfftfreq(n, dt)
+    return (frequency >= max(LOWEST_HZ, FEWEST_CYCLES / (n * dt))) & (frequency <= frequency[-1] - 2.0 / (n * dt))
+
+
+def _by_chance(n: int, sessions: int) -> float:
+    """How many times its background the tallest of n frequencies stands by chance, on average over sessions."""
+    return (sessions > 1) - float(np.log(CHANCE / n)) / sessions
 
 
 def is_left(symptom: Symptom, row: list[np.ndarray], dts: list[float]) -> bool:
@@ -97,11 +130,11 @@ def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
     return 2.0 * float(np.abs(np.sum((e - e.mean()) * taper * np.exp(-2j * np.pi * frequency * dt * np.arange(e.size))))) / taper.sum()
 
 
-def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float, doubtful: bool) -> list[Line]:
+def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float, doubtful: bool, *, strict: bool = False) -> list[Line]:
     """What stands in the rows (N,) of one channel, the tallest first, less what the motion brings.
 
     Where it brings one line it may bring lesser ones, of which nothing simple knows: then only what goes on at rest is believed, as from
-    the start where the motion is `doubtful`.
+    the start where the motion is `doubtful`; a `strict` search believes nothing else that the motion may have brought.
     """
     n = min(e.size for e in rows)
     frequency = np.fft.rfftfreq(n, dt)
@@ -110,13 +143,12 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float, doubt
     near = [maximum_filter1d(row, DRIFT) for row in each]
     ratio = np.median(near, axis=0) if len(rows) > 2 else np.min(each, axis=0)
     ratio[np.mean(np.array(near) > SEEN, axis=0) <= MOST_SESSIONS] = 0.0
-    ratio[(frequency < max(LOWEST_HZ, FEWEST_CYCLES / (n * dt))) | (frequency > frequency[-1] - 2.0 / (n * dt))] = 0.0
-    limit = 1.0 - np.log(CHANCE / n) / len(rows) if len(rows) > 1 else -np.log(CHANCE / n)
+    ratio, limit = ratio * _asked(n, dt), _by_chance(n, len(rows))
     lines = []
     for _ in range(MOST):
         i = int(np.argmax(ratio))
         tall = float(ratio[i])
-        if tall <= 3.0 * limit:
+        if tall <= TALLER * limit:
             break
         i += int(np.argmax(width[i : i + DRIFT]))
         line = _line(rows, frequency[i], tall, dt)
@@ -124,7 +156,8 @@ def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float, doubt
         tone = _narrow(each, i) or _in_bursts(rows, line.frequency, dt)
         at_rest = (tone or tall > LONE) and goes_on_at_rest(rows, predicted, line.frequency, line.amplitude, dt)
         if tone or at_rest:
-            if at_rest or (alone and not doubtful and not is_of_motion(rows, predicted, line.frequency, line.amplitude, tall, dt)):
+            told = not doubtful and (tall > LONE or not strict)
+            if at_rest or (alone and told and not is_of_motion(rows, predicted, line.frequency, line.amplitude, tall, dt, strict=strict)):
                 lines.append(line)
             else:
                 doubtful = True
@@ -161,11 +194,12 @@ def _line(rows: list[np.ndarray], near: float, tall: float, dt: float) -> Line:
     return Line(float(grid[np.argmax(np.sum(np.square(each), axis=0))]), float(np.median([a.max() for a in each])), tall)
 
 
-def _symptom(channel: str, lines: list[Line], sessions: int, n_taxels: int) -> Symptom:
+def _symptom(channel: str, lines: list[Line], where: dict[str, Any], n_taxels: int, sessions: int) -> Symptom:
     first = lines[0]
     stands = f"a line at {first.frequency:.3g} Hz stands {first.tall:.0f} times over the background of {channel}"
     others = ", ".join(f"{q.frequency:.3g} Hz ({q.amplitude:.2g} N)" for q in lines[1:])
-    why = f"{stands} in {counted(sessions, 'session')}" + (f"; so do lines at {others}" if others else "")
+    there = where.get("pattern", f"in {counted(sessions, 'session')}")
+    why = f"{stands} {there}" + (f"; so do lines at {others}" if others else "")
     parameters = {"frequency": quantity(first.frequency, "Hz"), "amplitude": quantity(first.amplitude, "N")}
-    evidence = {"why": why, "lines": [q.frequency for q in lines]}
+    evidence = {"why": why, "lines": [q.frequency for q in lines], **where}
     return Symptom("interference", sensor_of(channel, n_taxels), (channel,), parameters, evidence)

@@ -42,12 +42,15 @@ def goes_on_at_rest(rows: list[np.ndarray], predicted: list[np.ndarray], frequen
     return bool(f_distribution.sf(power[0] / np.mean(power[1:]), free, 0.5 * free * (at.size - 1)) < CHANCE)
 
 
-def is_of_motion(rows: list[np.ndarray], predicted: list[np.ndarray], frequency: float, amplitude: float, tall: float, dt: float) -> bool:
+def is_of_motion(
+    rows: list[np.ndarray], predicted: list[np.ndarray], frequency: float, amplitude: float, tall: float, dt: float, *, strict: bool = False
+) -> bool:
     """Whether the simulated rows (N,) move as much near this frequency, or anything that a skin makes of them has a line there.
 
     A motion that moves as much and has no line makes none that is so `tall` (times its background) as `LONE`, and in `SEVERAL` sessions
-    none that stands in each of the residuals (N,) in `rows` `ABOVE` times as tall as in all that is made of the motion. Near is as far as
-    the lines of a residual may differ from session to session: periodic motions of different speed may meet there.
+    none that stands in each of the residuals (N,) in `rows` `ABOVE` times as tall as in all that is made of the motion; a `strict` answer
+    asks that it moves less. Near is as far as the lines of a residual may differ from session to session: periodic motions of different
+    speed may meet there.
     """
     n = min(m.size for m in predicted)
     i = round(frequency * n * dt)
@@ -56,7 +59,8 @@ def is_of_motion(rows: list[np.ndarray], predicted: list[np.ndarray], frequency:
     of_motion = [[np.max(over_background(y)[near]) for y in _made_of(m[:n])] for m in predicted if np.ptp(m[:n]) > 0.0]
     heights = [np.max(over_background(e[:n])[near]) for e, m in zip(rows, predicted, strict=True) if np.ptp(m[:n]) > 0.0]
     alone = len(heights) >= SEVERAL and all(h > ABOVE * max(own) for h, own in zip(heights, of_motion, strict=True))
-    return (moves > BY_DEPTH * amplitude and tall < LONE and not alone) or _has_line(of_motion)
+    excused = not strict and (tall >= LONE or alone)
+    return (moves > BY_DEPTH * amplitude and not excused) or _has_line(of_motion)
 
 
 def _has_line(of_motion: list[list]) -> bool:

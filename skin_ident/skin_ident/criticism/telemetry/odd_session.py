@@ -1,4 +1,4 @@
-"""One session that differs from all others in whole: columns that are swapped, a sign, or a unit.
+"""Single sessions that differ from most others in whole: columns that are swapped, a sign, or a unit.
 
 What a channel's slope against the load says differs from session to session, for skins are not linear; what two channels of one session say
 of each other does not, as long as the sessions press at one place. So with slopes S (sessions, channels), and those of the other sessions
@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from skin_ident.criticism.pattern import in_sessions, when
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of, pressed
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_FACTOR
@@ -58,7 +59,21 @@ def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
                 break
             symptoms.append(fault.symptom)
             recordings[group[fault.session]] = fault.right
-    return recordings, tuple(symptoms)
+    return recordings, tuple(_together(symptoms, [r.name for r in recordings]))
+
+
+def _together(symptoms: list[Symptom], names: list[str]) -> Iterator[Symptom]:
+    """The symptoms, those of several sessions as one where these have the same fault."""
+    alike: dict[tuple, list[Symptom]] = {}
+    for s in symptoms:
+        factor = s.parameters.get("factor", {}).get("value", 1.0)
+        fault = s.evidence["kind"], s.channels, bool(factor < 0.0), round(float(np.log10(abs(factor))), 1)
+        alike.setdefault(fault, []).append(s)
+    for first, *more in alike.values():
+        some = [s.evidence["session"] for s in (first, *more) if "session" in s.evidence]
+        why = f"{first.evidence['why']}. The same is so {when(some, names)}"
+        known = {k: v for k, v in first.evidence.items() if k != "session"}
+        yield replace(first, evidence={**known, "why": why, **in_sessions(some, names)}) if len(some) > 1 else first
 
 
 def _in_newtons(recordings: list) -> tuple[list, list[Symptom]]:
@@ -123,13 +138,14 @@ def _follows(recording, channel: str) -> float:
 
 
 def _turned(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
-    """A channel upside down in one session and upright in the others, of which there are two or more."""
+    """A channel upside down in a session and upright in most of the others."""
     for channel in names:
         follows = [_follows(r, channel) for r in group]
         wrong = [i for i, q in enumerate(follows) if q < AGAINST]
-        if len(group) > 2 and len(wrong) == 1 and sum(q > -AGAINST for q in follows) == len(group) - 1:
+        if 0 < 2 * len(wrong) < len(group) and sum(q > -AGAINST for q in follows) == len(group) - len(wrong):
             r = group[wrong[0]]
-            why = f"{channel} falls while the load rises in {r.name} alone (correlation {follows[wrong[0]]:.2f}): its sign is wrong there"
+            alone = "alone " if len(wrong) == 1 else ""
+            why = f"{channel} falls while the load rises in {r.name} {alone}(correlation {follows[wrong[0]]:.2f}): its sign is wrong there"
             return _of_channel(group, wrong[0], channel, -1.0, why, "sign")
     return None
 
@@ -210,13 +226,22 @@ def _reordered(group: list, names: list[str], slopes: np.ndarray) -> _Fault | No
     for i in np.argsort(apart)[::-1]:
         order = _order(unit[i], _others(unit, i))
         left = float(np.linalg.norm(unit[i, order] - _others(unit, i)))
-        rest = np.delete(unit, i, axis=0)
+        rest = _unlike(unit, i)
+        if len(unit) > 2 and 2 * len(rest) <= len(unit):
+            continue  # nobody knows which are in order
         steady = max(float(np.linalg.norm(row - np.median(rest, axis=0))) for row in rest)
         plainly = apart[i] > max(ODD, 3.0 * steady) and left < min(MENDS * apart[i], max(ALIKE, 2.0 * steady))
         exactly = len(group) > 2 and apart[i] > max(LITTLE, 10.0 * steady) and left < EXACTLY * apart[i]
         if plainly or exactly:
             return _of_order(group, names, int(i), order, apart[i], left)
     return None
+
+
+def _unlike(unit: np.ndarray, i: int) -> np.ndarray:
+    """The shares of the other sessions, but for those that are as odd as this one."""
+    rest = np.delete(unit, i, axis=0)
+    odd = np.linalg.norm(rest - _others(unit, i), axis=1) > np.linalg.norm(rest - unit[i], axis=1)
+    return rest[~odd]
 
 
 def _others(unit: np.ndarray, i: int) -> np.ndarray:

@@ -26,6 +26,7 @@ OUT, SLOWLY_S = 0.15e-3, 2.0  # m, or time, to which a plunger is followed that 
 NEAR_S = 8.0  # of air around it, by which the sensor's zero is judged
 CLEAR = 2.5  # widths of what the model leaves, or nearly of what is read in the air, at each of most leavings
 AIR, LEAST_AIR = 1.5, 50  # times the width in the air, if there are so many samples of it: an encoder's noise is not in the air
+CHANCE = 0.25  # that what is read in the air falls as far by itself at one leaving
 AGREE = 0.6  # of the leavings that must show it, in the sessions together
 FEWEST = 4  # leavings
 SHOWN = 0.3  # of what a model says, or of what was found, the least that readings must fall
@@ -37,10 +38,11 @@ IN = 0.3  # of the greatest speed in the air, from which the plunger is on its w
 @dataclass(frozen=True)
 class Leaving:
     """One leaving: how far channels fall below air and model, N (negative), where each of them is lowest, (C, C) by the lowest and the
-    channel, and the depth where the first is, m."""
+    channel; the depth where the first is, m; and how far each falls in the air around in as many samples, three times in four, (C,)."""
 
     together: np.ndarray
     depth: float
+    in_air: np.ndarray
 
     @property
     def dips(self) -> np.ndarray:
@@ -58,7 +60,7 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
         return []
     width = _width(model, sessions, rest)
     dips = np.array([one.dips for one in leavings])
-    pulled = dips < -CLEAR * width
+    pulled = (dips < -CLEAR * width) & (dips < np.array([one.in_air for one in leavings]))
     carried = _agreed(pulled)
     if carried.size == 0:
         return []
@@ -150,18 +152,29 @@ def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
     hangs = np.zeros_like(s.raw)
     if s.channels[0] == "force":  # the skin's weight, as near as anybody can say where its surface is
         hangs[0] = minimum_filter1d(np.minimum(model.dispersion.inertial(moved), 0.0), 2 * lasts + 1)
+    windows = []
     for i in np.flatnonzero(touched[:-1] & ~touched[1:]):
         follows = int(np.argmax(np.append(moved.x[i : i + slowly] < -OUT, True)))
         window = np.arange(max(i - before, 0), min(i + max(after, follows), moved.x.size))
-        window = window[moved.v[window] < 0.0]
+        windows.append((i, window[moved.v[window] < 0.0]))
+    for _, window in windows:
+        air[window] = False
+    for i, window in windows:
         around = np.arange(max(i - near, 0), min(i + near, moved.x.size))
-        around = around[air[around] & ~np.isin(around, window)]
+        around = around[air[around]]
         if window.size < lasts or around.size < 2 * SMOOTH or moved.x[window].min() > 0.0:
             continue
-        below = np.maximum(s.raw[:, window] - _zero(s.raw[:, around], moved.v[around]) - hangs[:, window], rest[:, window])
-        even = np.apply_along_axis(np.convolve, 1, below, np.ones(lasts) / lasts, "valid")
+        zero = _zero(s.raw[:, around], moved.v[around])
+        below = np.maximum(s.raw[:, window] - zero - hangs[:, window], rest[:, window])
+        even, beside = (_even(rows, lasts) for rows in (below, s.raw[:, around] - np.median(s.raw[:, around], axis=1, keepdims=True)))
         lowest = np.argmin(even, axis=1)
-        yield Leaving(even[:, lowest].T, float(moved.x[window[lowest[0] + lasts // 2]]))
+        in_air = np.quantile(beside, min(CHANCE / even.shape[1], 1.0), axis=1)
+        yield Leaving(even[:, lowest].T, float(moved.x[window[lowest[0] + lasts // 2]]), in_air)
+
+
+def _even(rows: np.ndarray, lasts: int) -> np.ndarray:
+    """Rows (C, n), averaged over so many samples."""
+    return np.apply_along_axis(np.convolve, 1, rows, np.ones(lasts) / lasts, "valid")
 
 
 def _zero(air: np.ndarray, speed: np.ndarray) -> np.ndarray:

@@ -20,5 +20,7 @@ def remains(symptom: Symptom, recordings: list, channels: tuple[str, ...], rests
         return True
     row = channels.index(symptom.channels[0])
     if symptom.cause == "interference":
-        return lines.is_left(symptom, [e[row] for e in rests], [r.dt for r in recordings])
+        there = symptom.evidence.get("only_in", [r.name for r in recordings])
+        have = [(e[row], r.dt) for e, r in zip(rests, recordings, strict=True) if r.name in there]
+        return lines.is_left(symptom, *map(list, zip(*have, strict=True)))
     return symptom.cause != "outliers" or wrong_samples.are_left(symptom, recordings, row, rests)
