@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hide_and_seek import seek
+from rows import rows
 
 from skin_ident.criticism.sessions.session import prepare
 from skin_ident.criticism.telemetry.faults import effect_of
@@ -16,13 +17,13 @@ from skin_models.model import Model
 from skin_models.signals import motion
 
 
-@pytest.mark.parametrize("form", ["pull_off", "jkr"])
+@pytest.mark.parametrize("form", rows(["pull_off", "jkr"], 1))
 def test_a_skin_that_holds_on_is_found(tmp_path, form):
     found = seek(tmp_path, "adhesion", where="skin", form=form, size=1.0, seed=41)
     assert ("adhesion", "skin") in found.names, found.names
 
 
-@pytest.mark.parametrize(("cause", "where"), [("stress_relaxation", "skin"), ("hysteresis", "load_cell")])
+@pytest.mark.parametrize(("cause", "where"), rows([("stress_relaxation", "skin"), ("hysteresis", "load_cell")], 1))
 def test_what_looks_like_a_pull_is_none(tmp_path, cause, where):
     assert "adhesion" not in [c for c, _ in seek(tmp_path, cause, where=where, size=2.0, seed=43).names]
 
@@ -63,6 +64,18 @@ def test_noise_of_the_encoder_is_not_in_the_air_where_a_pull_shows(pull, spikes,
     taxel = 6000.0 * np.maximum(x, 0.0) + rng.normal(0.0, 0.02, t.size)
     read = x + rng.normal(0.0, 10e-6, t.size)
     found = find_pull(Model(skin, shares=(1.0,)), [prepare(Recording("a", t, read, force, taxel[None]))])
+    assert [s.channels for s in found] == ([("force",)] if pull else [])
+
+
+@pytest.mark.parametrize("pull", [0.0, 0.1])
+def test_spikes_to_one_side_are_no_pull(pull):
+    rng, t = np.random.default_rng(8), np.arange(24000) / 200.0
+    x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
+    brief = np.where((np.diff(x, append=x[-1]) < 0.0) & (x < 0.0) & (x > -3e-4), -pull, 0.0)
+    spikes = np.where(rng.random(t.size) < 0.08, -0.08 * rng.random(t.size), 0.0)
+    force = 12000.0 * np.maximum(x, 0.0) + brief + rng.normal(0.0, 0.01, t.size) + spikes
+    skin = Dispersion(m=0.0, b1=20.0, k1=6000.0, b2=20.0, k2=6000.0)
+    found = find_pull(Model(skin, shares=()), [prepare(Recording("a", t, x, force, np.empty((0, t.size))))])
     assert [s.channels for s in found] == ([("force",)] if pull else [])
 
 

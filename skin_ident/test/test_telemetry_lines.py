@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rows import rows
 from scipy.signal import lfilter
 from world import make_sessions, write_case
 
@@ -86,7 +87,7 @@ def test_a_frame_that_rings_is_no_tone(tmp_path, seed):
 
 
 @pytest.mark.parametrize("cause", ["nonlinear_stiffness", "friction", "backlash", "rate_dependence", "hysteresis"])
-@pytest.mark.parametrize("hertz", [0.5, 1.5])
+@pytest.mark.parametrize("hertz", rows([0.5, 1.5], 1))
 def test_harmonics_of_a_periodic_motion_are_no_tones(tmp_path, cause, hertz, monkeypatch):
     from world import protocols
 
@@ -110,10 +111,13 @@ def beside(seed, made_of, tone):
     """Interference in three sessions of such forces, measured with noise, with what is `made_of` the force, and with a tone."""
     rng, t = np.random.default_rng(seed), 0.01 * np.arange(1000)
     forces = [corners(3 * seed + k) for k in range(3)]
-    rest = [0.01 * rng.standard_normal(t.size) + made_of(f) + tone(t + 100.0 * k) for k, f in enumerate(forces)]
-    return find_interference(
-        [f"session_{i}" for i in range(len(rest))], ("taxel_0",), [e[None] for e in rest], [f[None] for f in forces], 0.01, 1
-    )
+    return interference([0.01 * rng.standard_normal(t.size) + made_of(f) + tone(t + 100.0 * k) for k, f in enumerate(forces)], forces)
+
+
+def interference(rest, forces):
+    """What is found of interference in sessions that leave `rest` of forces [(N,), …], N."""
+    names = [f"session_{k + 1}" for k in range(len(rest))]
+    return find_interference(names, ("taxel_0",), [e[None] for e in rest], [f[None] for f in forces], 0.01, 1)
 
 
 def test_a_tone_stands_out_of_a_motion_that_moves_as_much_there_but_has_no_line():
@@ -127,3 +131,17 @@ def test_a_tone_stands_out_of_a_motion_that_moves_as_much_there_but_has_no_line(
 @pytest.mark.parametrize("made_of", [lambda f: 0.02 * f**2, lambda f: 0.3 * np.sign(np.gradient(f)), lambda f: 2.0 * np.gradient(f)])
 def test_what_is_made_of_such_a_motion_is_no_tone(made_of):
     assert not any(beside(seed, made_of, np.zeros_like) for seed in range(8))
+
+
+def test_a_tone_of_some_sessions_is_told_with_them():
+    t, hum = 0.01 * np.arange(1000), 0.02
+
+    def seen(having):
+        rng, forces = np.random.default_rng(3), [corners(50 + k) for k in range(5)]
+        rest = [0.01 * rng.standard_normal(t.size) + hum * (k in having) * np.sin(2 * np.pi * 31.3 * t + k) for k in range(5)]
+        return interference(rest, forces)
+
+    (some,), (every,) = seen({1, 3}), seen(range(5))
+    assert some.evidence["only_in"] == ["session_2", "session_4"] and "in session_2 and session_4" in some.evidence["why"]
+    assert all(abs(s.evidence["lines"][0] - 31.3) < 0.1 for s in (some, every)) and "only_in" not in every.evidence
+    assert not seen({2}), "one session alone may do anything"
