@@ -72,7 +72,7 @@ def test_spikes_to_one_side_are_no_pull(pull):
     rng, t = np.random.default_rng(8), np.arange(24000) / 200.0
     x = 1e-3 * np.maximum(1.5 * np.sin(1.6 * t), -0.5)
     brief = np.where((np.diff(x, append=x[-1]) < 0.0) & (x < 0.0) & (x > -3e-4), -pull, 0.0)
-    spikes = np.where(rng.random(t.size) < 0.08, -0.08 * rng.random(t.size), 0.0)
+    spikes = -0.08 * (rng.random(t.size) < 0.08)
     force = 12000.0 * np.maximum(x, 0.0) + brief + rng.normal(0.0, 0.01, t.size) + spikes
     skin = Dispersion(m=0.0, b1=20.0, k1=6000.0, b2=20.0, k2=6000.0)
     found = find_pull(Model(skin, shares=()), [prepare(Recording("a", t, x, force, np.empty((0, t.size))))])

@@ -49,7 +49,7 @@ def test_skin_that_is_a_hundredth_stiffer_or_softer_every_day_is_no_finding(tmp_
     assert findings["findings"] == [] and findings["verdict"] == "nothing_wrong", findings["findings"]
 
 
-@pytest.mark.parametrize("seed", rows([15, 16, 18], 1))
+@pytest.mark.parametrize("seed", rows([20, 15, 16], 1))
 def test_nor_is_it_a_gain_or_a_zero_of_depth_where_no_taxel_tells(tmp_path, seed):
     sessions, _ = make_sessions([], seed=seed, protocol="full", between=0.01, n_sessions=6)
     write_case([without(s, "taxels") for s in sessions], tmp_path)
@@ -64,15 +64,6 @@ def test_what_zeros_do_in_its_place_is_no_finding_and_the_search_goes_on(tmp_pat
     monkeypatch.setattr(partly, "take_tare", lambda search, finding: finding not in search.yielded and not search.yielded.append(finding))
     train, held = month(tmp_path, *SINCE[0])
     assert diagnose(train, held).findings["verdict"] != "nothing_wrong"
-
-
-@pytest.mark.parametrize("share", [-0.06])
-def test_a_gain_since_some_day_is_a_gain_and_no_ceiling_near_nothing(tmp_path, share):
-    sessions, _ = make_sessions([], seed=12, protocol="full", n_sessions=6, noise="white")
-    write_case(sessions, tmp_path)
-    every = [replace(r, force=r.force * (1.0 + share * (i > 2))) for i, r in enumerate(load(tmp_path))]
-    (found,) = diagnose(every[:5], every[5:]).findings["findings"]
-    assert (found["cause"], found["where"]) == ("gain_error", "load_cell")
 
 
 @pytest.mark.parametrize("seed", rows([31, 33, 34, 35], 2))

@@ -7,8 +7,9 @@ what all channels share of them:
 
     expected^2 = declared^2 + q^2 / 12 + u^2.
 
-A level says nothing of colour, nor of loads. Whoever measured it in the air declares it truly of noise that wanders, too. So these are
-held against the other channels of which a level is declared: that is odd which is unlike most of them.
+What is louder by less than half is still too loud for one channel where the others are as declared. A level says nothing of colour, nor of
+loads. Whoever measured it in the air declares it truly of noise that wanders, too. So these are held against the other channels of which a
+level is declared: that is odd which is unlike most of them.
 
 An encoder that adds as much as was declared makes any noise coloured and load-dependent; then only the level is looked at. And noise is
 read through steps as wide as itself now as nothing, now as a whole step; then only a level that is too high is.
@@ -31,13 +32,14 @@ from skin_models.model import Model
 
 SLOW_S = 2.0  # of the running median
 OTHER_LEVEL = 1.5  # times as much, or as little, as expected
+LOUDER = 1.35  # times as much, beside others that are no louder than declared
 COLOURED, WHITE = 0.5, 0.25  # correlations of neighbouring samples: of a channel that is odd beside one of less
 GROWN, STEADY = 1.6, 1.25  # times the spread in the air, in the third of the samples with the greatest load: the same
 BURIED = 0.5  # of the noise declared, which rounding to a converter's steps is (rms) where they are 1.7 times as wide as it
 SEEN = (
     f"looked for and not seen: it shows where it is {OTHER_LEVEL:g} times as loud as declared or more, or so much quieter, and where, in "
-    f"one channel and not in another, neighbouring samples are alike (correlation above {COLOURED:g}) or a load makes it {GROWN:g} times "
-    "as loud"
+    f"one channel and not in another, it is {LOUDER:g} times as loud, neighbouring samples are alike (correlation above {COLOURED:g}), or "
+    f"a load makes it {GROWN:g} times as loud"
 )
 FEWEST = 300  # samples that a verdict needs
 AROUND_S = 0.3  # within which the plunger's greatest speed counts
@@ -140,6 +142,11 @@ class _Look:
         """Its spread by what is declared, N."""
         return float(np.hypot(self.level, np.hypot(*self.steps)))
 
+    @cached_property
+    def times_expected(self) -> float:
+        """How many times that it spreads."""
+        return _spread(self.e) / self.expected
+
     @property
     def is_buried(self) -> bool:
         """Whether the converter's steps are most of it."""
@@ -187,7 +194,9 @@ def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
     peers = [o for o in others if o.is_its_own] if look.is_its_own else []
     grows = bool(peers) and look.times_under_load > GROWN and np.median([o.times_under_load for o in peers]) < STEADY
     wanders = bool(peers) and look.colour > COLOURED and np.median([o.colour for o in peers]) < WHITE
-    return (_growing(look) if grows else None) or (_wandering(look) if wanders else None) or _of_another_level(look)
+    as_declared = bool(peers) and np.median([o.times_expected for o in peers]) < look.times_expected / LOUDER
+    louder = OTHER_LEVEL if not as_declared else LOUDER
+    return (_growing(look) if grows else None) or (_wandering(look) if wanders else None) or _of_another_level(look, louder)
 
 
 def _growing(look: _Look) -> _Unlike:
@@ -210,12 +219,12 @@ def _wandering(look: _Look) -> _Unlike:
     return "correlation", f"wanders: {alike}; {look.declared}", numbers
 
 
-def _of_another_level(look: _Look) -> _Unlike | None:
-    """Noise that is clearly louder than is expected, or, with what is slow in it, quieter than is expected where an encoder adds nothing;
-    of noise that is buried nothing is expected."""
+def _of_another_level(look: _Look, louder: float) -> _Unlike | None:
+    """Noise that is so many times `louder` than is expected, or, with what is slow in it, quieter than is expected where an encoder adds
+    nothing; of noise that is buried nothing is expected."""
     measured, at_rest = _spread(look.e), 0.0 if look.is_buried else float(np.hypot(look.level, look.steps[0]))
-    ratio = measured / look.expected
-    if ratio <= OTHER_LEVEL and OTHER_LEVEL * max(measured, look.slow) >= at_rest:
+    ratio = look.times_expected
+    if ratio <= louder and OTHER_LEVEL * max(measured, look.slow) >= at_rest:
         return None
     steps = f", {look.expected:.3g} N together with the steps of converter and encoder" if look.expected > 1.05 * look.level else ""
     numbers = {"times_expected": quantity(ratio, "1"), "white": quantity(measured, "N")}
