@@ -24,7 +24,7 @@ SURELY = 0.25  # of the fall of the mean square, above which its lower bound mus
 SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
 DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
 ALL = 0.9  # of what the richest set of directions explains, which a cause must that is small beside others
-FAINT = 0.012  # of what the others have explained in squares, which it must besides: more than its ninth in size
+FAINT = 0.012  # of what the others have explained in squares, which it must besides to be named: more than its ninth in size
 FAR_LESS = 0.6  # of what another explains, in whose place no cause is believed where held-out data nearly bear that out
 SMALL, OF_ITS_OWN = 0.3, 0.1  # of what was named first explains, below which a cause must explain so much that no more of that does
 WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it predicts held-out data as well but for so little
@@ -44,7 +44,7 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
             _note_the_like(search, trial, trials)
             return None
         itself = trial.key in known or (not search.shadows(gain) and trial.score > search.form_of_others(*trial.key))
-        itself = itself or _explains_all(search, trial, gain)
+        itself = itself or _explains_all(search, trial)
         if itself and _in_doubt(search, trial, trials[0], gain):
             search.doubts[trial.key] = too_short(trial.key, trial.fit.model, search.encoder_step) or unproven()
         if not _is_believed(search, trial, gain, second_chance=trial not in trials):
@@ -52,9 +52,10 @@ def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tupl
                 return None
             nearly = max(nearly, trial.score * (gain.lower > 0.0 and sized(trial)))
             continue
-        if not itself or _mends_a_form(search, trial):
+        shadow = not itself or (trial.key not in known and gain.squares < FAINT * search.fallen(gain.channel))
+        if shadow or _mends_a_form(search, trial):
             if trial.score > reach(trials[0].score):
-                search.doubts[trial.key] = (mending if itself else shadowed)(gain, search.named)
+                search.doubts[trial.key] = (shadowed if shadow else mending)(gain, search.named)
             continue
         rivals = [t for t in trials if t.key != trial.key and _is_rival(search, t, trial, gain)]
         hardware = _hardware_does(search, trial, rivals, gain)
@@ -87,11 +88,11 @@ def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:
     return not _hardware_does(search, trial, [], gain)
 
 
-def _explains_all(search: Search, trial: Trial, gain: Gain) -> bool:
+def _explains_all(search: Search, trial: Trial) -> bool:
     """Whether a trial of one instance explains nearly all that anything explains of what is left: what an imperfect form of another cause
-    leaves, no other cause has the form of, unless it is next to nothing. One that explains much more than small amounts of everything is no
-    small effect: it leads the fit out of a false minimum."""
-    if trial.plainer is not None or gain.squares < FAINT * search.fallen(gain.channel):
+    leaves, no other cause has the form of. One that explains much more than small amounts of everything is no small effect: it leads the
+    fit out of a false minimum."""
+    if trial.plainer is not None:
         return False
     everything = search.survey().explained_by_everything
     return ALL * everything < trial.score < everything / ALL
