@@ -3,7 +3,7 @@
 A load cell that lags and skin that stiffens are both explained, nearly, by skin that relaxes twice, once within milliseconds and once over
 hours; either one of those explains less than the lag does. So where with one instance each another cause explains more, or nearly as much,
 it is taken for granted, and the search looks one step further: if what comes next beside it makes the better account of the two, it is
-asked first.
+asked first. Clearly the better one, or, where the several instances are of several laws and hardly one cause, any.
 """
 
 from skin_ident.criticism.search.rivals import reach
@@ -31,12 +31,14 @@ def _alone(trial: Trial) -> float:
 
 
 def _leads_further(search: Search, first: Trial, best: Trial) -> bool:
-    """Whether `first` and the cause that explains most beside it, which is not that of the `best`, are clearly better than its several
-    instances."""
+    """Whether `first` and the cause that explains most beside it, which is not that of the `best`, are better than its several instances, or
+    clearly so if these are of one law."""
     search.progress(f"asking what is beside {first.key[0]} in the {first.key[1]}")
     ahead = search.ahead(first.fit)
     following = ahead.trials(ahead.look())
     if not following or following[0].key[0] == best.key[0]:
         return False
     before, both, several = (fit.under(ahead.noise, ahead.train) for fit in (search.present, following[0].fit, best.fit))
-    return reach(both.gain_over(before)) > several.gain_over(before)
+    laws = {type(e) for e in best.fit.model.effects[len(search.present.model.effects) :]}
+    gained = both.gain_over(before)
+    return (gained if len(laws) > 1 else reach(gained)) > several.gain_over(before)
