@@ -31,8 +31,8 @@ def _alone(trial: Trial) -> float:
 
 
 def _leads_further(search: Search, first: Trial, best: Trial) -> bool:
-    """Whether `first` and the cause that explains most beside it, which is not that of the `best`, are better than its several instances, or
-    clearly so if these are of one law."""
+    """Whether `first` and the cause that explains most beside it, which is not that of the `best`, are better than its several instances;
+    clearly so where these are of one law."""
     search.progress(f"asking what is beside {first.key[0]} in the {first.key[1]}")
     ahead = search.ahead(first.fit)
     following = ahead.trials(ahead.look())
