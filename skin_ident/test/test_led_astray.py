@@ -55,12 +55,12 @@ def test_a_cause_whose_size_and_shape_are_only_known_as_a_product_is_of_a_size()
     assert sized(Trial(SimpleNamespace(cause="cyclic_softening", where="skin"), after, 1e3))
 
 
-@pytest.mark.parametrize(("of_force", "slight"), [(0.003, True), (0.03, False)])
-def test_a_hundredth_of_the_force_in_one_of_three_sessions_is_another_days_skin(of_force, slight):
+@pytest.mark.parametrize(("of_force", "slight"), [(0.003, True), (0.05, False)])
+def test_a_hundredth_of_the_force_in_one_session_is_another_days_skin(of_force, slight):
     bent = replace(PLAIN, effects=(PowerStiffness("skin", force_sensed=of_force * 4.5, force_dispersed=of_force * 1.5, exponent=1.5),))
     key = ("nonlinear_stiffness", "skin")
     sessions = [prepare(recorded(PLAIN, seed=i)) for i in range(3)]
     sessions = [replace(s, lacks=frozenset() if i == 1 else frozenset({key})) for i, s in enumerate(sessions)]
     trial = SimpleNamespace(key=key, fit=SimpleNamespace(model=bent))
     assert _too_slight_to_tell(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=sessions))) == slight
-    assert not _too_slight_to_tell(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=[*sessions, sessions[0]])))
+    assert _too_slight_to_tell(SimpleNamespace(trial=trial, ahead=SimpleNamespace(train=[*sessions, sessions[0]]))) == slight

@@ -58,15 +58,14 @@ def course_gain(course: Course, before: Model, after: Model, train: list[Session
     """What the course gains in `held`, or in `train` where nothing is held out, fitted to every other block and predicting the blocks
     between; the model is `before` or `after`, each free as far as training leaves it."""
     gain = _gain_in(course, before, after, train, held, noise)
-    if not (held and (course.slopes or course.tares or course.jumps) and len(train) > 1 and _agrees(gain, course)):
+    if not (held and (course.slopes or course.tares) and len(train) > 1 and _agrees(gain)):
         return gain
     return max(gain, _gain_in(course, before, after, train, [], noise), key=lambda g: g.relative)
 
 
-def _agrees(gain: Gain, course: Course) -> bool:
-    """Whether held-out sessions do not speak against a slope or a zero that the others have: it may be near to the mean, or none, there. Of
-    jumps that they have not some may be found in their noise."""
-    return (gain.lower > 0.0 or course.jumps) and gain.after < gain.before
+def _agrees(gain: Gain) -> bool:
+    """Whether held-out sessions do not speak against a slope or a zero that the others have: it may be near to the mean, or none, there."""
+    return gain.lower > 0.0 and gain.after < gain.before
 
 
 def _gain_in(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:

@@ -23,8 +23,9 @@ from skin_ident.criticism.sessions.session import Session, longest
 from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import ADHESION, Key
 from skin_models.effect import Effect
+from skin_models.effects.adhesion import SnappingAdhesion
 from skin_models.model import Model
 
 WORSE = 1.1  # times the error of the baseline in a channel, with which an extended model is worse
@@ -48,12 +49,14 @@ def criticise(
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = _compared(train, held, start, mass)
-    which = (*directions(longest(train)), *more)
+    every = (*directions(longest(train)), *more)
+    which = tuple(d for d in every if not isinstance(d.effect, SnappingAdhesion))  # a zero of depth to any record that shows no pull
     noise = noise_beside(start, train, which)
     fitted = fit(start, train, noise)
 
     def searched(suspected: set[Key]) -> Search:
-        search = Search(train, held, which, progress, encoder_step, given is None, mass_declared, suspected=suspected, most=most)
+        asked = every if ADHESION in suspected else which
+        search = Search(train, held, asked, progress, encoder_step, given is None, mass_declared, suspected=suspected, most=most)
         search.baseline = fitted
         _name_all(search)
         return search

@@ -41,7 +41,7 @@ from skin_ident.criticism.search.survey import Survey, survey
 from skin_ident.criticism.search.tared import take_tare
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import PARAMETERS, Key
+from skin_ident.criticism.vocabulary import PARAMETERS, SENSORS, Key
 
 ELSEWHERE = {AT_FULL_RATE, *COURSES.values()}  # causes that are looked for in every session by itself
 FEWEST = 3  # training sessions, of which some may have what others lack
@@ -50,7 +50,7 @@ UNFELT = 1e-3  # of what other sessions feel, and of what is felt before the mod
 COIN = 2.0 * np.log(2.0)  # twice nats, of having or lacking it
 TIMES = 3  # that sessions are asked whether they have it
 TELLS = 6.0  # twice nats, by which a session must be nearer without a cause to lack it
-SLIGHT = 0.02  # of a force, that a skin may differ by from day to day
+SLIGHT = 0.013  # of a force, that a skin may differ by from day to day
 AS_WELL = 0.7  # of what a cause explains, which other numbers must to stand for one so slight, and what a good stage does for any
 
 
@@ -227,8 +227,10 @@ def _is_course(tried: _Tried, runs: list[Run], charge: float) -> bool:
 
 
 def _too_slight_to_tell(tried: _Tried) -> bool:
-    """Whether a cause changes so little that nobody knows it from another day's skin."""
+    """Whether a cause of skin or rig changes so little that nobody knows it from another day's skin."""
     key, model = tried.trial.key, tried.trial.fit.model
+    if key[1].startswith(SENSORS):
+        return False
     having, without = [s for s in tried.ahead.train if key not in s.lacks], lacking(model, *key)
     force = np.sqrt(sum(np.sum(simulated(without, s) ** 2, axis=1) for s in having))
     return bool(np.all(felt(model, key, having) < SLIGHT * force))
