@@ -6,6 +6,7 @@ The names and their meaning are fixed: reports, tests and other people's tools r
 from dataclasses import dataclass
 
 Key = tuple[str, str]  # a cause and its place
+SWALLOWS = "dead_zone"
 SENSORS = ("load_cell", "taxel")  # with which their places begin
 
 # Those that rules of physics speak of.

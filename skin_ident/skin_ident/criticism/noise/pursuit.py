@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
 NEXT = 8  # columns that may be chosen next
 NOTHING = 1e-10  # of a column's square, what rounding leaves of one that others span
@@ -27,15 +28,12 @@ class Normal:
     def by_blocks(blocks: list[np.ndarray], r: np.ndarray, Q: np.ndarray | None) -> "Normal":
         """Of columns [(R_i, M_i), …] that lie in samples of their own, one block below the other, less what an orthonormal `Q` (R', U)
         spans, of which r (R',) has nothing; samples beyond those of the blocks are nothing to the columns."""
-        starts = np.cumsum([0, *(len(a) for a in blocks)])
-        parts = [slice(start, start + len(a)) for start, a in zip(starts, blocks, strict=False)]
-        product = np.concatenate([a.T @ r[part] for a, part in zip(blocks, parts, strict=True)])
-        gram, ends = np.zeros((product.size, product.size)), np.cumsum([0, *(a.shape[1] for a in blocks)])
-        for a, start, end in zip(blocks, ends[:-1], ends[1:], strict=True):
-            gram[start:end, start:end] = a.T @ a
+        ends = np.cumsum([len(a) for a in blocks])
+        product = np.concatenate([a.T @ part for a, part in zip(blocks, np.split(r, ends)[:-1], strict=True)])
+        gram = block_diag(*(a.T @ a for a in blocks))
         if Q is not None:
             whole = gram.diagonal().copy()
-            spanned = np.concatenate([Q[part].T @ a for a, part in zip(blocks, parts, strict=True)], axis=1)
+            spanned = np.concatenate([part.T @ a for a, part in zip(blocks, np.split(Q, ends)[:-1], strict=True)], axis=1)
             gram -= spanned.T @ spanned
             gone = gram.diagonal() < NOTHING * whole
             gram[gone], gram[:, gone], product[gone] = 0.0, 0.0, 0.0

@@ -20,7 +20,7 @@ from skin_ident.criticism.search.growing import instances, lacking
 from skin_ident.criticism.search.named import Named
 from skin_ident.criticism.search.rivals import Rival
 from skin_ident.criticism.sessions.session import Session
-from skin_ident.criticism.vocabulary import DAMPING, LOOP_OF_LOAD_CELL, RELAXATION, STIFFER, Key
+from skin_ident.criticism.vocabulary import DAMPING, LOOP_OF_LOAD_CELL, RELAXATION, STIFFER, SWALLOWS, Key
 from skin_models.effects.rate_dependence import EyringDamping, OneSidedDamping, PowerDamping
 from skin_models.model import Model
 
@@ -32,7 +32,6 @@ FEWEST = 10  # samples that show a slope
 EITHER_WAY = ("force_offset", "drift", "gain_error")  # that sensors have with either sign
 FRICTION, LATE, CLIPS = ("friction", "load_cell"), ("lag", "load_cell"), ("saturation", "load_cell")
 CREEP, SLOPE, ZERO = ("drift", "load_cell"), ("gain_error", "load_cell"), ("force_offset", "load_cell")
-SWALLOWS = "dead_zone"
 
 
 @dataclass(frozen=True)

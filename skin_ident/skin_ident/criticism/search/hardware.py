@@ -15,13 +15,12 @@ from skin_ident.criticism.gates.resolution import converter_step, of_the_convert
 from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.search.growing import instances
 from skin_ident.criticism.search.named import NotNamed
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import SWALLOWS, Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 FINER = "an encoder, and converters, with finer steps and less noise"
-SWALLOWS = "dead_zone"
 CROSSES = 3.0  # standard deviations of a force that rests
 TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
 
@@ -50,18 +49,18 @@ def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed
     if of_the_drive(claim):
         worth = f"it would {_worth(claim.gain)}, mostly while the driving force rests or little of what there is"
         return _usual(f"{worth}: the noise of that force may do it", "a depth beside the force, or a load cell with less noise")
-    return too_short(claim.key, claim.after, encoder_step) or drive_crosses(claim) or steps_do(claim, noise, encoder_step)
+    return too_short(claim.key, claim.after, encoder_step) or _drive_crosses(claim) or steps_do(claim, noise, encoder_step)
 
 
-def drive_crosses(claim: Claim) -> NotNamed | None:
+def _drive_crosses(claim: Claim) -> NotNamed | None:
     """Why a threshold that gains is no finding, where noise or the zero of the force that drives the test reaches across it."""
     if not claim.driven or claim.cause != SWALLOWS:
         return None
-    model, tare = claim.after, tare_of_drive(claim.train)
+    model = claim.after
     felt = model.dispersion.k1 if claim.key[1] == "skin" else stiffness(model, claim.channel)
     applied = max(e.threshold for e in instances(model, *claim.key)) * stiffness(model, "force") / max(felt, 1e-9)
     rest = np.concatenate([s.drive[drive_rests(s)] for s in claim.train])
-    reach = max(tare.leaves, CROSSES * float(np.sqrt(np.mean(rest**2))) if rest.size else 0.0)
+    reach = max(tare_of_drive(claim.train).leaves, CROSSES * float(np.sqrt(np.mean(rest**2))) if rest.size else 0.0)
     why = f"it would swallow {applied:.2g} N of the applied force, and noise and zero of that reach as far as {reach:.2g} N"
     return _usual(why, "a load cell with finer steps and less noise, or a depth beside the force") if applied <= reach else None
 

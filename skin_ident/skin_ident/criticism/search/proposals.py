@@ -15,7 +15,7 @@ from skin_ident.criticism.baseline.own_shares import take_shares
 from skin_ident.criticism.baseline.residual import at_place, placed, rows
 from skin_ident.criticism.gates.gate import own_channels
 from skin_ident.criticism.sessions.session import Session, motion_under
-from skin_ident.criticism.vocabulary import Key
+from skin_ident.criticism.vocabulary import SWALLOWS, Key
 from skin_models.catalogue import effects
 from skin_models.effect import Effect, Place
 from skin_models.effects.time_shift import Scanning
@@ -23,7 +23,7 @@ from skin_models.model import Model, Response
 from skin_models.parameter import AMPLITUDE, clipped, parameters_of, scan_of
 
 PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
-CLIPS, SWALLOWS = "saturation", "dead_zone"
+CLIPS = "saturation"
 SCANNED = 3  # taxels, of which so many must be read in turn: of two, one is late, or lags
 FULL = 24.0  # N that a sensor reads at most, for which the catalogue's grid of the forces at which it clips is laid out
 SMALL = 5.0  # N that a sensor reads at most, below which its other forces of the catalogue are too large

@@ -53,7 +53,8 @@ def _round(search: Search) -> bool:
     last = search.look()
     trials, runs = single_before_several(search, search.trials(last)), search.own_courses()
     mass = with_mass(search.present, search.train, search.noise) if search.weighable else None
-    best = max([0.0, *(t.score for t in trials), *(r.score for r in runs)])
+    of_trials = max((t.score for t in trials), default=0.0)
+    best = max([0.0, of_trials, *(r.score for r in runs)])
     if mass and weighs(search, mass, best):
         weigh(search, mass)
         return True
@@ -63,7 +64,7 @@ def _round(search: Search) -> bool:
         return True
     if of_skin > best and take_zeros(search, of_skin):  # one number of a session is plainer than four
         return True
-    if take_own_skin(search, of_skin, max((t.score for t in trials), default=0.0), runs):
+    if take_own_skin(search, of_skin, of_trials, runs):
         return True
     return _take_believed(search, look) or _believing_none(search, look)
 

@@ -120,7 +120,8 @@ def _said(search: Search, found: Zeros) -> None:
         if largest > WORTH_SAYING * tare.leaves:
             search.tared[OFFSET, sensor_of(channel, search.train[0].n_taxels)] = tare_does(largest, tare)
     if search.train[0].drive is not None:
-        if driving > WORTH_SAYING * tare_of_drive(search.train).leaves:
-            search.tared[OFFSET, "load_cell"] = tare_does(driving, tare_of_drive(search.train))
+        tare = tare_of_drive(search.train)
+        if driving > WORTH_SAYING * tare.leaves:
+            search.tared[OFFSET, "load_cell"] = tare_does(driving, tare)
     elif driving > WORTH_SAYING * least_depth(search.encoder_step):
         search.tared[SHIFT, sensor_of("depth", search.train[0].n_taxels)] = zeros_do(driving, search.encoder_step)

@@ -65,25 +65,30 @@ def find_interference(
     found = []
     for c, channel in enumerate(channels):
         rows, motion, there = [e[c] for e in residuals], [m[c] for m in predicted], names
-        lines = _lines(rows, motion, dt, stepped)
-        if not lines:
-            some = _of_some(rows, dt)
-            lines = _lines([rows[i] for i in some], [motion[i] for i in some], dt, stepped, strict=True) if some else []
-            there = [names[i] for i in some]
+        each = _over_backgrounds(rows)
+        lines = _lines(rows, motion, each, dt, stepped)
+        if not lines and (some := _of_some(each, min(e.size for e in rows), dt)):
+            few, there = [rows[i] for i in some], [names[i] for i in some]
+            lines = _lines(few, [motion[i] for i in some], _over_backgrounds(few), dt, stepped, strict=True)
         if lines:
             found.append(_symptom(channel, lines, in_sessions(there, names), n_taxels, len(there)))
     return found
 
 
-def _of_some(rows: list[np.ndarray], dt: float) -> list[int]:
-    """Which of the rows (N,) have the tallest line that two or more have, where others have none."""
-    if len(rows) <= 2:
-        return []
+def _over_backgrounds(rows: list[np.ndarray]) -> list[np.ndarray]:
+    """The periodograms of rows (N,) over their backgrounds, of as many samples as all of them have."""
     n = min(e.size for e in rows)
-    tall = np.array([maximum_filter1d(over_background(e[:n]), DRIFT) for e in rows]) * _asked(n, dt)
+    return [over_background(e[:n]) for e in rows]
+
+
+def _of_some(each: list[np.ndarray], n: int, dt: float) -> list[int]:
+    """Which of the normalised periodograms `each` of n samples have the tallest line that two or more have, where others have none."""
+    if len(each) <= 2:
+        return []
+    tall = np.array([maximum_filter1d(row, DRIFT) for row in each]) * _asked(n, dt)
     limit, shared = TALLER * _by_chance(n, 1), np.sort(tall, axis=0)[-2]
     some = np.flatnonzero(tall[:, np.argmax(shared)] > limit)
-    return some.tolist() if 1 < some.size < len(rows) else []
+    return some.tolist() if 1 < some.size < len(each) else []
 
 
 def _asked(n: int, dt: float) -> np.ndarray:
@@ -130,15 +135,17 @@ def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
     return 2.0 * float(np.abs(np.sum((e - e.mean()) * taper * np.exp(-2j * np.pi * frequency * dt * np.arange(e.size))))) / taper.sum()
 
 
-def _lines(rows: list[np.ndarray], predicted: list[np.ndarray], dt: float, doubtful: bool, *, strict: bool = False) -> list[Line]:
-    """What stands in the rows (N,) of one channel, the tallest first, less what the motion brings.
+def _lines(
+    rows: list[np.ndarray], predicted: list[np.ndarray], each: list[np.ndarray], dt: float, doubtful: bool, *, strict: bool = False
+) -> list[Line]:
+    """What stands in the rows (N,) of one channel, and in their normalised periodograms `each`, the tallest first, less what the motion
+    brings.
 
     Where it brings one line it may bring lesser ones, of which nothing simple knows: then only what goes on at rest is believed, as from
     the start where the motion is `doubtful`; a `strict` search believes nothing else that the motion may have brought.
     """
     n = min(e.size for e in rows)
     frequency = np.fft.rfftfreq(n, dt)
-    each = [over_background(e[:n]) for e in rows]
     width = np.mean(each, axis=0)
     near = [maximum_filter1d(row, DRIFT) for row in each]
     ratio = np.median(near, axis=0) if len(rows) > 2 else np.min(each, axis=0)

@@ -195,7 +195,7 @@ def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
     grows = bool(peers) and look.times_under_load > GROWN and np.median([o.times_under_load for o in peers]) < STEADY
     wanders = bool(peers) and look.colour > COLOURED and np.median([o.colour for o in peers]) < WHITE
     as_declared = bool(peers) and np.median([o.times_expected for o in peers]) < look.times_expected / LOUDER
-    louder = OTHER_LEVEL if not as_declared else LOUDER
+    louder = LOUDER if as_declared else OTHER_LEVEL
     return (_growing(look) if grows else None) or (_wandering(look) if wanders else None) or _of_another_level(look, louder)
 
 
