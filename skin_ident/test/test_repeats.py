@@ -96,6 +96,15 @@ def test_digits_go_with_their_taxels(tmp_path):
     assert find_copies(only_taxels(load(table), ["0", "2"])) == []
 
 
+def test_digits_are_those_of_the_samples(tmp_path):
+    """Another row has none of the one in whose place it is; turned round, it is the same row; of a few samples that were bridged, too."""
+    made, rng = with_block(read(session(0)), "taxel_1", 1500, 300, 350), np.random.default_rng(1)
+    (r,) = load(tabled(tmp_path, made, 0.03 * made.dt * rng.uniform(-1.0, 1.0, len(made))))
+    few = np.where(np.arange(len(r)) < 20, 0.0, r.taxels[1])
+    assert find_copies([r.with_channels({"taxel_1": rng.standard_normal(len(r))})]) == []
+    assert [len(find_copies([q])) for q in (r.scaled({"taxel_1": -2.0}), r.with_channels({"taxel_1": few}))] == [1, 1]
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_sound_recordings_repeat_nothing(seed):
     assert find_copies([read(session(10 * seed + i)) for i in range(3)]) == []

@@ -59,6 +59,7 @@ class Effect(ABC):
     form: ClassVar[str] = ""  # tells several forms of one cause at one place apart; the plainest has none
     refines: ClassVar[type | None] = None  # the form that this one equals when it is small, and in whose place it is tried
     proposed: ClassVar[bool] = True  # False: it is simulated, and no recording is asked whether it has it
+    only_if_shown: ClassVar[bool] = False  # only of recordings that themselves show the cause is it asked: others use it as something else
 
     where: str
 

@@ -46,7 +46,7 @@ from skin_ident.criticism.telemetry.lines import between_lines
 from skin_ident.criticism.telemetry.noise_level import at_leisure, by_drive, find_noise
 from skin_ident.criticism.telemetry.odd_session import put_right
 from skin_ident.criticism.telemetry.pull import find_pull
-from skin_ident.criticism.telemetry.quantization import depth_resolution, find_buried
+from skin_ident.criticism.telemetry.quantization import depth_resolution, find_buried, in_uneven_steps
 from skin_ident.criticism.telemetry.remaining import remains
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.alike import in_all_taxels
@@ -273,7 +273,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
     slow = [c & at_leisure(s) for c, s in zip(calm, sessions, strict=True)]
     right = [s & ~bad_samples(r, known) for s, r in zip(slow, recordings, strict=True)]  # of each channel
     coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
-    uneven = {c for s in known if s.evidence.get("uneven") for c in s.channels}  # where steps grow, what they leave does, too
+    uneven = in_uneven_steps(known)  # where steps grow, what they leave does, too
     dts = [r.dt for r in recordings]
     told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, recordings, channels, rest, model)]
     rest = between_lines(rest, channels, told, dts)

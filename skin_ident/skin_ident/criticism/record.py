@@ -26,7 +26,7 @@ from skin_ident.criticism.telemetry.more_than_applied import find_more_than_appl
 from skin_ident.criticism.telemetry.outliers import Said, find_outliers
 from skin_ident.criticism.telemetry.pieces import find_pieces
 from skin_ident.criticism.telemetry.pile_up import find_saturated_drive, find_saturation
-from skin_ident.criticism.telemetry.quantization import depth_resolution, depth_step, find_quantization
+from skin_ident.criticism.telemetry.quantization import depth_resolution, depth_step, find_quantization, in_uneven_steps, is_uneven
 from skin_ident.criticism.telemetry.stalled import find_stalled
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.units import find_unit_faults
@@ -144,9 +144,9 @@ def _given_up(symptoms: Sequence[Symptom], recordings: list) -> tuple[str, ...]:
 def _between_levels(early: list[Symptom], late: list[Symptom]) -> tuple[list[Symptom], list[Symptom]]:
     """Both, where outliers of a channel with uneven steps are taken for jumps from one level to the next, which are not believed either,
     and what piles up at its topmost level for what would be read anywhere up to the next."""
-    uneven = {c for q in early if q.evidence.get("uneven") for c in q.channels}
+    uneven = in_uneven_steps(early)
     jumps = {s.channels[0]: s for s in late if s.cause == "outliers" and s.channels[0] in uneven}
-    told = [replace(q, bad=jumps[q.channels[0]].bad) if q.evidence.get("uneven") and q.channels[0] in jumps else q for q in early]
+    told = [replace(q, bad=jumps[q.channels[0]].bad) if is_uneven(q) and q.channels[0] in jumps else q for q in early]
     return told, [s for s in late if s.cause not in ("outliers", "saturation") or s.channels[0] not in uneven]
 
 

@@ -124,18 +124,20 @@ class Recording:
 
     def with_channels(self, rows: Mapping[str, np.ndarray]) -> "Recording":
         """The recording with other samples (N,) in some of `depth`, `force`, `taxel_0`, …, of which no readings are known then, and steps
-        only where most samples are as they were."""
-        steps = {name: step for name, step in self.steps.items() if name not in rows or np.mean(rows[name] == self._row(name)) > 0.5}
+        and digits only where most samples are as they were."""
+        others = {name for name, y in rows.items() if np.mean(y == self._row(name)) <= 0.5}
+        steps, digits = ({name: known for name, known in each.items() if name not in others} for each in (self.steps, self.digits))
         taxels = np.array([rows.get(f"taxel_{i}", y) for i, y in enumerate(self.taxels)]).reshape(self.taxels.shape)
         readings = {name: own for name, own in self.readings.items() if name not in rows}
         depth, force = (rows.get(name, getattr(self, name)) for name in ("depth", "force"))
-        return replace(self, depth=depth, force=force, taxels=taxels, steps=steps, readings=readings)
+        return replace(self, depth=depth, force=force, taxels=taxels, steps=steps, digits=digits, readings=readings)
 
     def scaled(self, factors: Mapping[str, float]) -> "Recording":
         """The recording with some of `depth`, `force`, `taxel_0`, … multiplied by factors."""
         readings = {name: own.scaled(factors.get(name, 1.0)) for name, own in self.readings.items()}
         steps = {name: step * abs(factors.get(name, 1.0)) for name, step in self.steps.items()}
-        return replace(self.with_channels({name: f * self._row(name) for name, f in factors.items()}), steps=steps, readings=readings)
+        larger = self.with_channels({name: f * self._row(name) for name, f in factors.items()})
+        return replace(larger, steps=steps, digits=self.digits, readings=readings)  # what differed does so still
 
     @property
     def longest_period(self) -> float:

@@ -23,9 +23,8 @@ from skin_ident.criticism.sessions.session import Session, longest
 from skin_ident.criticism.sessions.surface import surface_of
 from skin_ident.criticism.telemetry.pull import find_pull
 from skin_ident.criticism.usable import enough_is_compared
-from skin_ident.criticism.vocabulary import ADHESION, Key
+from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
-from skin_models.effects.adhesion import SnappingAdhesion
 from skin_models.model import Model
 
 WORSE = 1.1  # times the error of the baseline in a channel, with which an extended model is worse
@@ -50,13 +49,12 @@ def criticise(
     start = given or dispersion_start(train, mass)
     train, held = _compared(train, held, start, mass)
     every = (*directions(longest(train)), *more)
-    which = tuple(d for d in every if not isinstance(d.effect, SnappingAdhesion))  # a zero of depth to any record that shows no pull
-    noise = noise_beside(start, train, which)
+    noise = noise_beside(start, train, _asked(every, set()))
     fitted = fit(start, train, noise)
 
     def searched(suspected: set[Key]) -> Search:
-        asked = every if ADHESION in suspected else which
-        search = Search(train, held, asked, progress, encoder_step, given is None, mass_declared, suspected=suspected, most=most)
+        which, weighable = _asked(every, suspected), given is None
+        search = Search(train, held, which, progress, encoder_step, weighable, mass_declared, suspected=suspected, most=most)
         search.baseline = fitted
         _name_all(search)
         return search
@@ -74,6 +72,11 @@ def criticise(
     c = Criticism(search.baseline, search.present, *told, tuple(search.train), tuple(search.held), search.not_named)
     c = replace(c, baseline=fit(given, train, noise, 0) if given else _baseline_beside(c, start, search.hanging, train, noise))
     return _without_names(c, train, held) if _predicts_worse(c, held) else c
+
+
+def _asked(every: tuple[Direction, ...], suspected: set[Key]) -> tuple[Direction, ...]:
+    """The directions that a record is asked about which itself shows the causes that are `suspected`."""
+    return tuple(d for d in every if d.key in suspected or not d.effect.only_if_shown)
 
 
 def _shown(model: Model, sessions: list[Session]) -> set[Key]:

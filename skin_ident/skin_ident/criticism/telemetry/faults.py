@@ -10,6 +10,7 @@ simulated chain, and a taxel that dies part-way has no effect in the catalogue.
 from collections.abc import Iterable
 from dataclasses import replace
 
+from skin_ident.criticism.telemetry.quantization import is_uneven
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.vocabulary import SENSORS
 from skin_models.effect import Effect
@@ -65,7 +66,7 @@ def _noise(s: Symptom, v: dict[str, float]) -> Effect:
 _MAKERS = {
     "adhesion": lambda s, v: _made(Adhesion, s.where, **v),
     "saturation": lambda s, v: _made(LeakySaturation if "lost" in v else Saturation, s.where, **v),
-    "quantization": lambda s, v: None if s.evidence.get("uneven") else _made(SensorQuantization, s.where, step_force=v["step"]),
+    "quantization": lambda s, v: None if is_uneven(s) else _made(SensorQuantization, s.where, step_force=v["step"]),
     "interference": lambda s, v: _made(Interference, s.where, sine=v["amplitude"], frequency=v["frequency"]),
     "dead_taxel": _dead,
     "outliers": _outliers,

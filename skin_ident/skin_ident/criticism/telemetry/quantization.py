@@ -6,6 +6,7 @@ Where nothing is declared, nobody can say that steps are coarser than they shoul
 than the noise s beneath, they bury it, and that can be seen in what a model leaves, r^2 = s^2 + q^2 / 12.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -57,6 +58,16 @@ def find_quantization(recordings: list) -> list[Symptom]:
             s = _coarse(recordings, channel, float(np.median(uneven)), against, known)
             found.append(replace(s, evidence={**s.evidence, "uneven": True}))
     return found
+
+
+def is_uneven(s: Symptom) -> bool:
+    """Whether a symptom is of a converter whose steps are uneven."""
+    return bool(s.evidence.get("uneven"))
+
+
+def in_uneven_steps(symptoms: Iterable[Symptom]) -> set[str]:
+    """The channels that such converters read."""
+    return {c for s in symptoms if is_uneven(s) for c in s.channels}
 
 
 def no_finer(excluded: list[dict[str, Any]], recordings: list) -> list[dict[str, Any]]:
