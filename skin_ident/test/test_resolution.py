@@ -24,6 +24,7 @@ from skin_ident.criticism.sessions.thinner import thinner
 from skin_ident.recordings.recording import Recording
 from skin_models.dispersion import Dispersion
 from skin_models.effects.backlash import Backlash
+from skin_models.effects.hysteresis import SensorHysteresis
 from skin_models.effects.position_offset import PositionOffset
 from skin_models.effects.rate_dependence import PowerDamping
 from skin_models.model import Model
@@ -53,6 +54,14 @@ def test_what_bends_with_the_reading_may_be_the_converter():
     assert of_the_converter(claimed("nonlinear_stiffness", QUICK, coarse))
     assert not of_the_converter(claimed("nonlinear_stiffness", QUICK, fine)) and not of_the_converter(claimed("hysteresis", QUICK, coarse))
     assert resolved(claimed("hysteresis", QUICK, coarse), WHITE, 0.0)
+
+
+@pytest.mark.parametrize(("threshold", "its_own"), [(0.01, True), (0.03, False), (0.5, False)])
+def test_a_loop_within_half_a_step_is_that_of_the_converter(threshold, its_own):
+    """One with hysteresis of its own keeps a reading until the force is some way beyond its level."""
+    loop = replace(PLAIN, effects=(SensorHysteresis("load_cell", relative=0.9, threshold=threshold),))
+    claim = replace(claimed("hysteresis", QUICK, [prepare(recorded(PLAIN, step=0.04))], after=loop), key=("hysteresis", "load_cell"))
+    assert of_the_converter(claim) == its_own
 
 
 def test_damping_shows_while_the_stage_moves_and_a_tremble_at_rest_does_not():

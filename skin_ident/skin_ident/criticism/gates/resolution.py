@@ -19,6 +19,7 @@ from skin_ident.criticism.sessions.read_again import UNZEROED
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.estimators.scale import normal_scale
 from skin_models.effect import Effect, Place
+from skin_models.effects.hysteresis import SensorHysteresis
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
@@ -34,6 +35,7 @@ SURELY = 12.0  # times what may be left open, from which a gain is asked no furt
 MANY = 15.0
 UNEVEN = 0.1  # of a converter's step, which a gain must exceed: motion carries readings across steps, rest does not
 INTEGRAL = 0.3  # of a step, rms: a converter's nonlinearity of 0.4 steps up and down
+UNFLICKERING = 0.5  # of a step, by which a converter's reading may lag behind
 ROUNDED = 0.5  # of a step, by which a tare leaves a zero off
 RESOLVED = float(np.hypot(INTEGRAL, ROUNDED))  # of a step: what may be left (RMS) beside that
 OF_READING = ("nonlinear_stiffness", "saturation", "dead_zone")  # what bends a reading as the nonlinearity of a converter does
@@ -52,8 +54,13 @@ Part = Callable[[Session], np.ndarray]  # a mask (n,) of the samples that count
 
 
 def of_the_converter(claim: Claim) -> bool:
-    """Whether what bends with the reading of a channel may be the integral nonlinearity of its converter, which good ones have."""
-    return claim.cause in OF_READING and claim.gain.squares <= (INTEGRAL * converter_step(claim.train, claim.channel)) ** 2
+    """Whether what bends with the reading of a channel may be the integral nonlinearity of its converter, which good ones have, or a loop of
+    the reading the hysteresis with which converters keep it from flickering between two levels."""
+    step = converter_step(claim.train, claim.channel)
+    loops = [e for e in claim.after.effects if isinstance(e, SensorHysteresis) and (e.cause, e.where) == claim.key]
+    if loops:
+        return max(loops, key=lambda e: abs(e.relative)).threshold <= UNFLICKERING * step
+    return claim.cause in OF_READING and claim.gain.squares <= (INTEGRAL * step) ** 2
 
 
 def resolved(claim: Claim, noise: Whitener | None, encoder_step: float, strict: bool = False) -> bool:
