@@ -94,7 +94,8 @@ def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: White
         return trial
     large = [(d, np.sign(z) * d.probe) for d, z in zip(ranked.used, ranked.amounts, strict=True) if d.probe != PROBE]
     finer = [(replace(ranked.best, effect=e), ranked.best_amount) for e in _finer(ranked.best.effect)]
-    others = [(ranked.best, LITTLE * ranked.best_amount), *large, *finer]
+    little = [(ranked.best, LITTLE * ranked.best_amount)] if share == 1.0 else []
+    others = [*little, *large, *finer]
     return min([trial, *(_begun_at(d, z, present, sessions, noise) for d, z in others)], key=lambda f: f.cost)
 
 
