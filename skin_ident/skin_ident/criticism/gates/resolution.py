@@ -54,7 +54,7 @@ Part = Callable[[Session], np.ndarray]  # a mask (n,) of the samples that count
 
 
 def of_the_converter(claim: Claim) -> bool:
-    """Whether a good converter may do it: bend the reading by its integral nonlinearity, or make a loop of it by the hysteresis that keeps a
+    """Whether a good converter may do it: bend the reading by its integral nonlinearity, or loop it by the hysteresis that keeps a
     reading from flickering between two levels."""
     step = converter_step(claim.train, claim.channel)
     loops = [e for e in claim.after.effects if isinstance(e, SensorHysteresis) and (e.cause, e.where) == claim.key]
