@@ -1,1 +1,2 @@
-"""The noise of a recording: autoregressive, correlated between channels, and estimated beside everything that any cause could explain."""
+"""The noise of a recording: autoregressive, correlated between channels, and fitted to what remains after everything that any cause could
+explain is taken out."""

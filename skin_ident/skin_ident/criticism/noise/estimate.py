@@ -1,18 +1,18 @@
-"""The noise model, from what is left when everything that any cause could explain is taken away.
+"""Fits the noise model to the residual that remains after everything that any cause could explain is taken out.
 
-Whitening with the residual of a poor model would count the model's own error as noise, and a test built on it would be blind; whitening
-as if the noise were white would reject the truth half of the time. So the residual is first reduced by the directions that explain most
-of it, chosen one after the other (orthogonal matching pursuit), whatever their cause, and the noise is fitted to the rest. The first pass
-takes the noise as white: colour fitted to the residual itself would contain the very effect that is looked for, and an offset or a slow
-drift would drown in it. The second pass chooses again under the colour that the first has left.
+Whitening with the residual of a poor model would count the model's own error as noise, and a test built on it would be blind. Whitening as
+if the noise were white would reject the truth half of the time. So the residual is first reduced by the directions that explain most of it,
+whatever their cause, chosen one after the other (orthogonal matching pursuit). The noise is fitted to the rest. The first pass takes the
+noise as white: colour fitted to the residual itself would contain the very effect that is looked for, and would hide an offset or a slow
+drift. The second pass chooses directions again, under the coloured noise of the first.
 
-The first pass may take noise that wanders for something that is explained, the second what is explained for noise that wanders. Of the two
-that one is taken which describes the record in fewer words (J. Rissanen, Automatica 14 (1978) 465-471):
+The first pass may mistake wandering noise for an effect; the second may mistake an effect for wandering noise. The pass with the shorter
+description length is kept (J. Rissanen, Automatica 14 (1978) 465-471). In nats it is
 
     n sum_c log r_c + sum log s + k / 2 (log(n C) + 2 log M)
 
-with the standard deviations r_c of the C innovations, n samples of each, what they grow by under load, s, and k directions chosen out of
-M. A lone session that no model fits well is always looked at twice: held-out data decide there.
+with r_c the standard deviations of the C innovations, n samples of each, s the factors by which noise grows under load, and k directions
+chosen out of M. With a single session the second pass is always taken: no model may fit it well, and held-out data decide there.
 """
 
 from dataclasses import replace
@@ -24,13 +24,13 @@ from skin_ident.criticism.noise.taken import taken
 from skin_ident.criticism.noise.whitening import Given, Stacked, Whitener, fit_whitener, order_for, stack, white, with_growth
 from skin_ident.criticism.sessions.session import Session
 
-RICHEST = 24  # directions that the richest model may use
-AS_FEW = 12.0  # words by which passes do not differ: then the first of them, which explains more
+RICHEST = 24  # most directions that the richest model may use beyond the model's own
+AS_FEW = 12.0  # nats by which the two description lengths may differ and count as equal: then the first pass, which explains more, is kept
 
 
 def noise_model(residuals: list[np.ndarray], every: Stacked, own: int, offered: np.ndarray | None = None) -> Whitener:
-    """Fit the noise to residuals (C, n) of each session, given the directions (M, C, n): first the model's `own` tangents, then others, of
-    which only those `offered` (M,) may explain anything."""
+    """Returns the noise model fitted to residuals (C, n) of each session, given the directions `every` (M, C, n). The first `own` of these
+    are the model's tangents and always used; of the others only those `offered` (M,) may explain anything."""
     offered = np.ones(len(every.rows[0]), bool) if offered is None else offered
     weights = [s.weight for s in every.sessions]
     first, words = _pass(residuals, every, own, offered, white(residuals, order_for(weights), weights))
@@ -39,9 +39,10 @@ def noise_model(residuals: list[np.ndarray], every: Stacked, own: int, offered: 
 
 
 def _pass(residuals: list[np.ndarray], every: Stacked, own: int, offered: np.ndarray, noise: Whitener) -> tuple[Whitener, float]:
-    """The noise that is left beside the directions that explain most under `noise`, and the words that it takes to say both."""
+    """Chooses the directions that explain most under `noise`, fits the noise to the rest, and returns it with the description length, nats,
+    of both."""
     z = _richest(residuals, every, own, noise, offered)
-    asked = [replace(s, weight=s.weight * noise.believed(s)) for s in every.sessions]  # what is left of the others may be anything
+    asked = [replace(s, weight=s.weight * noise.believed(s)) for s in every.sessions]  # elsewhere the residual may be anything
     left = _less(residuals, every.rows, z)
     gone = taken([a[z != 0.0] for a in every.rows], left, [s.weight for s in asked])
     steady = fit_whitener(left, asked, gone, Given(noise.order, floor=noise.floor))
@@ -50,14 +51,14 @@ def _pass(residuals: list[np.ndarray], every: Stacked, own: int, offered: np.nda
 
 
 def _words(noise: Whitener, asked: list[Session], chosen: int, offered: int) -> float:
-    """How long it takes to say what is left in this noise, and which directions were taken out."""
+    """Description length, nats, of the residual under this noise and of which directions were taken out, with their coefficients."""
     n = sum(np.count_nonzero(s.weight.min(axis=0)) for s in asked)
     return noise.words(asked) + 0.5 * chosen * (np.log(max(n * len(noise.root), 2)) + 2.0 * np.log(max(offered, 1)))
 
 
 def less(residuals: list[np.ndarray], every: Stacked, forced: int, noise: Whitener) -> list[np.ndarray]:
-    """Residuals (C, n) of each session less what the first `forced` rows of `every` (M, C, n), and the best of the others, explain of the
-    samples believed."""
+    """Residuals (C, n) of each session less what the directions explain under `noise`: the first `forced` rows of `every` (M, C, n), and
+    the best of the others. Fitted to the trusted samples (weight above 0)."""
     return _less(residuals, every.rows, _richest(residuals, every, forced, noise))
 
 

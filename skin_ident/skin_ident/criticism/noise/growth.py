@@ -1,14 +1,14 @@
 """Noise that grows with the load.
 
-A capacitive taxel's noise grows with what it reads, and so does the force that an encoder's noise presses into stiffening skin. Its
-standard deviation is taken as
+A capacitive taxel's noise grows with its reading. So does the force noise that an encoder's noise makes in stiffening skin. The standard
+deviation is modelled as
 
-    s_c(t) = s_c (1 + g_c min(|y_c(t) - y_c0|, y_c1) / y_c1),
+    s_c(t) = s_c (1 + g_c min(|y_c(t) - y_c0|, y_c1) / y_c1).
 
-y_c what channel c reads, averaged over a quarter of a second lest the noise be measured by itself, y_c0 what it reads where least is
-pressed, and y_c1 the greatest load that the growth was seen at; a channel that reads as far to either side of y_c0 feels none. The growth
-g_c is the one under which the innovations of noise that is steady are described in the fewest words, where their absolute values are
-exponential: outliers lead squares astray. Steady noise is believed unless growth says clearly more.
+y_c is the reading of channel c, averaged over a quarter of a second so that it does not contain the noise itself. y_c0 is its reading at
+the smallest depths, and y_c1 the greatest load at which growth is fitted. A channel that reads about as far below y_c0 as above it is taken
+to feel no load. g_c minimises the description length of the innovations of a steady noise model, with exponentially distributed absolute
+values, because outliers would dominate squares. Noise is taken as steady unless growth is clearly shorter (`CLEARLY`).
 
 Source: A. C. Harvey, Estimating regression models with multiplicative heteroscedasticity, Econometrica 44 (1976) 461-465.
 """
@@ -19,16 +19,16 @@ from typing import Protocol
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-GROWTHS = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])  # at a channel's greatest load; beyond, air seems silent that merely lies on one step
-GREATEST = 99.0  # percent of the samples that are loaded less
-CLEARLY = 10.0  # nats
-AVERAGED_S = 0.25  # over which a load is averaged, so that its own noise is none
-LEAST_PRESSED = 0.1  # of the samples
-ONE_SIDED = 0.4  # of the greatest reading to one side, the least to the other that is noise
+GROWTHS = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])  # candidates for g_c: with more, air seems silent that stays on one step
+GREATEST = 99.0  # percentile of a channel's load that is taken as its greatest load
+CLEARLY = 10.0  # nats by which growth must shorten the description
+AVERAGED_S = 0.25  # s over which the reading is averaged, so that its own noise does not count as load
+LEAST_PRESSED = 0.1  # share of the samples, those of the smallest depths, that give the reading without load
+ONE_SIDED = 0.4  # ratio of the readings' reach to the one side of the zero and to the other, from which both are noise, not load
 
 
 class Channels(Protocol):
-    """What a noise model knows of a session, (C, n) each: `weight`, 0 where a sample may not be believed, and `load` of each channel, N."""
+    """What a noise model needs of a session, (C, n) each: `weight`, 0 where a sample is not trusted, and `load` of each channel, N."""
 
     weight: np.ndarray
     load: np.ndarray
@@ -43,7 +43,7 @@ class Growth:
 
     @staticmethod
     def none(channels: int) -> "Growth":
-        """That of steady noise."""
+        """No growth: steady noise in every channel."""
         return Growth(np.zeros(channels), np.ones(channels))
 
     @property
@@ -52,13 +52,14 @@ class Growth:
         return bool(self.more.any())
 
     def loudness(self, s: Channels) -> np.ndarray:
-        """How many times louder than without load the noise of a session is, (C, n)."""
+        """Factor by which the noise of a session is louder than without load, (C, n)."""
         return 1.0 + self.more[:, None] * np.minimum(s.load / self.greatest[:, None], 1.0)
 
 
 def load_of(measured: np.ndarray, depth: np.ndarray, spacing: float) -> np.ndarray:
-    """The load (C, n) of channels `measured` (C, n), N, every `spacing` seconds at `depth` (n,), whatever their zeros are. What goes to
-    either side of the zero is no load but noise, and of a channel that feels little else it would seem to grow with itself."""
+    """The load (C, n), N, of channels `measured` (C, n), N, sampled every `spacing` seconds at `depth` (n,), whatever their zero offsets
+    are. A channel that reads about equally far to both sides of its zero gets no load: its readings are mostly noise, which would seem to
+    grow with itself."""
     resting = depth <= np.quantile(depth, LEAST_PRESSED)
     averaged = uniform_filter1d(measured, max(round(AVERAGED_S / spacing), 1), axis=1, mode="nearest")
     felt = averaged - np.median(measured[:, resting], axis=1, keepdims=True)
@@ -67,7 +68,7 @@ def load_of(measured: np.ndarray, depth: np.ndarray, spacing: float) -> np.ndarr
 
 
 def growth(innovations: list[np.ndarray], sessions: list[Channels]) -> Growth:
-    """The growth of noise of which `innovations` [(C, n), …] are known as if it were steady. Zeros are none."""
+    """Fits how the noise grows to the `innovations` [(C, n), …] of a steady noise model. Zeros are left-out samples."""
     size = np.concatenate([np.abs(w) for w in innovations], axis=1)
     load = np.concatenate([s.load for s in sessions], axis=1)
     found = [_of_one(*(x[s > 0.0] for x in (s, y))) for s, y in zip(size, load, strict=True)]
@@ -75,8 +76,8 @@ def growth(innovations: list[np.ndarray], sessions: list[Channels]) -> Growth:
 
 
 def _of_one(size: np.ndarray, load: np.ndarray) -> tuple[float, float]:
-    """How many times as loud, less one, the noise is under the greatest load, and that load, N, by the fewest words; 0 where that is not
-    clearly fewer than of noise that is steady."""
+    """g_c and y_c1 (N) of one channel, by the shortest description of |innovation| `size` at `load`; g_c is 0 unless it is clearly shorter
+    than that of steady noise."""
     greatest = float(np.percentile(load, GREATEST)) if load.size else 0.0
     if greatest <= 0.0:
         return 0.0, 1.0

@@ -1,6 +1,6 @@
-"""Orthogonal matching pursuit: of many directions the few that explain most, chosen one after the other, until nothing gains.
+"""Orthogonal matching pursuit: of many directions, chooses the few that explain most, one after the other, until none gains enough.
 
-A direction must gain more than log n of the squared error of n samples, what it takes to say its amplitude.
+A direction must reduce the squared error (unit noise) of n samples by more than log n, the BIC charge for its amplitude.
 
 Source: Y. C. Pati, R. Rezaiifar and P. S. Krishnaprasad, Proc. 27th Asilomar Conference (1993) 40-44.
 """
@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
-NEXT = 8  # columns that may be chosen next
-NOTHING = 1e-10  # of a column's square, what rounding leaves of one that others span
+NEXT = 8  # columns, the likeliest to be chosen next, whose inner products are computed together
+NOTHING = 1e-10  # share of a column's square that rounding leaves of a column which others span
 
 
 @dataclass(frozen=True)
 class Normal:
-    """Columns A (R, M) and what they are to explain, r (R,), by their inner products: `gram` A^T A (M, M), `product` A^T r (M,). Of `count`
+    """Least squares of r (R,) on columns A (R, M), held by inner products: `gram` A^T A (M, M), `product` A^T r (M,), and the `count` of
     samples."""
 
     gram: np.ndarray
@@ -26,8 +26,8 @@ class Normal:
 
     @staticmethod
     def by_blocks(blocks: list[np.ndarray], r: np.ndarray, Q: np.ndarray | None) -> "Normal":
-        """Of columns [(R_i, M_i), …] that lie in samples of their own, one block below the other, less what an orthonormal `Q` (R', U)
-        spans, of which r (R',) has nothing; samples beyond those of the blocks are nothing to the columns."""
+        """Normal equations of columns [(R_i, M_i), …] that are non-zero in samples of their own (block-diagonal A), less their projection
+        on an orthonormal `Q` (R', U), to which r (R',) is already orthogonal. The columns are zero at samples beyond the blocks."""
         ends = np.cumsum([len(a) for a in blocks])
         product = np.concatenate([a.T @ part for a, part in zip(blocks, np.split(r, ends)[:-1], strict=True)])
         gram = block_diag(*(a.T @ a for a in blocks))
@@ -40,7 +40,7 @@ class Normal:
         return Normal(gram, product, np.count_nonzero(r))
 
     def explained(self, z: np.ndarray) -> float:
-        """By how much A z brings the squared error down."""
+        """The reduction of the squared error by A z."""
         return float(2.0 * z @ self.product - z @ self.gram @ z)
 
     def least_squares(self, free: np.ndarray) -> np.ndarray:
@@ -49,23 +49,23 @@ class Normal:
         return np.where(self.gram.diagonal() > 0.0, z, 0.0)
 
     def square(self) -> tuple[np.ndarray, np.ndarray]:
-        """As few columns (K, M) and samples (K,) as have the same inner products."""
+        """The smallest set of rows, columns (K, M) and target (K,), that has the same inner products."""
         sizes, vectors = np.linalg.eigh(self.gram)
         felt = sizes > NOTHING * sizes.max(initial=0.0)
         roots, some = np.sqrt(sizes[felt]), vectors.T[felt]
         return roots[:, None] * some, some @ self.product / roots
 
     def pursue(self, most: int) -> np.ndarray:
-        """Coefficients (M,) of at most so many columns."""
+        """Coefficients (M,) of the pursuit with at most `most` columns."""
         return _pursue(self.product, np.sqrt(self.gram.diagonal()), lambda few: self.gram[few], self.count, most)
 
 
 def pursue(A: np.ndarray, r: np.ndarray, most: int, forced: int = 0, offered: np.ndarray | None = None) -> np.ndarray:
-    """The same of r (R,) by columns of A (R, M), the first `forced` always used; of the others only those `offered` (M,), where that is
-    given.
+    """Coefficients of the pursuit of r (R,) by columns of A (R, M). The first `forced` columns are always used; of the others only those
+    `offered` (M,), where that is given.
 
-    Inner products are taken with the columns alone that may be chosen next, the best few at once: of hundreds, two dozen are chosen, and to
-    read all columns takes longer than to multiply them.
+    Inner products are computed only with the columns likely to be chosen next, a few at a time: some two dozen of hundreds are chosen, and
+    reading all columns takes longer than multiplying them.
     """
     return _pursue(A.T @ r, np.sqrt(np.einsum("ij,ij->j", A, A)), lambda few: A.T[few] @ A, len(r), most, forced, offered)
 

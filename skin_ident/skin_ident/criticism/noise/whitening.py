@@ -1,10 +1,14 @@
-"""The noise of a recording: autoregressive, and correlated between channels.
+"""The noise of a recording as a whitening filter: autoregressive, and correlated between channels.
 
-A residual that is not white makes every test too sure of itself. The channels are first turned into uncorrelated mixtures (an encoder's
-error reaches all of them and makes the strongest one; the eigenvectors of the residual's covariance); of each mixture that is taken away
-which its own past predicts (see `predictor`). What correlation is left between the innovations goes by one covariance matrix. Where noise
-grows with the load, everything is divided by what it grows to first (see `growth`). `Whitener.apply` turns residuals and directions alike
-into samples of unit variance.
+A coloured residual makes every test too sure of itself. Whitening takes four steps:
+
+- Where noise grows with the load, everything is divided by the growth (see `growth`).
+- The channels are turned into uncorrelated mixtures, the eigenvectors of the residual's covariance. An encoder's error reaches all channels
+  and makes the strongest mixture.
+- From each mixture the part that its own past predicts is subtracted (see `predictor`).
+- One covariance matrix removes the correlation that is left between the innovations.
+
+`Whitener.apply` turns residuals and directions alike into samples of unit variance.
 
 Source: L. Ljung, System Identification, 1999, ch. 4 (prediction-error filters).
 """
@@ -22,18 +26,18 @@ from skin_ident.criticism.noise.in_blocks import InBlocks
 from skin_ident.criticism.noise.predictor import AVERAGING, MEMORIES, fit_predictor, whole
 from skin_ident.stretches import runs
 
-ORDERS = (8, 4, 2)
-PER_COEFFICIENT = 10  # samples, the fewest that a coefficient is fitted to
-EVERY = np.pi * (np.arange(4096) + 0.5) / 4096  # radians a sample, frequencies that stand for all
+ORDERS = (8, 4, 2)  # orders p of the filters, the highest that the data bear is used
+PER_COEFFICIENT = 10  # fewest samples for each fitted coefficient
+EVERY = np.pi * (np.arange(4096) + 0.5) / 4096  # radians a sample, the frequencies at which spectra are averaged
 AT_ONCE = 32  # rows that are whitened together: more do not fit into a processor's cache
-FLOOR = 1e-4  # of the variance, taken as white noise: the band's stop band must not be blown up
+FLOOR = 1e-4  # share of the variance that is added as white noise, so that whitening does not blow up the band's stop band
 
 
 @dataclass(frozen=True)
 class Whitener:
-    """`mix` (C, C) makes uncorrelated mixtures of the channels, `filters` (C, p+1) are the prediction-error filters of their last samples,
-    `slow` (C, M) their coefficients c_m, `root` (C, C) is the lower Cholesky factor of the innovations' covariance without load. `floor`
-    (C, C) N^2 is the covariance of white noise that was taken to be there besides; None where nothing was fitted."""
+    """A noise model. `mix` (C, C) makes uncorrelated mixtures of the channels. `filters` (C, p+1) are the prediction-error filters on their
+    last samples, `slow` (C, M) the coefficients c_m of their averages. `root` (C, C) is the lower Cholesky factor of the innovations'
+    covariance without load. `floor` (C, C) N^2 is the covariance of the white noise added in the fit; None where nothing was fitted."""
 
     mix: np.ndarray
     filters: np.ndarray
@@ -44,17 +48,17 @@ class Whitener:
 
     @property
     def order(self) -> int:
-        """Of the filters of the last samples, p."""
+        """Order p of the filters on the last samples."""
         return self.filters.shape[1] - 1
 
     @cached_property
     def to_unit(self) -> np.ndarray:
-        """What makes innovations (C, n) independent and of unit variance, (C, C)."""
+        """Matrix (C, C) that makes innovations (C, n) independent and of unit variance."""
         return solve_triangular(self.root, np.eye(len(self.root)), lower=True)
 
     def apply(self, e: np.ndarray, s: Channels, out: np.ndarray | None = None) -> np.ndarray:
-        """Whiten (..., C, n) of a session, in the precision that comes in, into `out` where it is given. Samples that a channel or its
-        neighbourhood spoils, and the first p, come back as zeros."""
+        """Whitens (..., C, n) of a session, in the precision that comes in, into `out` where it is given. The first p samples, and samples
+        where any channel has a bad sample at that time or up to p samples before, come back as zeros."""
         if not e.size:
             return e
         to_unit, mix, believed = (a.astype(e.dtype, copy=False) for a in (self.to_unit, self.mix, self.believed(s)))
@@ -66,12 +70,12 @@ class Whitener:
         return np.matmul(to_unit, mixed, out)
 
     def steady(self, e: np.ndarray, s: Channels) -> np.ndarray:
-        """(..., C, n) over how loud the noise of the session is, in the precision that comes in."""
+        """(..., C, n) divided by the loudness of the session's noise, in the precision that comes in."""
         return e / self.growth.loudness(s).astype(e.dtype) if self.growth.is_any else e
 
     def words(self, sessions: list[Channels]) -> float:
-        """What it takes to say the innovations of these sessions: their number times log |R|, the logarithms of all loudness, and what
-        grows, nats."""
+        """Description length, nats, of the innovations of these sessions: their number times log |R|, plus the sum of log loudness, plus
+        half a log of the number of samples for each channel whose noise grows."""
         good = [s.weight.min(axis=0) > 0.0 for s in sessions]
         louder = sum(float(np.sum(np.log(self.growth.loudness(s)[:, g]))) for s, g in zip(sessions, good, strict=True))
         count = sum(map(np.count_nonzero, good))
@@ -79,28 +83,29 @@ class Whitener:
         return count * float(np.sum(np.log(np.diag(self.root)))) + louder + float(charge)
 
     def predictor(self, c: int) -> tuple[np.ndarray, np.ndarray]:
-        """Numerator and denominator of the filter that leaves of mixture `c` what its past does not predict. Samples that are left out are
-        zeros to it: the averages take no notice of them, and those behind them, of which the last p samples are wrong, are not believed."""
+        """Numerator and denominator of the prediction-error filter of mixture `c`. Left-out samples enter as zeros, which adds nothing to
+        the averages; the p samples after them, whose last samples are wrong, are not trusted."""
         return whole(self.filters[c], self.slow[c]), AVERAGING
 
     @cached_property
     def _in_blocks(self) -> list[InBlocks]:
-        """The same, of every mixture, for many rows at once."""
+        """The same filters for all mixtures, in a form that is fast for many rows."""
         return [InBlocks(f, c) for f, c in zip(self.filters, self.slow, strict=True)]
 
     def averaged(self, samples: int) -> np.ndarray:
-        """The standard deviation (C,) of an average of so many samples of each channel without load, N: by the noise's spectrum."""
+        """Standard deviation (C,), N, of the mean of that many successive samples of each channel without load, from the noise's
+        spectrum."""
         kept = (np.sin(0.5 * samples * EVERY) / (samples * np.sin(0.5 * EVERY))) ** 2
         return np.sqrt(np.mean(self._spectrum() * kept, axis=1))
 
     def lasting(self) -> np.ndarray:
-        """By how many times fewer samples of each channel (C,) count, of how loud they are, for being correlated: the sum of rho^2 over all
-        lags, which is the mean square of the spectrum over the square of its mean."""
+        """The factor (C,) by which correlation reduces the number of samples that count towards the noise level of each channel: the sum of
+        rho^2 over all lags, which is the mean of the squared spectrum over the square of its mean."""
         spectrum = self._spectrum()
         return np.mean(spectrum**2, axis=1) / np.mean(spectrum, axis=1) ** 2
 
     def _spectrum(self) -> np.ndarray:
-        """The power of every channel without load at frequencies `EVERY`, (C, F) N^2: its mean is the variance."""
+        """Power spectrum of every channel without load at the frequencies `EVERY`, (C, F) N^2; its mean is the variance."""
         predicted = np.array([freqz(*self.predictor(c), EVERY)[1] for c in range(len(self.mix))])
         return np.sum(np.abs(np.einsum("ci,cf,cj->ijf", self.mix, 1.0 / predicted, self.root)) ** 2, axis=1)
 
@@ -112,7 +117,7 @@ class Whitener:
         return self.steady(self.mix.T @ mixed[:, ::-1], s)
 
     def believed(self, s: Channels) -> np.ndarray:
-        """Mask (n,) of the samples that `apply` does not leave out, as 0 and 1."""
+        """Mask (n,) as 0 and 1 of the samples that `apply` does not set to zero."""
 
         def work() -> np.ndarray:
             believed = lfilter(np.ones(self.order + 1), [1.0], 1.0 - s.weight.min(axis=0)) < 0.5
@@ -122,11 +127,11 @@ class Whitener:
         return self._once("believed", s, work)
 
     def _quieter(self, s: Channels) -> np.ndarray:
-        """What makes a session as quiet as without load, (C, n), and nothing of samples that one of its channels spoils."""
+        """The factor (C, n) that divides by the loudness, and is 0 where any channel is not trusted."""
         return self._once("quieter", s, lambda: (s.weight.min(axis=0) > 0.0) / self.growth.loudness(s))
 
     def _once(self, what: str, s: Channels, work: Callable[[], np.ndarray]) -> np.ndarray:
-        """What is the same as long as the weights of a session are, worked out once."""
+        """The result of `work`, computed once for each session and kept as long as the session's weights are the same array."""
         weight, known = self._known.get((what, id(s.weight)), (None, None))
         if weight is not s.weight:
             known = work()
@@ -140,9 +145,10 @@ class Whitener:
 
 @dataclass(frozen=True)
 class Given:
-    """What of a noise model is given, and not fitted: the `order` of the filters, else the highest that the residuals bear; how the noise
-    `grows` with the load, else not at all; the `mix` (C, C), else that which makes the channels uncorrelated; and the `floor` (C, C) N^2.
-    That is given where the words of two noise models are compared: one that falls with what is taken out would shorten them."""
+    """What of a noise model is fixed and not fitted, each with its default: the `order` of the filters (the highest that the data bear),
+    how the noise `grows` with the load (not at all), the `mix` (C, C) (the one that makes the channels uncorrelated), and the `floor` (C,
+    C) N^2 (a share of the residual's own covariance). Fix the floor where description lengths of two noise models are compared: a floor
+    that falls with the residual would shorten them."""
 
     order: int | None = None
     grows: Growth | None = None
@@ -156,8 +162,8 @@ NOTHING = Given()
 def fit_whitener(
     residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None, given: Given = NOTHING
 ) -> Whitener:
-    """The noise model of residuals [(C, n), …], N, from each channel of which what was fitted and subtracted has `taken` so many degrees of
-    freedom (2, C), in all and at the lowest frequencies."""
+    """Fits the noise model to residuals [(C, n), …], N. `taken` (2, C) are the degrees of freedom that fitted and subtracted directions
+    have removed from each channel, in all and at the lowest frequencies."""
     n_channels, together = len(residuals[0]), [s.weight.min(axis=0) for s in sessions]
     order = order_for([s.weight for s in sessions]) if given.order is None else given.order
     grows = given.grows or Growth.none(n_channels)
@@ -176,8 +182,8 @@ def fit_whitener(
 
 
 def _root(w: np.ndarray) -> np.ndarray:
-    """The lower Cholesky factor (C, C) of the covariance of innovations (C, n), of which zeros are none. A constant channel is given a tiny
-    one, so that nothing divides by zero."""
+    """Lower Cholesky factor (C, C) of the covariance of innovations (C, n); samples that are zero in all channels do not count. A constant
+    channel gets a tiny variance so that nothing divides by zero."""
     used = np.any(w != 0.0, axis=0)
     covariance = np.atleast_2d(w[:, used] @ w[:, used].T / max(used.sum(), 1))
     tiny = np.diag(np.full(len(w), 1e-18) + 1e-6 * np.diag(covariance))
@@ -185,17 +191,17 @@ def _root(w: np.ndarray) -> np.ndarray:
 
 
 def with_growth(steady: Whitener, residuals: list[np.ndarray], sessions: list[Channels], taken: np.ndarray | None = None) -> Whitener:
-    """The noise model that was fitted to residuals [(C, n), …], N, as if their noise were `steady`, fitted again as it grows with the load,
-    where it does. Not of what a wrong model leaves: its errors grow with the load, too."""
-    apart = [steady.mix.T @ steady.root @ steady.apply(e, s) for e, s in zip(residuals, sessions, strict=True)]  # by channel, N
+    """The noise model `steady`, refitted with noise that grows with the load if its innovations show such growth; else `steady` itself. Use
+    it only on residuals [(C, n), …], N, of a model that fits: the errors of a wrong model grow with the load, too."""
+    apart = [steady.mix.T @ steady.root @ steady.apply(e, s) for e, s in zip(residuals, sessions, strict=True)]  # innovations by channel, N
     grows = growth(apart, sessions)
     given = Given(steady.order, grows, floor=steady.floor)
     return fit_whitener(residuals, sessions, taken, given) if grows.is_any else steady
 
 
 def order_for(weights: list[np.ndarray]) -> int:
-    """The highest order of filters that has, by `weights` (C, n) of each session, samples enough for each coefficient, away from gaps and
-    from what filters spoil behind them; 0, and noise is taken as white, where none has."""
+    """The highest filter order with enough samples for each coefficient, counted by `weights` (C, n) away from gaps and from the samples
+    after them that the filter spoils. 0, which takes the noise as white, if no order has enough."""
     pieces = np.concatenate([np.subtract(*reversed(runs(w.min(axis=0) > 0.0))) for w in weights])
 
     def enough(order: int) -> bool:
@@ -205,8 +211,8 @@ def order_for(weights: list[np.ndarray]) -> int:
 
 
 def white(residuals: list[np.ndarray], order: int = ORDERS[0], weights: list[np.ndarray] | None = None) -> Whitener:
-    """White noise, independent in each channel, of the size that neighbouring samples of the residuals (C, n) differ by: of those that are
-    believed, where `weights` (C, n) are given."""
+    """White noise, independent in each channel, with the size of the differences between neighbouring samples of the residuals (C, n). Only
+    samples with positive weight count where `weights` (C, n) are given."""
     steps = np.concatenate([np.diff(e, axis=1) for e in residuals], axis=1)
     known = np.concatenate([w[:, 1:] * w[:, :-1] > 0.0 for w in weights], axis=1) if weights else np.ones(steps.shape, bool)
     size = np.sqrt((steps**2 * known).sum(axis=1) / np.maximum(2.0 * known.sum(axis=1), 1.0))
@@ -216,7 +222,8 @@ def white(residuals: list[np.ndarray], order: int = ORDERS[0], weights: list[np.
 
 
 def stack(rows: list[np.ndarray], sessions: list, noise: Whitener, out: np.ndarray | None = None) -> np.ndarray:
-    """Whiten [(M, C, n), …] or [(C, n), …] over sessions and lay them out as (rows, M), in `out` where it is given, or (rows,)."""
+    """Whitens [(M, C, n), …] or [(C, n), …] over sessions and lays the result out as (rows, M), in `out` where it is given, or as
+    (rows,)."""
     if rows[0].ndim == 2:
         return np.concatenate([noise.apply(a, s).ravel() for a, s in zip(rows, sessions, strict=True)])
     ends = np.cumsum([0, *(a.shape[1] * a.shape[2] for a in rows)])
@@ -229,15 +236,15 @@ def stack(rows: list[np.ndarray], sessions: list, noise: Whitener, out: np.ndarr
 
 
 class Stacked:
-    """Rows (M, C, n) of each session, laid out under one noise model after the other: not twice under the same, and always in the same
-    memory, for they are large. What was laid out under another noise model before is overwritten."""
+    """Directions (M, C, n) of each session, whitened and stacked under one noise model after the other. They are large: the result is kept
+    for the last noise model, and the next one overwrites the same memory."""
 
     def __init__(self, rows: list[np.ndarray], sessions: list) -> None:
         self.rows, self.sessions = rows, sessions
         self._last: tuple[Whitener, np.ndarray] | None = None
 
     def under(self, noise: Whitener) -> np.ndarray:
-        """What `stack` makes of them, (rows, M)."""
+        """The directions under `noise` as `stack` lays them out, (rows, M)."""
         if self._last is None or self._last[0] is not noise:
             self._last = noise, stack(self.rows, self.sessions, noise, self._last[1] if self._last else None)
         return self._last[1]
