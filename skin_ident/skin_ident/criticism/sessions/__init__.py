@@ -1,1 +1,1 @@
-"""Recordings made ready to be compared: motion for the simulation, and every measured channel in the one common band."""
+"""Recordings prepared for comparison: the motion that drives the simulation, and every measured channel in one common band."""

@@ -1,7 +1,8 @@
-"""The beginning of a session that begins in contact: a skin that relaxes remembers presses which nobody recorded.
+"""Leaves out the beginning of a session that starts in contact: relaxing skin remembers earlier presses that nobody recorded.
 
-Its arms are simulated as if they had come to rest. What they had not is a transient of their own relaxation times, which a zero that warms
-up or a drift looks like. So once skin is known to relax, nothing is compared there until most of that is over.
+The simulation starts with the skin's relaxation arms at rest. If they were not, the difference is a transient with their relaxation times,
+which looks like a drift or like a zero offset that warms up. So once the skin is known to relax, nothing is compared until most of the
+transient is over.
 """
 
 from dataclasses import replace
@@ -12,13 +13,13 @@ from skin_ident.criticism.sessions.session import Session, motion_under
 from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 
-TIMES = 4.0  # the longest relaxation time, after which two hundredths of a transient are left
-PART = 0.25  # of a session, the most of it that is left out, and what is where the skin has no longest time
-TOUCHING = 0.02  # of the greatest depth
+TIMES = 4.0  # longest relaxation times that are left out, after which 2 % of a transient remain
+PART = 0.25  # largest share of a session that is left out; also used where the relaxation has no single longest time
+TOUCHING = 0.02  # share of the greatest depth above which the first sample counts as contact
 
 
 def at_rest(session: Session, model: Model) -> Session:
-    """The session less its beginning, if it begins in contact and the skin of `model` relaxes."""
+    """The session with zero weight at its beginning, if it starts in contact and the skin of `model` relaxes; else unchanged."""
     x, t = motion_under(session, model.dispersion).x, session.motion.t
     arms = [e for e in model.effects if e.cause == "stress_relaxation"]
     if not arms or x[0] <= TOUCHING * x.max():

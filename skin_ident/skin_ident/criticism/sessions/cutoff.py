@@ -1,14 +1,14 @@
-"""How far up in frequency a comparison may go: where an encoder's steps and noise would be more of the motion than the motion itself.
+"""The cut-off of a comparison: above it an encoder's steps and noise would be too large a part of the motion.
 
-The steps q, and white noise as loud as that of such steps, leave an error of density q^2 dt / 6 in the depth, and of (2 pi f)^2 times that
-in its speed. A fit takes both for motion, and finds damping too small by the share that they have of what it fits (errors in variables:
-W. A. Fuller, Measurement Error Models, 1987, ch. 1). Under noise that wanders a whitened fit weighs the squared speed by f^2 once more, so
-that the share is
+Steps q, and white noise as strong as that of such steps, leave an error of spectral density q^2 dt / 6 in the depth, and of (2 pi f)^2
+times that in its speed. A fit takes both for motion, and underestimates the damping by the share that the errors have of the fitted signal
+(errors in variables: W. A. Fuller, Measurement Error Models, 1987, ch. 1). Under wandering noise a whitened fit weighs the squared speed by
+another f^2, so that the share is
 
     q^2 dt / 6 * fc^5 / 5  /  int_0^fc f^4 S_x df,
 
-with S_x the spectral density of the depth while there is contact. A quick motion bears the whole band; a slow one that is read coarsely
-says nothing of what is quick, and its comparison ends where the share does.
+with S_x the spectral density of the depth in contact. A quick motion allows the whole band. A slow one that is read coarsely says nothing
+about high frequencies, and its comparison ends where this share reaches its limit.
 """
 
 from dataclasses import dataclass
@@ -20,16 +20,16 @@ from skin_ident.estimators.scale import white_noise
 from skin_ident.recordings.staircase import drawn_again
 from skin_ident.stretches import runs
 
-SHARE = 0.02  # of the motion, by the integral of f^4 S over the band, the most that steps and noise of the depth may be
-LOWEST_HZ = 2.0  # of any band, however coarse the encoder is
-FEWEST = 250  # samples that the band keeps of the shortest recording, at three times its cut-off
-EDGES = CUTOFF_HZ * (LOWEST_HZ / CUTOFF_HZ) ** np.linspace(0.0, 1.0, 9)
-SHORTEST_S = 1.0  # a time of contact that counts
+SHARE = 0.02  # largest share of encoder errors in the motion, by the integral of f^4 S over the band
+LOWEST_HZ = 2.0  # lowest cut-off, however coarse the encoder is
+FEWEST = 250  # samples that the band must keep of the shortest recording, at three times its cut-off
+EDGES = CUTOFF_HZ * (LOWEST_HZ / CUTOFF_HZ) ** np.linspace(0.0, 1.0, 9)  # candidates for the cut-off, Hz
+SHORTEST_S = 1.0  # s, shortest contact whose motion counts
 
 
 @dataclass(frozen=True)
 class Common:
-    """What the bands of recordings that are compared share: the longest period, s, at which any channel was read, and the cut-off, Hz."""
+    """What the bands of compared recordings share: the longest sampling period of any channel, `slowest` s, and the `cutoff`, Hz."""
 
     slowest: float = 0.0
     cutoff: float = CUTOFF_HZ
@@ -39,12 +39,13 @@ ALONE = Common()
 
 
 def common_to(recordings: list, step: float) -> Common:
-    """For recordings whose depth is read in steps of `step` m, and noise besides."""
+    """The common period and cut-off of recordings whose depth is read in steps of `step` m, with noise besides."""
     return Common(max(r.longest_period for r in recordings), cutoff_for(recordings, step))
 
 
 def cutoff_for(recordings: list, step: float) -> float:
-    """The cut-off, Hz, of the common band for recordings whose depth is read in steps of `step` m, and noise besides."""
+    """The cut-off, Hz, of the common band for recordings whose depth is read in steps of `step` m, with noise besides. It is `CUTOFF_HZ`
+    where any recording has no depth."""
     if any(r.depth is None for r in recordings):
         return CUTOFF_HZ
     each = [_jerked(r.depth, r.dt, np.hypot(step, np.sqrt(12.0) * beside_rounding(r)), EDGES) for r in recordings]
@@ -56,7 +57,8 @@ def cutoff_for(recordings: list, step: float) -> float:
 
 
 def dilution(sessions: list) -> float:
-    """The share that white noise of the encoder has of what damping is fitted to in `sessions`: by as much it is found too small."""
+    """The share of the encoder's white noise in the signal to which damping is fitted in `sessions`; damping is underestimated by this
+    share."""
     noise = [np.sqrt(12.0) * s.depth_noise for s in sessions]
     each = [_jerked(s.motion.x, s.motion.dt, q, np.array([s.band.edge]), s.period) for q, s in zip(noise, sessions, strict=True)]
     motion, errors = np.sum(each, axis=0)
@@ -64,8 +66,8 @@ def dilution(sessions: list) -> float:
 
 
 def _jerked(x: np.ndarray, dt: float, step: float, edges: np.ndarray, period: float | None = None) -> np.ndarray:
-    """Of a depth x (N,), read every `period` with errors as of steps, int f^4 S df from 0 to every edge, (2, E): of the motion in contact,
-    and of the errors."""
+    """int f^4 S df from 0 to each of the `edges`, (2, E), of a depth x (N,) in contact: of the motion, and of the errors of steps `step`
+    read every `period` (default `dt`) s."""
     density, out = step**2 * (period or dt) / 6.0, np.zeros((2, edges.size))
     for begin, end in zip(*runs(x > 0.0), strict=True):
         seconds = (end - begin) * dt
@@ -77,7 +79,7 @@ def _jerked(x: np.ndarray, dt: float, step: float, edges: np.ndarray, period: fl
 
 
 def beside_rounding(recording) -> float:
-    """The white noise of the depth beside that of rounding to its steps, m rms."""
+    """White noise of the depth beyond the rounding to its steps, m rms."""
     return float(np.sqrt(max(white_noise(recording.depth) ** 2 - (recording.step("depth") or 0.0) ** 2 / 12.0, 0.0)))
 
 

@@ -1,8 +1,9 @@
-"""Moments that tell nothing of a model: the plunger may have left the skin behind it, or met it so fast that the force jumps.
+"""Leaves out moments that say nothing about a model: where the plunger may have left the skin behind, or met it so fast that the force
+jumps.
 
-Whether skin follows a fast plunger, pulls at it or lags behind differs from skin to skin, and a jump between two samples cannot be known to
-better than a sample. Nor do taxels that read nothing of skin which recovers while nothing presses it, as the thesis's model says they do
-(eq 32). What is left out does not pass the common low-pass either: the tail of a jump of newtons is more than the noise.
+Skins differ in whether they follow a fast plunger, pull at it or lag behind, and a jump between two samples is known in time only to within
+a sample. The same holds where taxels do not read the recovery of skin that nothing presses, though in the thesis's model they do (eq 32).
+The samples left out do not enter the common low-pass either: the tail of a jump of newtons exceeds the noise.
 """
 
 from dataclasses import replace
@@ -14,47 +15,48 @@ from skin_models.dispersion import Dispersion
 from skin_models.parameter import clipped
 from skin_models.signals import Motion
 
-JUMP = 0.03  # of the greatest force
-JOLTED = 2  # samples, as they were recorded, about such a contact
-RECOVERED = 0.003  # of the greatest depth
-RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s
-SHALLOW = 0.1  # of the greatest depth
-NOTHING = 0.4  # of what recovering skin would press on its taxels
-PARTING = 1.4  # times the recovery time of the fitted skin within which it counts as left behind
-UNSEEN = 0.045  # of the magnitude of the common band's kernel, which may fall on what is left out
+JUMP = 0.03  # share of the greatest force
+JOLTED = 2  # recorded samples to either side of a contact met at such a jump
+RECOVERED = 0.003  # share of the greatest depth, from which unloaded skin counts as not recovered
+RECOVERIES = (0.02, 0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5, 0.8)  # s, recovery times that are tried
+SHALLOW = 0.1  # share of the greatest depth
+NOTHING = 0.4  # share of the recovery signal, below which taxels do not read it
+PARTING = 1.4  # factor on the fitted skin's recovery time, so that skin somewhat slower is allowed for
+UNSEEN = 0.045  # share of the common kernel's magnitude that may fall on left-out samples
 
 
 def without_parting(session: Session, skin: Dispersion) -> Session:
-    """The session less those moments, for skin about like `skin`."""
+    """The session without the moments at which the plunger may have left skin like `skin`, or met it at a jump."""
     return _blind(session, _left_behind(session, skin) if session.drive is None else _unpressed(session, skin))
 
 
 def without_meeting_at(session: Session, surface: float, skin: Dispersion) -> Session:
-    """The session less the moments at which skin about like `skin` would be met or left if its surface lay at this depth, m."""
+    """The session without the moments at which skin like `skin` would be met or left if its surface lay at depth `surface`, m."""
     return _blind(session, _left_behind(moved(session, surface), skin))
 
 
 def moved(session: Session, surface: float) -> Session:
-    """The session with its depth counted from this surface, m."""
+    """The session with its depth counted from `surface`, m."""
     return replace(session, motion=replace(session.motion, x=session.motion.x - surface))
 
 
 def _blind(session: Session, left_out: np.ndarray) -> Session:
-    """The session less the samples `left_out` (N,), and those with which the common low-pass would mix them."""
+    """The session without the samples `left_out` (N,) and those that the common low-pass would mix with them."""
     band = session.band.blind(left_out)
     kept = band.misses < UNSEEN
     return replace(session, band=band, measured=band.thin(session.bridged), weight=session.weight * kept)
 
 
 def beside_partings(session: Session, skin: Dispersion) -> np.ndarray:
-    """Mask (N,) of the samples about those moments which the common low-pass would mix with them: where they hold a whole movement, what a
-    model says of it was not fitted to anything."""
+    """Mask (N,) of samples near partings that were dropped because the common low-pass would mix them with left-out ones. If a whole
+    movement lies there, the model was never fitted to it."""
     kept = without_parting(session, skin).weight
     return np.interp(session.motion.t, session.t, np.any((session.weight > 0.0) & (kept == 0.0), axis=0)) > 0.5
 
 
 def _left_behind(session: Session, skin: Dispersion) -> np.ndarray:
-    """Mask (N,) of the samples to leave out where depth drives the test."""
+    """Mask (N,) of the samples to leave out in a test driven by depth: parted contacts, impacts, and, where taxels do not read it, the
+    recovery of skin below a plunger in the air."""
     s, slow = session.motion, _slower(skin, PARTING)
     left_out = parted(s, skin) | impacts(s, skin, int(np.ceil(JOLTED * session.period / s.dt)))
     surface = slow.surface(s)
@@ -63,7 +65,7 @@ def _left_behind(session: Session, skin: Dispersion) -> np.ndarray:
 
 
 def _silent(session: Session, skin: Dispersion) -> bool:
-    """Whether taxels read nothing of `skin` above which the plunger is in the air."""
+    """Whether the taxels read nothing of the recovery of `skin` while the plunger is in the air."""
     surface, s = skin.surface(session.motion), session.motion
     if not (skin.recovery and session.n_taxels):
         return False
@@ -74,8 +76,8 @@ def _silent(session: Session, skin: Dispersion) -> bool:
 
 
 def _unpressed(session: Session, skin: Dispersion) -> np.ndarray:
-    """Mask (N,) of the samples to leave out where force drives the test: skin recovers, and its taxels, of the recovery time that explains
-    best what they read under load, tell nothing of it."""
+    """Mask (N,) of the samples to leave out in a test driven by force: those where `skin` still recovers under hardly any force, if the
+    taxels do not read such a recovery. Whether they do is tested with the recovery time that best explains their readings under load."""
     pressed = session.drive > JUMP * session.drive.max()
     fits = []
     for tau in RECOVERIES:
@@ -89,19 +91,21 @@ def _unpressed(session: Session, skin: Dispersion) -> np.ndarray:
 
 
 def _recovering(session: Session, skin: Dispersion, force: float, depth: float) -> np.ndarray:
-    """Mask (N,) of samples at which skin is deeper than its force would keep it, by a share `depth` of the greatest depth, under less than
-    a share `force` of the greatest force."""
+    """Mask (N,) of samples under less than a share `force` of the greatest force, where skin is deeper than that force would hold it by
+    more than a share `depth` of the greatest depth."""
     x = motion_under(session, skin).x
     return (session.drive < force * session.drive.max()) & (x - session.drive / (skin.k1 + skin.k2) > depth * x.max())
 
 
 def _by_load(session: Session, under: np.ndarray, pressed: np.ndarray) -> np.ndarray:
-    """What taxels (T, N) would read as that linear function of depth and speed (2, N) which they are where they are `pressed` (N,)."""
+    """Readings (T, N) predicted by a linear function of depth and speed `under` (2, N), fitted to the taxels where they are `pressed`
+    (N,)."""
     return np.linalg.lstsq(under[:, pressed].T, _taxels(session)[:, pressed].T, rcond=None)[0].T @ under
 
 
 def _reads_nothing(session: Session, told: np.ndarray, free: np.ndarray) -> bool:
-    """Whether taxels read less than a share `NOTHING` of what recovering skin would press on them, `told` (T, N), at samples `free`."""
+    """Whether the taxels, at samples `free`, read less than a share `NOTHING` of `told` (T, N), the readings predicted for recovering
+    skin."""
     return bool(np.sum((_taxels(session) * told)[:, free]) < NOTHING * np.sum(told[:, free] ** 2))
 
 
@@ -114,12 +118,12 @@ def _slower(skin: Dispersion, times: float) -> Dispersion:
 
 
 def parted(s: Motion, skin: Dispersion) -> np.ndarray:
-    """Mask (N,) of samples below the surface at which skin that recovers a little slower than the fitted one would not be touched."""
+    """Mask (N,) of samples at positive depth at which skin that recovers somewhat slower than the fitted one would have lost contact."""
     return (s.x > 0.0) & ~_slower(skin, PARTING).contact(s)
 
 
 def impacts(s: Motion, skin: Dispersion, beside: int) -> np.ndarray:
-    """Mask (N,) of samples up to so many `beside` a contact made or lost at a speed whose damping force alone is more than `JUMP` of the
+    """Mask (N,) of samples up to `beside` samples from a contact made or lost at a speed whose damping force alone exceeds `JUMP` of the
     greatest force."""
     greatest = (skin.k1 + skin.k2) * max(float(s.x.max()), 1e-9)
     fast = np.abs((skin.b1 + skin.b2) * s.v) > JUMP * greatest
@@ -129,6 +133,6 @@ def impacts(s: Motion, skin: Dispersion, beside: int) -> np.ndarray:
 
 
 def meeting(s: Motion, skin: Dispersion, around: int = 8) -> np.ndarray:
-    """Mask (N,) of samples within `around` of shallow or parted contact, where a force may really jump."""
+    """Mask (N,) of samples within `around` samples of shallow or parted contact, where a real force may jump."""
     shallow = (s.x > -SHALLOW * s.x.max()) & (s.x < SHALLOW * s.x.max())
     return np.convolve(shallow | parted(s, _slower(skin, 2.0)), np.ones(2 * around + 1), mode="same") > 0.5

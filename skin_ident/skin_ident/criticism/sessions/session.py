@@ -1,4 +1,4 @@
-"""A recording made ready for comparison: motion for the simulation, measured channels through the common band."""
+"""A recording prepared for comparison: motion for the simulation, measured channels in the common band."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -15,18 +15,18 @@ from skin_models.dispersion import Dispersion
 from skin_models.operators.lagging import lagged
 from skin_models.signals import Motion, motion
 
-NOMINAL = 1e4  # N/m, scale of a skin that is known by ratios alone
-FITTED, KEPT = " (two blocks in three)", " (every third block)"  # what the names of the two parts of a lone session end in
+NOMINAL = 1e4  # N/m, stiffness assumed for a skin known only by ratios
+FITTED, KEPT = " (two blocks in three)", " (every third block)"  # suffixes of the names of the two parts of a lone session
 
 
 @dataclass(frozen=True)
 class Session:
-    """One recording as the criticism sees it.
+    """One recording as the criticism uses it.
 
-    `channels` names the rows of `measured` (C, n), newtons, low-passed and thinned out; `raw` (C, N) is as recorded, `bridged` the same
-    with straight lines in the place of bad samples.
-    `weight` (C, n) is 1 where a sample may be believed and 0 where telemetry has ruled it out. `drive` (N,) is the applied force of a
-    force-to-force test, which has no depth: `motion` is then only a first idea of it (see `motion_under`).
+    `channels` names the rows of `measured` (C, n), newtons, low-passed and decimated. `raw` (C, N) is as recorded; `bridged` is the same
+    with bad samples replaced by straight lines. `weight` (C, n) is 1 where a sample is trusted and 0 where telemetry has ruled it out.
+    `drive` (N,) is the applied force of a force-to-force test, which has no depth: `motion` is then only a first guess (see
+    `motion_under`).
     """
 
     name: str
@@ -38,36 +38,36 @@ class Session:
     t: np.ndarray
     measured: np.ndarray
     weight: np.ndarray
-    period: float  # s, between samples as they were recorded
+    period: float  # s, recorded sampling period
     drive: np.ndarray | None = None
-    drive_noise: float = 0.0  # N rms of it in the common band, as far as it is white
-    drive_step: float = 0.0  # N, between the levels on which it is read, 0 where none are seen
-    spread: np.ndarray | None = None  # (T,), what `Model.shares` is multiplied by, where sessions press at different places
-    contact: np.ndarray | None = None  # (2,) m, where this one presses, in the taxels' frame
-    beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin says beyond the model that stands in for it (see `twin`)
-    stuck: Mapping[str, float] = field(default_factory=dict)  # N, readings of the channels that answer nothing
-    clipped: frozenset[str] = frozenset()  # channels that the record itself shows to stand at a ceiling
-    heaviest: float = 0.0  # kg, up to which the model's mass is fitted, too; held where this is 0 (see `weighing`)
-    skin: Mapping[str, float] = field(default_factory=dict)  # what k1, b1, k2, b2 are multiplied by in this session (see `search.own_skin`)
-    lacks: frozenset[Key] = frozenset()  # causes of the model, and their places, that are not in this session (see `search.partly`)
+    drive_noise: float = 0.0  # N rms, its white noise in the common band
+    drive_step: float = 0.0  # N, spacing of its levels; 0 where none are seen
+    spread: np.ndarray | None = None  # (T,), factors on `Model.shares`, where sessions press at different places
+    contact: np.ndarray | None = None  # (2,) m, contact position of this session in the taxels' frame
+    beyond: np.ndarray | None = None  # (C, N) N, what a recorded twin adds to the model that stands in for it (see `twin`)
+    stuck: Mapping[str, float] = field(default_factory=dict)  # N, constant readings of channels that respond to nothing
+    clipped: frozenset[str] = frozenset()  # channels whose record itself shows a ceiling
+    heaviest: float = 0.0  # kg, upper bound of the model's mass, which is fitted, too; 0: the mass is held (see `weighing`)
+    skin: Mapping[str, float] = field(default_factory=dict)  # factors on k1, b1, k2, b2 in this session (see `search.own_skin`)
+    lacks: frozenset[Key] = frozenset()  # causes of the model, with places, that this session does not have (see `search.partly`)
     pinned: bool = False  # whether the shares are as `spread` says, and not fitted in each session (see `own_shares`)
-    reference: int | None = None  # the taxel whose share is so in any case
-    steps: tuple[float, ...] = ()  # N, between the levels on which each channel is read, 0 where none are seen
-    depth_noise: float = 0.0  # m rms, white, of the encoder, beside what rounding to its steps does
+    reference: int | None = None  # the taxel whose share is held at `spread` in any case
+    steps: tuple[float, ...] = ()  # N, spacing of each channel's levels; 0 where none are seen
+    depth_noise: float = 0.0  # m rms, white noise of the encoder beyond rounding to its steps
 
     @cached_property
     def n_taxels(self) -> int:
-        """How many of the channels are taxels."""
+        """The number of channels that are taxels."""
         return sum(c.startswith("taxel") for c in self.channels)
 
     @property
     def taxel_rows(self) -> slice:
-        """Which rows of `measured` the taxels are: the last ones, or none."""
+        """The rows of `measured` that are taxels: the last ones, or none."""
         return slice(len(self.channels) - self.n_taxels, None)
 
     @property
     def seconds(self) -> float:
-        """How long it may be believed, s, in the channel that may be longest."""
+        """Trusted duration, s, of the channel that has the longest."""
         return float(np.max(np.count_nonzero(self.weight, axis=1), initial=0)) * self.band.spacing
 
     @property
@@ -77,18 +77,18 @@ class Session:
 
     @cached_property
     def load(self) -> np.ndarray:
-        """How much each channel is loaded (C, n), N, whether it is compared or not."""
+        """Load (C, n), N, of each channel at every kept sample, including those that are not compared."""
         return load_of(replace(self.band, seen=None).thin(self.bridged), np.interp(self.t, self.motion.t, self.motion.x), self.band.spacing)
 
     def with_own_of(self, other: "Session") -> "Session":
-        """The session with what was found to be its own in `other`, which is the same at the same instants: what it has beyond the model,
-        its shares, its skin, and the causes that it lacks."""
+        """The session with what was found to be particular to `other`, which has the same samples: its part beyond the model, its shares,
+        its skin, and the causes that it lacks."""
         return replace(self, beyond=other.beyond, spread=other.spread, reference=other.reference, skin=other.skin, lacks=other.lacks)
 
 
 def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) -> Session:
-    """A session from a recording. `bad` (C, N) marks samples not to be believed (bridged before filtering); `common` is what it shares with
-    the recordings that it is compared with."""
+    """Makes a session from a recording. `bad` (C, N) marks samples that are not trusted (bridged before filtering). `common` is what it
+    shares with the recordings that it is compared with."""
     band = Band(recording.dt, common.cutoff, max(common.slowest, recording.longest_period))
     drive = band.smooth(recording.force) if recording.depth is None else None
     moved = drawn_again(recording.depth) if drive is None else recording.force / NOMINAL
@@ -106,7 +106,8 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
 
 
 def with_reference(sessions: list[Session]) -> list[Session]:
-    """The sessions, the largest share of any taxel as the reference of all, where they bring shares of their own."""
+    """The sessions with the taxel of the largest share as reference, set in the session where it occurs, if all have shares of their own;
+    else unchanged."""
     if any(s.spread is None for s in sessions):
         return sessions
     first = max(range(len(sessions)), key=lambda i: sessions[i].spread.max())
@@ -114,27 +115,27 @@ def with_reference(sessions: list[Session]) -> list[Session]:
 
 
 def longest(sessions: list[Session]) -> Session:
-    """The session that lasts longest."""
+    """The session of the longest duration."""
     return max(sessions, key=lambda s: s.motion.t[-1] - s.motion.t[0])
 
 
 def without(sessions: list[Session], one: Session) -> tuple[list[Session], Session]:
-    """The others, with a reference of their own, and this one without."""
+    """The other sessions, with a reference of their own, and session `one` without a reference."""
     return with_reference([s for s in sessions if s is not one]), replace(one, reference=None)
 
 
 def of_recovery(tau: float) -> Dispersion:
-    """A skin of the stiffness `NOMINAL` that recovers with the time constant tau, s, whatever its taxels feel of it."""
+    """Skin of stiffness `NOMINAL` that recovers with the time constant tau, s. What its taxels sense does not matter here and is zero."""
     return Dispersion(m=0.0, b1=0.0, k1=0.0, b2=tau * NOMINAL, k2=NOMINAL)
 
 
 def motion_under(session: Session, skin: Dispersion) -> Motion:
-    """The depth of the session; in a force-to-force test the depth to which the applied force F presses this skin,
+    """The depth of the session. In a force-to-force test it is the depth to which the applied force F presses this skin,
 
         tau x' + x = F / k,    tau = (b1 + b2) / (k1 + k2), k = k1 + k2      (thesis eq 27 without the mass, so that eq 32 follows)
 
-    exact for a force that is linear between samples, from rest at the first one. Where nothing presses any more, the skin recovers so, too,
-    and its taxels with it.
+    starting from rest and exact for a force that is linear between samples. The skin and its taxels are assumed to recover in the same way
+    where nothing presses.
     """
     if session.drive is None:
         return session.motion
@@ -154,7 +155,8 @@ def stacked(recording) -> tuple[tuple[str, ...], np.ndarray]:
 
 
 def with_lines(rows: np.ndarray, bad: np.ndarray) -> np.ndarray:
-    """`rows` (C, N) with straight lines between good neighbours in the place of the `bad` samples (C, N); rows that are all bad stay."""
+    """`rows` (C, N) with the `bad` samples (C, N) replaced by straight lines between good neighbours; rows that are all bad stay as they
+    are."""
     out = rows.copy()
     for row, b in zip(out, bad, strict=True):
         if b.any() and not b.all():

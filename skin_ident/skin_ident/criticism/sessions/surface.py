@@ -1,8 +1,8 @@
-"""Where the force begins, if that is far from the zero of the encoder: moments of contact lie there, too.
+"""Finds the depth at which the force begins, if that is far from the encoder's zero: contact is made and lost there, too.
 
-A linear skin whose surface lies at the depth s reads F = k max(x - s, 0) + b v [x > s] + c; the s that explains most is looked for among
-even steps, and between them. A curved skin seems to begin deeper than it does: so what is left out for this surface is left out beside
-what is left out for that of the encoder, and names nothing.
+A linear skin whose surface lies at the depth s reads F = k max(x - s, 0) + b v [x > s] + c. The s with the smallest residual is searched on
+an even grid and then refined. A curved skin seems to begin deeper than it does. So the moments left out for this surface are left out in
+addition to those of the encoder's zero, and the surface by itself names no cause.
 """
 
 import numpy as np
@@ -11,15 +11,16 @@ from scipy.optimize import minimize_scalar
 from skin_ident.criticism.sessions.session import Session
 from skin_models.signals import Motion
 
-FAR = 0.03  # of the greatest depth, from which a surface is another one
-BETTER = 0.5  # of the squares that the encoder's zero leaves, the most that it may leave
-ROUNDING = 1e-9  # of the squares of the loads, below which nothing is left to be explained
-STEPS, NEAR = 60, 1e-4  # of the way, and of the greatest depth, to which the surface is found
-MOST = 4000  # samples of a session that are looked at
+FAR = 0.03  # share of the greatest depth from which the surface differs from the encoder's zero
+BETTER = 0.5  # largest ratio of its residual sum of squares to that of the encoder's zero
+ROUNDING = 1e-9  # share of the loads' sum of squares below which nothing is left to explain
+STEPS, NEAR = 60, 1e-4  # STEPS: grid points over the range of depth; NEAR: tolerance of the surface, share of the greatest depth
+MOST = 4000  # most samples that are used of a session
 
 
 def surface_of(sessions: list[Session]) -> float:
-    """The depth, m, at which the force begins, or the strongest taxel; 0 where the encoder's zero does nearly as well."""
+    """The depth, m, at which the force (or, without one, the channel with the largest range) begins; 0 where the encoder's zero does nearly
+    as well."""
     pressed = [(s.motion, _load(s)) for s in sessions if s.drive is None]
     if not pressed:
         return 0.0
@@ -40,7 +41,7 @@ def _load(session: Session) -> np.ndarray:
 
 
 def _left(pressed: list[tuple[Motion, np.ndarray]], surface: float) -> float:
-    """The squares that a linear skin with this surface leaves of the loads, N^2."""
+    """Residual sum of squares of the loads, N^2, for a linear skin with this surface."""
     rows, loads = [], []
     for m, load in pressed:
         few = slice(None, None, max(1, m.x.size // MOST))
