@@ -1,7 +1,8 @@
-"""Interference that comes and goes: how large it is while it is there, and how much of the time.
+"""Interference that comes and goes: how large it is while present, and for what share of the time.
 
-The residual within `WIDTH_HZ` of the line has the envelope a(t). A steady line has mean(a^4) = mean(a^2)^2, noise twice that, and what is
-there for a share s of the time 1 / s: beyond `COMING` it comes in bursts, whose amplitude is what the envelope reaches.
+The residual within `WIDTH_HZ` of the line has the envelope a(t). A steady line has mean(a^4) = mean(a^2)^2, noise twice that, and a line
+that is present for a share s of the time 1 / s. Beyond `COMING` the line comes in bursts, and their amplitude is the envelope's `REACHED`
+percentile.
 """
 
 from dataclasses import replace
@@ -10,14 +11,14 @@ import numpy as np
 
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 
-WIDTH_HZ = 1.5  # to either side of the line, of what makes its envelope
-COMING = 4.0  # mean(a^4) / mean(a^2)^2, twice that of noise
-THERE = 0.5  # of the bursts' amplitude, from which it is there
-REACHED = 99.0  # percentile of the envelope that is taken for the amplitude
+WIDTH_HZ = 1.5  # Hz to either side of the line that make its envelope
+COMING = 4.0  # mean(a^4) / mean(a^2)^2 of bursts, twice that of noise
+THERE = 0.5  # share of the bursts' amplitude from which the line is present
+REACHED = 99.0  # percentile of the envelope that counts as its amplitude in bursts
 
 
 def told_of_bursts(symptom: Symptom, channels: tuple[str, ...], rests: list[np.ndarray], dts: list[float]) -> Symptom:
-    """The symptom, which says so where its line comes in bursts.
+    """The symptom, with the size and share of the bursts added where its line comes in bursts; else unchanged.
 
     `rests` (C, N) N are measured less simulated, at full rate, sampled every `dts` s.
     """
@@ -33,7 +34,7 @@ def told_of_bursts(symptom: Symptom, channels: tuple[str, ...], rests: list[np.n
 
 
 def envelope(e: np.ndarray, frequency: float, dt: float, width: float = WIDTH_HZ) -> np.ndarray:
-    """a(t) of e (N,), the amplitude of what lies within `width` (Hz) of a frequency."""
+    """Envelope a(t) of e (N,): the amplitude of its part within `width` (Hz) of a frequency."""
     at = np.fft.fftfreq(e.size, dt)
     return 2.0 * np.abs(np.fft.ifft(np.fft.fft(e - e.mean()) * (np.abs(at - frequency) < width)))
 
@@ -44,7 +45,7 @@ def coming(a: np.ndarray) -> float:
 
 
 def _bursts(e: np.ndarray, frequency: float, dt: float) -> tuple[float, float] | None:
-    """Amplitude in bursts, N, and their share of the time; None for what is always there."""
+    """Amplitude of the bursts, N, and their share of the time; None for a line that is always present."""
     a = envelope(e, frequency, dt)
     if coming(a) < COMING:
         return None

@@ -1,13 +1,13 @@
-"""A ceiling: beyond a level the readings of one channel hardly follow what the simulation says, while the other channels do.
+"""A ceiling: above a level one channel hardly follows the simulation, while the other channels do.
 
-The quickest touches reach the greatest forces, and are the samples that no model is fitted to: it knows neither the instant of contact nor
-the jolt well enough. What clips only there is seen here, in measured against simulated:
+The quickest touches reach the greatest forces, but no model is fitted to their samples: it knows neither the time of contact nor the jolt
+well enough. A ceiling that only these touches reach shows in measured y against simulated m:
 
     y = m                       m < L
     y = L + s (m - L)           m > L,   s < FLAT
 
-A lag, a delay or play leave no such knee: on the way up they read less at the same m than on the way down. A mass that is too large, or a
-skin that gives way, leaves none that is sharp, and the second shows in the taxels as well.
+A lag, a delay or backlash makes no such knee: at the same m they read less on the way up than on the way down. A mass that is too large, or
+skin that gives way, makes no sharp knee, and the latter shows in the taxels as well.
 """
 
 import numpy as np
@@ -16,16 +16,16 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.estimators.scale import normal_scale
 from skin_ident.stretches import runs
 
-GREATEST = 8  # samples of the greatest simulated force that give a first guess at the level
-FAR = 5.0  # noise widths beyond it, from which a sample tells, and that such samples must spread over
-FEWEST, VISITS = 8, 3  # such samples, and separate times
-UNSEEN = 0.5  # of these that no fit has seen: what it has seen it may explain
-FLAT = 0.25  # slope of measured against simulated beyond the level
-FOLLOWS = (0.75, 1.3)  # the same below
-WITHIN, STRAY = 4.0, 0.1  # noise widths about both lines, and share of the samples that may lie further away
-ROUGH = 0.1  # of the level, by which a quick touch below it may miss as well
-HALF = 0.5  # of the level: the samples from there to the level are those below it
-OTHERS = 1 / 3  # of this channel's relative deficit, the most that another may have
+GREATEST = 8  # samples of the greatest simulated force whose median reading is the first guess of the level
+FAR = 5.0  # noise widths from the guess, from which a sample counts as beyond or below; also the least range of those beyond
+FEWEST, VISITS = 8, 3  # least samples beyond, and below; least separate visits beyond
+UNSEEN = 0.5  # least share of the samples beyond that no fit has used: a fit may have absorbed the others
+FLAT = 0.25  # greatest slope of measured against simulated beyond the level
+FOLLOWS = (0.75, 1.3)  # range of that slope below the level
+WITHIN, STRAY = 4.0, 0.1  # noise widths from the two lines; greatest share of samples that lie further away
+ROUGH = 0.1  # share of the level by which a quick touch below it may miss the line as well
+HALF = 0.5  # share of the guess, from which samples up to the guess count as loaded
+OTHERS = 1 / 3  # greatest relative deficit of another channel, as a share of this channel's
 
 
 def find_ceilings(
@@ -36,8 +36,8 @@ def find_ceilings(
     unseen: list[np.ndarray],
     n_taxels: int,
 ) -> list[Symptom]:
-    """Channels with a ceiling, from measured and simulated rows (C, N) of each session and masks (N,) of the samples that no fit has seen;
-    samples beyond the level are marked as bad."""
+    """Channels with a ceiling, from measured and simulated rows (C, N) of each session and masks (N,) of the samples that no fit has used.
+    Samples simulated above the level are marked as bad."""
     if len(channels) < 2:
         return []
     y, model, hidden = np.hstack(raw), np.hstack(simulated), np.concatenate(unseen)
@@ -60,7 +60,8 @@ def find_ceilings(
 
 
 def _ceiling(y: np.ndarray, model: np.ndarray, unseen: np.ndarray, c: int) -> tuple[float, float, np.ndarray] | None:
-    """Level, slope beyond it and mask (N,) of the samples beyond, of channel `c` of `y` and `model` (C, N); None where there is none."""
+    """Level, slope beyond it and mask (N,) of the samples beyond, of channel `c` of `y` and `model` (C, N); None where there is no
+    ceiling."""
     own, said = y[c], model[c]
     guess = float(np.median(own[np.argsort(said)[-GREATEST:]]))
     loaded = (said > HALF * guess) & (said < guess)
@@ -86,7 +87,7 @@ def _ceiling(y: np.ndarray, model: np.ndarray, unseen: np.ndarray, c: int) -> tu
 
 
 def _alone(y: np.ndarray, model: np.ndarray, beyond: np.ndarray, c: int) -> bool:
-    """Whether no other channel lacks nearly as much of what it should read, and one at least tells."""
+    """Whether every other channel lacks much less of its simulated force than channel `c`."""
     deficit = np.median((model - y)[:, beyond] / np.maximum(model[:, beyond], 1e-9), axis=1)
     others = np.delete(deficit, c)
     return bool(np.all(others < OTHERS * deficit[c]))

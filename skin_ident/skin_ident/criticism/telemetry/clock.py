@@ -1,4 +1,4 @@
-"""The clock: stamps that repeat or come out of order. Loading mends them and counts them; here it becomes a finding."""
+"""The clock: time stamps that repeat or are out of order. Loading repairs and counts them; here they become a finding."""
 
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_models.tables.order import Mended
@@ -6,7 +6,8 @@ from skin_models.words import counted
 
 
 def find_clock_faults(recordings: list) -> list[Symptom]:
-    """One symptom for all sessions, from what loading put right. Topics that lost as many stamps lost the same ones: they count once."""
+    """One symptom for all sessions, from what loading repaired. Topics that lost the same number of stamps are taken to have lost the same
+    ones and count once."""
     told = dict.fromkeys((r.name, *fault) for r in recordings for m in r.mended for fault in _faults(m))
     if not told:
         return []
@@ -16,6 +17,6 @@ def find_clock_faults(recordings: list) -> list[Symptom]:
 
 
 def _faults(m: Mended) -> list[tuple[str, int]]:
-    """In words and numbers; a sample without any stamp says nothing of the clock."""
+    """The faults of one repair, in words and numbers. Samples without any stamp are not counted: they are no fault of the clock."""
     said = [(f"{counted(m.late, 'sample')} out of order", m.late), (f"{counted(m.repeated, 'repeated time stamp')} dropped", m.repeated)]
     return [fault for fault in said if fault[1]]

@@ -1,7 +1,7 @@
-"""Copies: blocks that repeat digit for digit, sessions that are one and the same, columns that hold the same numbers.
+"""Copies: blocks that repeat digit for digit, sessions that are identical, columns that hold the same numbers.
 
-Noise does not repeat. A window of many changing samples that occurs twice in the measured channels, or in one of them, was copied, whatever
-the clock or the encoder says beside it (see `repeats`); so was a channel that equals another one all the time.
+Noise does not repeat. A window of many changing samples that occurs twice in all measured channels, or in one of them, was copied, whatever
+the clock or the encoder says at that time (see `repeats`). So was a channel that always equals another one.
 """
 
 from collections.abc import Iterable, Iterator
@@ -14,10 +14,10 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.recordings.digits import digits_of, nearest
 from skin_ident.stretches import marked
 
-VALUES = 12  # different values that a column must hold
+VALUES = 12  # fewest different values that a column must hold
 FEW, LIKELY = 64, 0.8  # samples at which two columns are compared first, and the share that must be equal there
-EQUAL = 0.98  # of its samples
-ELSEWHERE = 0.05  # of its range, by which the depth must differ, beyond its own steps, from that of a stretch which one channel repeats
+EQUAL = 0.98  # share of equal samples from which a column is a copy
+ELSEWHERE = 0.05  # share of its range by which the depth must differ between a stretch and its repetition in one channel
 COLUMN, SESSION = "copied column", "copied session"  # kinds of copies
 
 
@@ -34,7 +34,7 @@ def find_copies(recordings: list) -> list[Symptom]:
 
 
 def _blocks(recordings: list) -> list[Symptom]:
-    """The stretches that have been there before in all channels, and in the depth unless that was another."""
+    """Stretches that repeat in all channels, with the depth either repeating as well or clearly different."""
     again = repeats_of([np.array([r.read(c) for c in r.channels]).T for r in recordings])
     first = next(iter(recordings[0].channels))
     again = [r for r in again if _with_its_depth(recordings, r) or _moved_otherwise(recordings, r, first)]
@@ -42,7 +42,7 @@ def _blocks(recordings: list) -> list[Symptom]:
 
 
 def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[Symptom]:
-    """The same in one channel alone, beside what is `known` to repeat in all."""
+    """Stretches that repeat in one channel alone, outside those `known` (N,) to repeat in all."""
     for channel in recordings[0].channels:
         read = [_as_read(r, channel) for r in recordings]
         kept = [at[~known[r.name][at]] for r, (at, _) in zip(recordings, read, strict=True)]
@@ -53,7 +53,8 @@ def _channel_blocks(recordings: list, known: dict[str, np.ndarray]) -> Iterator[
 
 
 def _as_read(recording, channel: str) -> tuple[np.ndarray, np.ndarray]:
-    """Samples (M,) beside which a channel was read, and its digits (M,): all of them, unless its topic came at instants of its own."""
+    """For each reading of a channel the sample (M,) beside which it was taken, and its digits (M,). Without times of its own the readings
+    are the recording's samples."""
     own = recording.own(channel)
     if own is None:
         return np.arange(len(recording)), recording.read(channel)
@@ -61,14 +62,15 @@ def _as_read(recording, channel: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _on_grid(again: Repeat, at: np.ndarray, source: np.ndarray) -> Repeat:
-    """A repeat found among readings, by the samples beside which those of the two recordings lie."""
+    """A repeat found among readings, in samples of the two recordings: `at` and `source` are the samples beside their readings."""
     here, there = at[again.start : again.start + again.length], source[again.origin : again.origin + again.length]
     length = min(here[-1] - here[0], there[-1] - there[0]) + 1
     return replace(again, start=int(here[0]), origin=int(there[0]), length=int(length))
 
 
 def _with_its_depth(recordings: list, again: Repeat) -> bool:
-    """Whether the depth, where there is one, is the same digit for digit, too; one that is nearly the same is the same motion once more."""
+    """Whether the depth, where there is one, repeats digit for digit, too. A depth that nearly repeats is only the same motion made
+    again."""
     at, source = recordings[again.at], recordings[again.source]
     if at.depth is None or source.depth is None:
         return True
@@ -77,8 +79,8 @@ def _with_its_depth(recordings: list, again: Repeat) -> bool:
 
 
 def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
-    """Whether the depth, or another channel, did not repeat while this one changed: a converter coarse beside the noise reads the same of
-    the same motion, and of anything that happens before the plunger touches."""
+    """Whether the depth (without one, another channel) differed while this channel changed. Otherwise a converter that is coarse beside the
+    noise may repeat its readings, because the motion repeats or because the plunger does not touch."""
     at, source = recordings[again.at], recordings[again.source]
     others = [c for c in at.channels if c != channel]
     pairs = [(at.depth, source.depth)] if at.depth is not None else [(at.channels[c], source.channels[c]) for c in others]
@@ -90,12 +92,12 @@ def _moved_otherwise(recordings: list, again: Repeat, channel: str) -> bool:
 
 
 def _places(again: Repeat) -> tuple[slice, slice]:
-    """Where it is, and where it was."""
+    """The slices of the repetition and of its source."""
     return tuple(slice(start, start + again.length) for start in (again.start, again.origin))
 
 
 def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> Symptom:
-    """One symptom for all stretches, in words of the longest."""
+    """One symptom for all stretches, described by the first, which is the longest."""
     first = again[0]
     r, source = recordings[first.at], recordings[first.source]
     whole = first.length >= 0.9 * len(r)
@@ -114,12 +116,12 @@ def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> S
 
 
 def _repeated(recording, k: int, again: list[Repeat]) -> np.ndarray:
-    """The samples (N,) of recording `k` that were there before."""
+    """Mask (N,) of the samples of recording `k` that repeat earlier ones."""
     return marked(len(recording), ((r.start, r.start + r.length) for r in again if r.at == k))
 
 
 def _columns(recordings: list) -> list[Symptom]:
-    """Groups of channels that hold the same numbers, each group one symptom at the first channel that repeats."""
+    """Channels that hold the same numbers, one symptom for each group, placed at the first channel that repeats another."""
     groups: list[tuple[np.ndarray, dict[str, float]]] = []
     for channel in recordings[0].channels:
         y = np.concatenate([r.read(channel) for r in recordings])
@@ -144,18 +146,18 @@ def _columns(recordings: list) -> list[Symptom]:
 
 
 def copies_among(symptoms: Iterable[Symptom], recording) -> tuple[str, ...]:
-    """The taxels that only repeat another channel, digit for digit: they say nothing of what they are called after. A force that drives a
-    test without depth is no channel to be judged, and without any taxel nothing would be left."""
+    """The taxels that only repeat another channel, digit for digit: they carry no information of their own. Empty for a test that force
+    drives if that would leave no taxel, as the force is no channel to be judged there."""
     copies = tuple(c for s in symptoms if s.evidence.get("kind") == COLUMN for c in s.channels[1:])
     return copies if recording.depth is not None or len(copies) < len(recording.taxels) else ()
 
 
 def emptied(recording, copies: tuple[str, ...]):
-    """The recording with zeros in these taxels, so that nothing is criticised or learnt twice."""
+    """The recording with zeros in these taxels, so that no signal is judged or fitted twice."""
     return recording.with_channels(dict.fromkeys(copies, np.zeros(len(recording)))) if copies else recording
 
 
 def _equal(a: np.ndarray, b: np.ndarray) -> float:
-    """The share of samples in which two rows (N,) hold the same number; 0 where a few of them say already that it is small."""
+    """Share of samples in which two rows (N,) are equal; 0 where a small sample of them already shows that it is low."""
     few = slice(None, None, max(a.size // FEW, 1))
     return float(np.mean(a == b)) if np.mean(a[few] == b[few]) > LIKELY else 0.0

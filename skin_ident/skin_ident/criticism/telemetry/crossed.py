@@ -1,8 +1,9 @@
-"""A stretch of a session in which two channels are written in each other's columns, as by a logger that was started anew.
+"""A stretch of a session in which two channels are written in each other's columns, as by a logger that was restarted.
 
-Where readings y_i, y_j follow the model's u_i, u_j the product (y_i - y_j)(u_i - u_j) is positive, but for noise; where they are exchanged
-it is negative. The stretch with the least sum of it is asked: exchanged, both channels must leave far less there than as they are, and all
-others must stay with the model. No contact does that: one that moved would move the shares of other taxels, or of these two apart.
+Where readings y_i, y_j follow the model's u_i, u_j, the product (y_i - y_j)(u_i - u_j) is positive apart from noise; where they are
+exchanged it is negative. The stretch with the lowest sum of it is tested: there both channels must fit far better exchanged than as they
+are, and all others must agree with the model. A contact that moved does not look like this: it would change the shares of other taxels as
+well, or not exchange the two exactly.
 """
 
 from collections.abc import Iterator
@@ -14,22 +15,22 @@ from skin_ident.criticism.telemetry.other_units import slope
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.vocabulary import EXCHANGED
 
-LEAST_S, LONG_S = 0.2, 1.0  # that a stretch lasts, and one that is long
-FOLLOWS = 0.3  # of what the channels leave as they are, the most that they may leave exchanged
-FAR, FARTHER = 3.0, 10.0  # times what they leave elsewhere, the least that they leave as they are, and in a short one;
-WITH = 3.0  # the most that other channels may leave
-LOUD, LESS = 2.0, 0.6  # times what a pair usually leaves, and of that: enough to be asked
-TURNS = 3  # times that stretch and shares are told from each other: the model was fitted to both
+LEAST_S, LONG_S = 0.2, 1.0  # s, shortest stretch; s, from which a stretch is long
+FOLLOWS = 0.3  # greatest residual of the exchanged channels, as a share of that as they are
+FAR, FARTHER = 3.0, 10.0  # least residual as they are, in units of that elsewhere: in a long stretch; in a short one
+WITH = 3.0  # greatest residual of other channels, in units of that elsewhere
+LOUD, LESS = 2.0, 0.6  # for a pair to be tested: least residual in units of its median, and greatest ratio of the exchanged residual to it
+TURNS = 3  # alternations between finding the stretch and fitting the slopes outside it, as the model was fitted to both
 
 
 def find_crossed(sessions: list[Session], rest: list[np.ndarray]) -> list[Symptom]:
-    """Stretches in which two channels are exchanged, by what a model leaves (C, N) N of sessions, at full rate."""
+    """Stretches in which two channels are exchanged, from the residuals (C, N), N, of sessions at full rate."""
     return [symptom for i, j in _suspected(sessions, rest) for symptom in _of_pair(sessions, rest, i, j)]
 
 
 def _suspected(sessions: list[Session], rest: list[np.ndarray]) -> Iterator[tuple[int, int]]:
-    """Pairs of channels that, by averages over short whiles, once leave less exchanged, and far more than usual as they are: of an array
-    there are too many to ask them all sample by sample."""
+    """Pairs of channels that, in averages over `LEAST_S`, somewhere have a residual far above the usual and fit better exchanged. An array
+    has too many pairs to test them all sample by sample."""
     y = np.concatenate([_averages(s.raw, s) for s in sessions], axis=1)
     model = y - np.concatenate([_averages(e, s) for s, e in zip(sessions, rest, strict=True)], axis=1)
     for i in range(len(y) - 1):
@@ -41,14 +42,14 @@ def _suspected(sessions: list[Session], rest: list[np.ndarray]) -> Iterator[tupl
 
 
 def _averages(rows: np.ndarray, s: Session) -> np.ndarray:
-    """Means (C, W) of rows (C, N) over whiles of `LEAST_S`."""
+    """Means (C, W) of rows (C, N) over windows of `LEAST_S`."""
     n = max(round(LEAST_S / s.motion.dt), 1)
     whole = rows[:, : rows.shape[1] // n * n] if rows.shape[1] >= n else rows
     return whole.reshape(len(rows), -1, min(n, rows.shape[1])).mean(axis=2)
 
 
 def _of_pair(sessions: list[Session], rest: list[np.ndarray], i: int, j: int) -> Iterator[Symptom]:
-    """Stretches in which channels `i` and `j` are exchanged, found in turn with the factors by which the model is off elsewhere."""
+    """Stretches in which channels `i` and `j` are exchanged, found alternately with the factors by which the model is off elsewhere."""
     y = [s.raw[[i, j]] for s in sessions]
     model = [m - e[[i, j]] for m, e in zip(y, rest, strict=True)]
     crossed, slopes = [np.zeros(m.shape[1], bool) for m in y], np.ones((2, 1))
@@ -69,7 +70,8 @@ def _of_pair(sessions: list[Session], rest: list[np.ndarray], i: int, j: int) ->
 
 
 def _stretch(y: np.ndarray, model: np.ndarray) -> np.ndarray:
-    """Mask (N,) of the run of samples with the greatest sum of -(y_i - y_j)(u_i - u_j), if that is positive: two rows each, N."""
+    """Mask (N,) of the run of samples with the greatest sum of -(y_i - y_j)(u_i - u_j), if that is positive, for measured and modelled rows
+    (2, N), N."""
     total = np.concatenate([[0.0], np.cumsum(-np.diff(y, axis=0)[0] * np.diff(model, axis=0)[0])])
     before = np.minimum.accumulate(total)
     end = int(np.argmax(total - before))
@@ -79,13 +81,13 @@ def _stretch(y: np.ndarray, model: np.ndarray) -> np.ndarray:
 
 
 def _slopes(y: list[np.ndarray], model: list[np.ndarray], crossed: list[np.ndarray]) -> np.ndarray:
-    """Times what the model says each of two channels (2, 1) reads where they are not exchanged."""
+    """Factors (2, 1) by which each of the two channels reads what the model says where they are not exchanged."""
     outside = [np.array([m[:, ~mask], u[:, ~mask]]) for m, u, mask in zip(y, model, crossed, strict=True)]
     return np.array([[slope(m, u)] for m, u in zip(*np.concatenate(outside, axis=2), strict=True)])
 
 
 def _left(rows: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """Root mean square (C,) of rows (C, N) where a mask says so."""
+    """Root mean square (C,) of rows (C, N) within a mask."""
     return np.sqrt(np.mean(rows[:, mask] ** 2, axis=1)) if mask.any() else np.zeros(len(rows))
 
 

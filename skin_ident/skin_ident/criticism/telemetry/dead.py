@@ -1,7 +1,7 @@
-"""Dead taxels: stuck at one value, open from the start, dying part-way or on and off, where the load says that they should have moved.
+"""Dead taxels: stuck at one value, open from the start, dying part-way, or on and off, where the load says that they should have moved.
 
-Where nothing moves, nothing is asked of a taxel. One that lies far from the plunger feels nothing and is not dead: unless it is the only
-one, its place must promise it a reading (see `promise`).
+Where nothing moves, nothing is asked of a taxel. A taxel far from the plunger reads nothing and is not dead: unless it is the only one, its
+place must promise it a reading (see `promise`).
 """
 
 import numpy as np
@@ -12,28 +12,29 @@ from skin_ident.criticism.telemetry.promise import promised
 from skin_ident.criticism.telemetry.still import is_still
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 
-FOLLOWS = 0.1  # correlation with the load, below which a taxel says nothing
-FOLLOWED = 0.3  # and from which it follows in a session: a piece or two may seem to by chance
-PIECES = 24  # of a session
-MOVED = 0.2  # of the load's standard deviation, by which a piece must move to be asked
-ALIVE = 0.3  # of the usual slope in a piece
-GONE = 0.03  # of the usual slope, in a piece in which a taxel is dead
-SURE = 0.8  # correlation in a piece in which it surely lives
-FEWEST = 4  # dead pieces in a row, to the end of the session, in which the load moved; or an eighth of a session that says as much
-PROMISED = 5.0  # steps of its converter that a taxel should have moved by, rms, if it is said to stand
-WHOLE = 0.8  # of the usual slope, while it does not fade yet
-ALIKE = 0.6  # of its slope in one session, which a taxel has in another at the same place
-MUCH = 0.5  # of the load's standard deviation
+FOLLOWS = 0.1  # correlation with the load below which a taxel does not follow it
+FOLLOWED = 0.3  # correlation from which it follows in a session: some pieces may seem to by chance
+PIECES = 24  # pieces into which a session is cut
+MOVED = 0.2  # load's standard deviation in a piece, as a share of that in the session, from which the piece is tested
+ALIVE = 0.3  # share of the usual slope from which a taxel is alive in a piece
+GONE = 0.03  # share of the usual slope up to which it is dead in a piece
+SURE = 0.8  # correlation in a piece from which it surely follows
+FEWEST = 4  # tested dead pieces in a row up to the end of the session; or a long stretch under a load that changes much
+PROMISED = 5.0  # converter steps, rms, by which a taxel should have moved if a constant reading is to count
+WHOLE = 0.8  # share of the usual slope, down to which it does not fade yet
+ALIKE = 0.6  # least ratio of a taxel's slopes in two sessions at the same place
+MUCH = 0.5  # load's standard deviation, as a share of that in the session, that is much
 
 
 def find_dead_taxels(recordings: list) -> list[Symptom]:
-    """Taxels that are silent in all sessions, on and off, or fall silent in some."""
+    """Taxels that are silent in all sessions, on and off, or that fall silent in some."""
     n = len(recordings[0].taxels)
     return [s for i in range(n) for s in (_silent(recordings, i, n) or _loose(recordings, i, n) or _dying(recordings, i, n))]
 
 
 def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
-    """A taxel that holds one value in all sessions, or follows the load in none though its neighbours promise that it should."""
+    """A taxel that holds one value in all sessions, or does not follow the load in any though its place or its neighbours promise that it
+    should."""
     name = f"taxel_{i}"
     rows = [r.taxels[i] for r in recordings]
     loads = [_load(r) for r in recordings]
@@ -55,8 +56,7 @@ def _silent(recordings: list, i: int, n: int) -> list[Symptom]:
 
 
 def apart(recordings: list) -> list[str]:
-    """Names of taxels that do not follow the load in any session and need not: nothing promises them a reading, so that they may as well
-    be open as lie apart."""
+    """Names of taxels that follow the load in no session and are promised no reading: they may be open, or lie too far from the contact."""
     n = len(recordings[0].taxels)
     loads = [_load(r) for r in recordings]
     if n == 1 or any(load is None for load in loads):
@@ -66,12 +66,12 @@ def apart(recordings: list) -> list[str]:
 
 
 def _follows(loads: list[np.ndarray], rows: list[np.ndarray]) -> float:
-    """How well a taxel follows the load in the session in which it does so best: the magnitude of their correlation."""
+    """Correlation with the load, by magnitude, in the session in which it is greatest."""
     return max(abs(_correlation(load, row)) for load, row in zip(loads, rows, strict=True))
 
 
 def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
-    """The taxel falls silent and comes back, again and again."""
+    """A taxel that falls silent and comes back again and again."""
     name, loads = f"taxel_{i}", [_load(r) for r in recordings]
     if any(load is None for load in loads):
         return []
@@ -91,7 +91,8 @@ def _loose(recordings: list, i: int, n: int) -> list[Symptom]:
 
 
 def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
-    """The taxel follows the load at first and not at all from some moment to the end of the session; others may know it dead only."""
+    """A taxel that follows the load at first and not at all from some time to the end of the session. In other sessions it may be dead
+    throughout."""
     name, bad, when = f"taxel_{i}", {}, []
     for r in recordings:
         start = _death(r, r.taxels[i])
@@ -109,26 +110,26 @@ def _dying(recordings: list, i: int, n: int) -> list[Symptom]:
 
 
 def _silent_since(name: str, recordings: list, bad: dict) -> dict:
-    """As evidence of a finding: in which sessions it is silent, and from when on in each, s."""
+    """Evidence of a finding: in which sessions the taxel is silent, and from what time on in each, s."""
     since = {r.name: float(np.argmax(mask) * r.dt) for r in recordings if (mask := bad.get((r.name, name))) is not None}
     return {"dead_from_s": since, **in_sessions(since, [r.name for r in recordings])}
 
 
 def _while_it_lived(since: dict[str, float]) -> str:
-    """Session by session, in words that follow what a taxel did."""
+    """The sentence's end, session by session: up to when the taxel followed the load, and where it never did."""
     dying = listed([f"up to {s:.1f} s of {session}" for session, s in since.items() if s > 0.0])
     dead = listed([session for session, s in since.items() if s == 0.0])
     return f"{dying} and not at all from there to the end{f', nor anywhere in {dead}' if dead else ''}"
 
 
 def _standing(recordings: list, i: int, n: int) -> list[Symptom]:
-    """The taxel follows the load in some sessions, and holds one reading, or reads noise alone, throughout others that press as hard at the
-    same place."""
+    """A taxel that follows the load in some sessions, and holds one reading, or reads noise alone, throughout others that press as hard at
+    the same place."""
     name = f"taxel_{i}"
     living = [(r, usual) for r in recordings if (usual := _usual(r, i)) > 0.0]
     still = [r for r in recordings if np.ptp(r.taxels[i]) == 0.0]
     dead = [r for r in still if any(_would_move(r, i, other, usual) and _felt_alike(r, other, i) for other, usual in living)]
-    if not dead and len(recordings[0].taxels) > 1:  # others say that the plunger did not press elsewhere
+    if not dead and len(recordings[0].taxels) > 1:  # other taxels show where the plunger pressed
         dead = [r for r in recordings if _is_open(r, i, [(other, usual) for other, usual in living if other is not r])]
     if not dead:
         return []
@@ -145,7 +146,7 @@ def _standing(recordings: list, i: int, n: int) -> list[Symptom]:
 
 
 def _is_open(recording, i: int, living: list) -> bool:
-    """Whether a taxel reads noise alone where by any `living` session (with its usual slope there) it would have moved."""
+    """Whether a taxel reads noise alone though, by its usual slope in some `living` session, it should have moved."""
     load, row = _load(recording), recording.taxels[i]
     if load is None or abs(_correlation(load, row)) >= FOLLOWS:
         return False
@@ -155,13 +156,14 @@ def _is_open(recording, i: int, living: list) -> bool:
 
 
 def _usual(recording, i: int) -> float:
-    """The steepest slope with which a taxel surely follows the load in a piece of a session; 0 where it does not."""
+    """The steepest slope of a taxel against the load in a piece of the session where it surely follows; 0 where it follows in none."""
     load = _load(recording)
     return 0.0 if load is None else _Pieces(load, recording.taxels[i]).usual()
 
 
 def _would_move(recording, i: int, other, usual: float) -> bool:
-    """Whether a taxel with the `usual` slope of the `other` session would have left its reading in this one."""
+    """Whether a taxel with the `usual` slope, taken from the `other` session at the same declared place, would have left its reading in
+    this one."""
     load, declared = _load(recording), recording.declared
     if load is None or tuple(declared.contact_of(recording.name)) != tuple(other.declared.contact_of(other.name)):
         return False
@@ -169,20 +171,21 @@ def _would_move(recording, i: int, other, usual: float) -> bool:
 
 
 def _felt_alike(recording, other, i: int) -> bool:
-    """Whether all other taxels feel two sessions alike: a place that nobody declared may be another one."""
+    """Whether all other taxels have similar slopes in two sessions. If not, the sessions may press at different places that nobody
+    declared."""
     pairs = [[_usual(r, j) for r in (recording, other)] for j in range(len(recording.taxels)) if j != i]
     return all(min(pair) >= ALIKE * max(pair) for pair in pairs) and (not pairs or np.max(pairs) > 0.0)
 
 
 def _fading(recording, i: int, usual: float) -> int:
-    """The sample from which on a taxel never follows the load by its usual slope again."""
+    """The sample from which on a taxel's slope no longer reaches the usual one."""
     of = _Pieces(_load(recording), recording.taxels[i])
     whole = np.flatnonzero(of.slopes > WHOLE * usual)
     return int(of.pieces[whole[-1]][-1]) + 1 if whole.size else 0
 
 
 def _death(recording, row: np.ndarray) -> int | None:
-    """The sample from which on the taxel says nothing, or None."""
+    """The sample from which on the taxel no longer responds, or None."""
     load = _load(recording)
     if load is None:
         return None
@@ -199,7 +202,7 @@ def _death(recording, row: np.ndarray) -> int | None:
 
 
 class _Pieces:
-    """A session in `PIECES` pieces, and the slope with which a taxel follows the load in each."""
+    """A session in `PIECES` pieces, and a taxel's slope against the load in each."""
 
     def __init__(self, load: np.ndarray, row: np.ndarray):
         self.load, self.row = load, row
@@ -213,15 +216,16 @@ class _Pieces:
 
 
 def _silent_under_load(load: np.ndarray, row: np.ndarray, span: np.ndarray, slope: float) -> bool:
-    """Whether a load that changes much, if at few moments, over a long span of samples says nothing to the taxel."""
+    """Whether the taxel's slope stays below `slope` over a long span of samples in which the load changes much, if only at a few
+    moments."""
     long = span.size >= (FEWEST - 1) * row.size / PIECES
     return bool(long and np.std(load[span]) > MUCH * np.std(load) and abs(_slope(load[span], row[span])) <= slope)
 
 
 def _last_sign_of_life(row: np.ndarray, load: np.ndarray, pieces: list, last: int, dead: int) -> int:
-    """The change point, by least squares: a live line before, silence after."""
+    """The change point by least squares: a line that follows the load before it, a constant after it."""
     a, b = int(pieces[last][0]), int(pieces[dead][0])
-    # From the piece before the last live one on; the first has none before it and speaks for itself.
+    # From the piece before the last live one on, or from the first piece where that is the live one.
     before = slice(a - pieces[last].size, b) if last else slice(0, int(pieces[last][-1]) + 1)
     slope = _slope(load[before], row[before])
     slope = max(slope, _slope(load[:a], row[:a]) if a > 10 else slope)
@@ -242,7 +246,7 @@ def _symptom(
 
 
 def _load(recording) -> np.ndarray | None:
-    """What presses: the force, less what a mass does to it in the air, or the depth below the surface; None where nothing moves, so that
+    """The load: the force without its part from moving mass in air, or else the depth below the surface. None where neither moves, so that
     nothing is asked of a taxel."""
     force, depth = recording.force, recording.depth
     loads = [_while_pressed(force, depth), None if depth is None else np.maximum(depth, 0.0)]
@@ -250,7 +254,7 @@ def _load(recording) -> np.ndarray | None:
 
 
 def _while_pressed(force: np.ndarray | None, depth: np.ndarray | None) -> np.ndarray | None:
-    """The force, and what it is in the air throughout it."""
+    """The force, replaced in air by its median there."""
     if force is None or depth is None or depth.min() > 0.0:
         return force
     air = depth <= 0.0

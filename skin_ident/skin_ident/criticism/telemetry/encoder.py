@@ -1,8 +1,8 @@
-"""Faults of the encoder: depth jumps, or stands still, and the force does not know of it.
+"""Faults of the encoder: the depth jumps, or stands still, and the force does not respond.
 
-A step of dx presses the skin with k dx at least, and with more by damping. Where the depth departs from its own trend within one sample by
-more than its steps and its noise, and no channel shows a third of k dx nearby, the encoder was wrong and not the plunger. Of noise that is
-wider than a step some samples are far out, and no force knows of them: there must be more of these than its tail would leave.
+A real step dx changes the force by k dx at least, and by more with damping. Suppose the depth departs from its own trend within one sample
+by more than its steps and its noise. If no channel shows a third of k dx nearby, the encoder was wrong and not the plunger. Where noise is
+wider than a step, some samples are far out by chance and no force responds: then there must be more of them than its tail would leave.
 """
 
 from collections.abc import Collection
@@ -16,17 +16,18 @@ from skin_ident.criticism.telemetry.tails import reach, smallest_step, stands_ap
 from skin_ident.estimators.scale import normal_scale
 from skin_ident.stretches import runs
 
-TREND = 9  # samples of the running median that is taken for the true speed
+TREND = 9  # samples of the running median that gives the true speed
 STEPS = 6.0  # encoder steps that a jump must exceed
-SEEN = 0.3  # of k dx that a real step would show
-NEAR = 3  # samples within which it would show
-CLEAR = 5.0  # noise widths by which it would stand out
-FROZEN = 5  # samples
-FEWEST = 2  # faults
+SEEN = 0.3  # share of k dx that a real step would show
+NEAR = 3  # samples within which a channel would show it
+CLEAR = 5.0  # noise widths by which k dx must stand out for a channel to show it
+FROZEN = 5  # samples, shortest run at one depth
+FEWEST = 2  # faults that make a finding
 
 
 def find_encoder_faults(recordings: list, dead: Collection[Symptom] = ()) -> list[Symptom]:
-    """Spikes, drop-outs and frozen runs of the depth, where a force or a taxel tells what really happened; not one while it is `dead`."""
+    """Spikes, drop-outs and frozen runs of the depth, where a force or a taxel tells what really happened. A taxel does not count while it
+    is `dead`."""
     if recordings[0].depth is None:
         return []
     stiffness = {c: _stiffness(recordings, c) for c in recordings[0].channels}
@@ -53,8 +54,8 @@ def find_encoder_faults(recordings: list, dead: Collection[Symptom] = ()) -> lis
 
 
 def _limits(departed: list[np.ndarray], least: float) -> tuple[float, float]:
-    """Beyond which a departure is more than steps, of which `least` is a few, and than noise; and beyond which there are more of them than
-    the tail of noise would leave, where that reaches further than steps: infinite where there are not."""
+    """Two limits on a departure from the trend: above the first it exceeds noise and `least` (a few steps); above the second it may be a
+    jump. If noise reaches further than steps, the second is where departures outnumber the tail of noise, or infinite if nowhere."""
     noise = reach(np.concatenate(departed))
     if noise <= least:
         return least, least
@@ -62,7 +63,7 @@ def _limits(departed: list[np.ndarray], least: float) -> tuple[float, float]:
 
 
 def _stiffness(recordings: list, channel: str) -> float:
-    """Slope of a channel against depth in contact, N/m, as the median over sessions; a channel that never changes says nothing."""
+    """Slope of a channel against depth in contact, N/m, median over sessions; 0 for a channel that never changes."""
     slopes = []
     for r in recordings:
         y, x = r.channels[channel], r.depth
@@ -79,8 +80,8 @@ def _detrended(y: np.ndarray) -> np.ndarray:
 
 
 def _faults(departed: np.ndarray, silent: np.ndarray, x: np.ndarray, apart: float) -> np.ndarray:
-    """Mask (N,) of what jumps away and back beyond `apart`, and of what stands still and then jumps, where that is `silent` (N - 1,), large
-    and in no channel."""
+    """Mask (N,) of samples that jump away and back by more than `apart`, and of runs that stand still and then jump, where `silent` (N-1,)
+    says that a large departure shows in no channel."""
     if not silent.any():
         return np.zeros(x.size, bool)
     mask = paired(np.concatenate([[0.0], np.cumsum(departed)]), departed, np.flatnonzero(silent & (np.abs(departed) > apart)))
@@ -91,7 +92,7 @@ def _faults(departed: np.ndarray, silent: np.ndarray, x: np.ndarray, apart: floa
 
 
 def _unseen(recording, departed: np.ndarray, stiffness: dict[str, float], dead: Collection[Symptom]) -> np.ndarray:
-    """Where some channel would have shown a step of this size, and none did."""
+    """Mask (N-1,) of samples in contact where some channel would have shown a step of this size, and none did."""
     x = recording.depth
     touching = np.minimum(median_filter(x, 2 * TREND + 1)[1:], median_filter(x, 2 * TREND + 1)[:-1]) > 0.0
     would, did = np.zeros(departed.size, bool), np.zeros(departed.size, bool)

@@ -1,7 +1,7 @@
 """Excursions: a channel jumps away between two samples and jumps back soon after.
 
-A skin pressed by a plunger of finite acceleration does not do that, whatever else is wrong with it: a jump must be in the measurement, not
-in the model (which may place a contact wrongly), and one jump alone may be a contact made or lost.
+Skin pressed by a plunger of finite acceleration does not do that, whatever else is wrong with it. The jump must be in the measurement, not
+in the model, which may place a contact wrongly. A single jump does not count: it may be a contact made or lost.
 """
 
 import numpy as np
@@ -10,18 +10,18 @@ from scipy.ndimage import maximum_filter1d
 from skin_ident.stretches import runs, without
 
 LONGEST = 8  # samples of one excursion
-BACK = 0.45  # of the smaller jump, within which it must come back
-OWN = 0.6  # of a jump in the residual that must be in the measurement itself
-SLOPE = 0.35  # of a jump that the change beside it may be
-STILL = 0.5  # of a jump that the model itself may move by
-AROUND = 3  # samples of it: the model may place a contact wrongly by so many
-PUSHED, BESIDE = 0.35, 8  # of an excursion, that the model makes as well, and samples beside it: depth is smoothed, forces are not
+BACK = 0.45  # share of the smaller jump within which it must come back
+OWN = 0.6  # share of a jump in the residual that must be in the measurement itself
+SLOPE = 0.35  # share of a jump that the change just before or after it may have
+STILL = 0.5  # share of a jump by which the model itself may move
+AROUND = 3  # samples around it that are searched for such movement: the model may misplace a contact by so many
+PUSHED, BESIDE = 0.35, 8  # share of an excursion, from which the model makes it, too; samples beside it: depth is smoothed, forces are not
 CLUSTER = 12  # samples between excursions of one burst
 MEMBERS = 3  # excursions that make a burst
 
 
 def excursions(e: np.ndarray, y: np.ndarray, limit: float) -> np.ndarray:
-    """Mask (N,) of excursions in the residual `e` of the measurement `y` by jumps larger than `limit`."""
+    """Mask (N,) of excursions, by jumps larger than `limit`, in the residual `e` of the measurement `y`."""
     d = np.diff(e)
     far = np.abs(d) > limit
     if not far.any():
@@ -33,13 +33,14 @@ def excursions(e: np.ndarray, y: np.ndarray, limit: float) -> np.ndarray:
 
 
 def _sudden(d: np.ndarray) -> np.ndarray:
-    """Where a change (N-1,) is not part of a slope that takes two samples or more, as the push of a mass does."""
+    """Mask (N-1,) of changes that are not part of a slope over two samples or more, which the push of a mass makes."""
     padded = np.pad(d, 1)
     return np.maximum(padded[:-2] * np.sign(d), padded[2:] * np.sign(d)) < SLOPE * np.abs(d)
 
 
 def _of_their_own(mask: np.ndarray, e: np.ndarray, model: np.ndarray) -> np.ndarray:
-    """The mask without excursions that the model makes as well, only lower: a plunger that hurries on by a step pushes for a sample."""
+    """The mask without excursions that the model makes as well, only lower: a plunger that suddenly moves on by a step pushes for one
+    sample."""
 
     def of_the_model(a: int, b: int) -> bool:
         far = e[a] - e[a - 1]
@@ -50,8 +51,8 @@ def _of_their_own(mask: np.ndarray, e: np.ndarray, model: np.ndarray) -> np.ndar
 
 
 def _tallest(m: np.ndarray) -> float:
-    """How far the peak that stands out most rises above what is lower on both sides of it. It need not be the highest sample: a plunger
-    that halts for a moment on its way in leaves a dip in a force that rises."""
+    """The greatest prominence of a peak in m: how far it rises above the lowest values on both sides of it. It need not be the highest
+    sample: a plunger that halts for a moment on its way in leaves a dip in a rising force."""
     before, after = np.minimum.accumulate(m), np.minimum.accumulate(m[::-1])[::-1]
     return float(np.max(m - np.maximum(before, after)))
 

@@ -1,10 +1,10 @@
-"""The record's own faults in the simulation: what telemetry saw, as effects of the catalogue that the simulated skin carries from then on.
+"""The record's own faults as effects of the catalogue, which the simulated skin carries from then on.
 
-Saturation, coarse steps and a dead taxel follow from the load: a model that has them predicts held-out data better, and says by how much
-(coarse steps only where the noise does not carry the readings from one to the next: otherwise the mean is predicted best without them).
-Interference comes in at any phase, noise and outliers at random: they are in the model that the skin node loads, so that its topics look
-like the measured ones, but nothing is predicted by them and no gain is claimed. An encoder's faults and errors of data are no part of the
-simulated chain, and a taxel that dies part-way has no effect in the catalogue.
+Saturation, coarse steps and a dead taxel follow from the load: a model that has them predicts held-out data better, and the gain is
+reported. (Coarse steps predict better only where the noise does not carry the readings across the steps; otherwise the mean is predicted
+best without them.) Interference comes in at any phase, and noise and outliers at random. They are in the model that the skin node loads, so
+that its topics look like the measured ones, but they predict nothing and no gain is claimed. Faults of the encoder and errors of data are
+no part of the simulated chain, and a taxel that dies part-way has no effect in the catalogue.
 """
 
 from collections.abc import Iterable
@@ -24,12 +24,12 @@ from skin_models.effects.saturation import LeakySaturation, Saturation
 from skin_models.model import Model
 from skin_models.parameter import clipped
 
-PREDICTS = ("saturation", "quantization", "dead_taxel")  # what predicts held-out data: the others come at random, or are not compared
+PREDICTS = ("saturation", "quantization", "dead_taxel")  # causes that predict held-out data: the others come at random, or are not compared
 UNLIKE = "unlike_simulated"  # evidence that the catalogue's effect would take the simulation further from the record
 
 
 def effect_of(s: Symptom) -> Effect | None:
-    """The effect that simulates what was seen; None where the catalogue has none, or none that is like it."""
+    """The effect that simulates the symptom; None where the catalogue has none, or none that is like it."""
     if not s.where.startswith((*SENSORS, "skin")) or s.cause not in _MAKERS or s.evidence.get(UNLIKE):
         return None
     return _MAKERS[s.cause](s, {name: q["value"] for name, q in s.parameters.items()})
@@ -41,12 +41,12 @@ def effects_of(symptoms: Iterable[Symptom]) -> list[Effect]:
 
 
 def with_effects(model: Model, effects: Iterable[Effect]) -> Model:
-    """The model with all of these behind its own, as far as it has them not yet."""
+    """The model with these effects appended, except those it already has."""
     return replace(model, effects=(*model.effects, *(e for e in effects if e not in model.effects)))
 
 
 def _made(cls: type[Effect], where: str, **values: float) -> Effect:
-    """The effect, with what was seen moved to within its bounds."""
+    """The effect, with values clipped to its bounds."""
     return cls(where, **clipped(cls, **values))
 
 

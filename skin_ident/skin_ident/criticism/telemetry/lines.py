@@ -1,10 +1,10 @@
 """Interference: a line in the residual's spectrum, at full rate, at the same frequency in every session, or in several.
 
-Each residual's periodogram is divided by its own smooth background (a running median); a line stands where the mean over sessions of the
-normalised power is beyond what exponential statistics allow (R. A. Fisher, Tests of significance in harmonic analysis, 1929). It is named
-where it goes on while the plunger rests, or where nothing in the motion accounts for it (see `motion_lines`). A hump is no line, unless it
-is very tall and goes on at rest: a tone whose amplitude and phase wander looks like that. What two sessions or more have and others lack
-may be of a motion that only they have: there it must go on at rest, or stand very tall where the motion hardly moves.
+Each residual's periodogram is divided by its own smooth background (a running median). A line stands where the mean over sessions of the
+normalised power exceeds what exponential statistics allow (R. A. Fisher, Tests of significance in harmonic analysis, 1929). It is reported
+where it goes on while the plunger rests, or where nothing in the motion accounts for it (see `motion_lines`). A hump is not a line, unless
+it is very tall and goes on at rest: a tone whose amplitude and phase wander looks like that. A line in two sessions or more that others
+lack may come from a motion that only these have. Such a line must go on at rest, or stand very tall where the motion hardly moves.
 """
 
 from collections.abc import Iterable
@@ -22,26 +22,26 @@ from skin_ident.criticism.telemetry.motion_lines import LONE, goes_on_at_rest, i
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.words import counted
 
-CHANCE = 1e-4  # of one false line per channel
-TALLER = 3.0  # times what chance makes, that a line must stand
-SEEN = 5.0  # times its background, as tall as a line is in more than this part of the sessions: a few motions may be of one speed
-MOST_SESSIONS = 2 / 3  # that a motion's own line may be in
+CHANCE = 1e-4  # chance of one false line per channel
+TALLER = 3.0  # least height of a line, in units of what chance makes
+SEEN = 5.0  # least height over its background in more than `MOST_SESSIONS` of the sessions: a few motions may have the same speed
+MOST_SESSIONS = 2 / 3  # share of the sessions that may have a line of their motion
 DRIFT = 5  # bins by which a line may differ from session to session
-BESIDE = 2, 12  # bins: what a line is compared with to tell it from a hump
-HUMP = 1e-5  # chance that a hump looks like one: it is its highest bin that is looked at
+BESIDE = 2, 12  # bins: nearest and farthest of those that a line is compared with to tell it from a hump
+HUMP = 1e-5  # chance that a hump passes for a line, given that its highest bin is tested
 BURST_HZ = 1.0  # half width of the band in which bursts are looked for
-FEWEST_CYCLES = 24  # in a session
-LOWEST_HZ = 0.3  # below, the motion itself leaves lines in a residual
-AROUND, LONELY = 30, 0.15  # a line that comes in bursts has sidebands; within so many bins the median must stay below this share of it
-MOST = 6  # lines per channel that are looked into, the tallest first
-LEFT = 0.5  # of its amplitude, which a line must keep in what the extended model leaves
-NEAR = 0.15  # of its frequency, by which a line may wander
-FINE = 101  # frequencies between DRIFT bins below and above
+FEWEST_CYCLES = 24  # cycles in a session, the fewest for a line
+LOWEST_HZ = 0.3  # lowest frequency: below, the motion itself leaves lines in a residual
+AROUND, LONELY = 30, 0.15  # bins around a line, with sidebands from bursts; the median there must stay below this share of its height
+MOST = 6  # candidates per channel that are tested, the tallest first
+LEFT = 0.5  # share of its amplitude that a line must keep in the residual of the extended model
+NEAR = 0.15  # share of its frequency by which a line may wander
+FINE = 101  # frequencies of the fine grid from DRIFT bins below to DRIFT bins above
 
 
 @dataclass(frozen=True)
 class Line:
-    """Frequency (Hz) and amplitude (N, mean over the record) of a line, and how many times it stands over its background."""
+    """A line's frequency (Hz), amplitude (N, mean over the record), and height as a multiple of its background."""
 
     frequency: float
     amplitude: float
@@ -57,10 +57,10 @@ def find_interference(
     n_taxels: int,
     stepped: bool = False,
 ) -> list[Symptom]:
-    """Periodic disturbances per channel, from measured less simulated and simulated rows (C, N) at full rate of the sessions `names`; one
-    symptom per channel.
+    """Periodic disturbances, one symptom per channel, from measured less simulated and simulated rows (C, N) at full rate of the sessions
+    `names`.
 
-    Where depth is read in such steps (`stepped`) that they leave lines of their own, only what goes on at rest is believed.
+    Where depth is read in such coarse steps (`stepped`) that they make lines of their own, only lines that go on at rest count.
     """
     found = []
     for c, channel in enumerate(channels):
@@ -76,13 +76,13 @@ def find_interference(
 
 
 def _over_backgrounds(rows: list[np.ndarray]) -> list[np.ndarray]:
-    """The periodograms of rows (N,) over their backgrounds, of as many samples as all of them have."""
+    """Periodograms of rows (N,) divided by their backgrounds, each cut to the length of the shortest row."""
     n = min(e.size for e in rows)
     return [over_background(e[:n]) for e in rows]
 
 
 def _of_some(each: list[np.ndarray], n: int, dt: float) -> list[int]:
-    """Which of the normalised periodograms `each` of n samples have the tallest line that two or more have, where others have none."""
+    """Indices of the normalised periodograms `each`, of n samples, that share the tallest line which two or more have and others lack."""
     if len(each) <= 2:
         return []
     tall = np.array([maximum_filter1d(row, DRIFT) for row in each]) * _asked(n, dt)
@@ -98,13 +98,13 @@ def _asked(n: int, dt: float) -> np.ndarray:
 
 
 def _by_chance(n: int, sessions: int) -> float:
-    """How many times its background the tallest of n frequencies stands by chance, on average over sessions."""
+    """Height over the background, averaged over sessions, that the tallest of n frequencies reaches by chance."""
     return (sessions > 1) - float(np.log(CHANCE / n)) / sessions
 
 
 def is_left(symptom: Symptom, row: list[np.ndarray], dts: list[float]) -> bool:
-    """Whether a line is still in what a model leaves that knows more, e (N,) N for each session, sampled every `dts` s. What named causes
-    account for was brought by the motion."""
+    """Whether a line remains in the residuals e (N,), N, of the extended model, one for each session, sampled every `dts` s. If named
+    causes explain it, the motion had brought it. True for symptoms without an amplitude."""
     if "amplitude" not in symptom.parameters:
         return True
     left = [_amplitude(e, symptom.parameters["frequency"]["value"], dt) for e, dt in zip(row, dts, strict=True)]
@@ -112,8 +112,8 @@ def is_left(symptom: Symptom, row: list[np.ndarray], dts: list[float]) -> bool:
 
 
 def between_lines(rests: list[np.ndarray], channels: tuple[str, ...], symptoms: Iterable[Symptom], dts: list[float]) -> list[np.ndarray]:
-    """What is left (C, N) of every session, sampled every `dts` s, less all that is near the lines of these symptoms: what is alike from
-    sample to sample there is none of the channel's noise."""
+    """Residuals (C, N) of every session, sampled every `dts` s, without the bands around the lines of these symptoms: correlation of
+    neighbouring samples there is not the channel's noise."""
     out = [e.copy() for e in rests]
     for s in symptoms:
         if s.cause == "interference" and s.channels[0] in channels:
@@ -138,11 +138,12 @@ def _amplitude(e: np.ndarray, frequency: float, dt: float) -> float:
 def _lines(
     rows: list[np.ndarray], predicted: list[np.ndarray], each: list[np.ndarray], dt: float, doubtful: bool, *, strict: bool = False
 ) -> list[Line]:
-    """What stands in the rows (N,) of one channel, and in their normalised periodograms `each`, the tallest first, less what the motion
+    """The lines in the rows (N,) of one channel with normalised periodograms `each`, the tallest first, without those that the motion
     brings.
 
-    Where it brings one line it may bring lesser ones, of which nothing simple knows: then only what goes on at rest is believed, as from
-    the start where the motion is `doubtful`; a `strict` search believes nothing else that the motion may have brought.
+    Where the motion brings one line, it may bring lower ones that no simple function of it shows. From then on, and from the start where
+    the motion is `doubtful`, only lines that go on at rest count. A `strict` search also requires of all others that they stand very tall
+    and that the motion hardly moves there.
     """
     n = min(e.size for e in rows)
     frequency = np.fft.rfftfreq(n, dt)
@@ -173,9 +174,9 @@ def _lines(
 
 
 def _narrow(each: list[np.ndarray], i: int) -> bool:
-    """Whether bin `i` of the normalised periodograms is the place of a line, and not the highest of a hump, as a frame that rings has one.
+    """Whether bin `i` of the normalised periodograms is a line, and not the top of a hump such as a ringing frame makes.
 
-    Its bins are compared with those next to them by the chance of their maximum, combined over sessions (Fisher's method).
+    The highest bin is compared with those next to it by the chance of such a maximum, combined over sessions (Fisher's method).
     """
     logs = 0.0
     for row in each:
@@ -186,12 +187,12 @@ def _narrow(each: list[np.ndarray], i: int) -> bool:
 
 
 def _in_bursts(rows: list[np.ndarray], frequency: float, dt: float) -> bool:
-    """Whether what is near a frequency comes and goes as no noise does."""
+    """Whether the signal near a frequency comes and goes as no noise does."""
     return float(np.median([coming(envelope(e, frequency, dt, BURST_HZ)) for e in rows])) > COMING
 
 
 def _line(rows: list[np.ndarray], near: float, tall: float, dt: float) -> Line:
-    """The line near a frequency, on a finer grid than the periodogram's."""
+    """The line near a frequency, located on a finer grid than the periodogram's."""
     reach = DRIFT / (min(e.size for e in rows) * dt)
     grid = np.linspace(near - reach, near + reach, FINE)
     each = [

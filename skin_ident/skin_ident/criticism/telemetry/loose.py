@@ -1,8 +1,8 @@
-"""A loose contact: a channel jumps from following the load to a reading of its own, and back, while the load does nothing of the kind.
+"""A loose contact: a channel jumps from following the load to a constant reading, and back, while the load does not jump.
 
-Such a jump is as large as the reading itself within a sample, and the reading on its silent side is one and the same each time. A drop-out
-of a few samples is an outlier (see `excursions`); a frozen reading begins without a jump. A skin that a plunger left behind and meets again
-jumps, too, always up and always while the depth grows: where the depth is all that is known of the load, such jumps do not count.
+Such a jump is as large as the reading itself within a sample, and the silent reading is the same each time. A drop-out of a few samples is
+an outlier (see `excursions`); a frozen reading begins without a jump. Skin that a plunger left behind and meets again jumps, too, but
+always up and while the depth grows: where only the depth is known of the load, such jumps do not count.
 """
 
 from dataclasses import dataclass
@@ -13,21 +13,21 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from skin_ident.criticism.telemetry.tails import reach, smallest_step
 from skin_ident.stretches import runs
 
-LOADED = 0.2  # of the greatest load, below which nothing is lost by an open contact
-FALLS = 0.6  # of the reading that ought to be there, by which it must jump
-CALM = 0.2  # of the load, by which it may itself change within
-NEAR = 3  # samples of the jump
-LASTS_S, LASTS = 0.1, 12  # seconds, and samples, for which the reading must stay
-OFF = 0.3  # of what ought to be there, by which the silent reading must differ from it: a kick of noise comes back to what ought to be
-SAME = 0.1  # of what ought to be there, within which it must stay
-WIDE = 5.0  # standard deviations of the silent reading
-FEWEST = 4  # jumps
-WAYS = 2  # of which so many down, and so many up
+LOADED = 0.2  # share of the greatest load below which an open contact loses nothing
+FALLS = 0.6  # share of the expected reading by which it must jump
+CALM = 0.2  # share of the load by which it may itself change near the jump
+NEAR = 3  # samples to either side of the jump
+LASTS_S, LASTS = 0.1, 12  # s and samples for which the reading must stay
+OFF = 0.3  # share of the expected reading by which the silent one must differ from it: a kick of noise comes back to the expected reading
+SAME = 0.1  # share of the expected reading within which the silent one must stay
+WIDE = 5.0  # standard deviations of the silent reading that still count as it
+FEWEST = 4  # jumps that make a loose contact
+WAYS = 2  # least number of them down, and up
 
 
 @dataclass(frozen=True)
 class Contact:
-    """The masks (N,) of each session where the channel is silent, what it then reads (N), and the jumps that say so."""
+    """Where the channel is silent, masks (N,) of each session; its reading then, N; and the number of jumps that show it."""
 
     lost: list[np.ndarray]
     level: float
@@ -35,10 +35,10 @@ class Contact:
 
 
 def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float, by_depth: bool = False, step: float = 0.0) -> Contact | None:
-    """The loose contact of a channel with these readings (N,) under these loads (N,), each session one; None where it has none.
+    """The loose contact of a channel with these readings (N,) under these loads (N,), one each for every session; None where it has none.
 
-    `by_depth`: the loads are depths, which say nothing of a skin that the plunger has left behind. The converter's `step` is looked for in
-    the readings where it is not given.
+    `by_depth`: the loads are depths, which say nothing about skin that the plunger has left behind. The converter's `step` is estimated
+    from the readings where it is 0.
     """
     slope, least = _slope(rows, loads), LOADED * max(float(load.max()) for load in loads)
     if slope * least < reach(np.concatenate([np.diff(y) for y in rows]), step or smallest_step(np.concatenate(rows))):
@@ -70,14 +70,15 @@ def contact_of(rows: list[np.ndarray], loads: list[np.ndarray], dt: float, by_de
 
 
 def _slope(rows: list[np.ndarray], loads: list[np.ndarray]) -> float:
-    """Reading per load while the channel follows: the upper quartile of their ratio under load, as it may be silent most of the time."""
+    """Reading per load while the channel follows: the upper quartile of their ratio under load, as the channel may be silent most of the
+    time."""
     y, load = np.concatenate(rows), np.concatenate(loads)
     pressed = load > 0.5 * load.max()
     return float(np.percentile(y[pressed] / load[pressed], 75.0)) if pressed.any() else 0.0
 
 
 def _jumps(y: np.ndarray, load: np.ndarray, slope: float, least: float, by_depth: bool) -> np.ndarray:
-    """Samples (after the jump) where the reading jumps by what ought to be there while the load stays."""
+    """Samples (the first after the jump) where the reading jumps by about the expected reading while the load stays."""
     calm = maximum_filter1d(load, 2 * NEAR + 1) - minimum_filter1d(load, 2 * NEAR + 1) < CALM * load
     d = np.diff(y, prepend=y[0])
     met = (d > 0.0) & (np.roll(load, -NEAR) > np.roll(load, NEAR)) if by_depth else np.zeros(y.size, bool)
@@ -85,13 +86,13 @@ def _jumps(y: np.ndarray, load: np.ndarray, slope: float, least: float, by_depth
 
 
 def _silent_side(y: np.ndarray, jumps: np.ndarray, size: int) -> list[tuple[int, int, bool]]:
-    """The `size` samples after each jump down and before each jump up, and whether it is down."""
+    """Begin and end of the `size` samples after each jump down and before each jump up, and whether it is down."""
     sides = [(int(k), int(k) + size, True) if y[k] < y[k - 1] else (int(k) - size, int(k), False) for k in jumps]
     return [side for side in sides if side[0] >= 0 and side[1] <= y.size]
 
 
 def _grown(y: np.ndarray, sides: list[tuple[int, int]], level: float, wide: float) -> np.ndarray:
-    """Mask of the stretches at the level that hold one of these."""
+    """Mask of the stretches at the level that contain one of these sides."""
     at = np.abs(y - level) < wide
     out = np.zeros(y.size, bool)
     for a, b in sides:
@@ -101,7 +102,7 @@ def _grown(y: np.ndarray, sides: list[tuple[int, int]], level: float, wide: floa
 
 
 def _lost(y: np.ndarray, ought: np.ndarray, level: float, near: float, size: int) -> np.ndarray:
-    """Mask of all other stretches as near to the level that are as long, and are constant or ought to read more."""
+    """Mask of the other stretches within `near` of the level that last `size` samples, and are either constant or ought to read more."""
     out = np.zeros(y.size, bool)
     for a, b in zip(*runs(np.abs(y - level) <= near), strict=True):
         out[a:b] = b - a >= size and bool(np.ptp(y[a:b]) == 0.0 or np.max(ought[a:b]) > abs(level) + 3.0 * near)

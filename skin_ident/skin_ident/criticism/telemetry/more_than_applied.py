@@ -1,12 +1,12 @@
-"""A taxel that reads more than what presses on it.
+"""A taxel that reads more than the applied force.
 
-A skin leads a part of the force through a taxel and the rest around it. With the load x (the depth, or the force that drives a test without
-one) as the instrument, which noise of the load cell does not bend,
+Skin leads a part of the force through a taxel and the rest around it. The load x (the depth, or the force that drives a test without depth)
+serves as an instrument, so that noise of the load cell does not bias the ratio:
 
     ratio = sum (x - mean x) taxel / sum (x - mean x) force
 
-is k1 / (k1 + k2) of the thesis's model, below one for every skin. Above one, force and taxel are not in one unit, their columns are
-exchanged, a calibration is wrong, or another taxel leaks into this one. Which of them is wrong nobody can tell from the record.
+is k1 / (k1 + k2) of the thesis's model, below one for every skin. Above one, force and taxel are not in the same unit, their columns are
+exchanged, a calibration is wrong, or another taxel leaks into this one. The record cannot tell which.
 """
 
 from dataclasses import dataclass
@@ -18,30 +18,30 @@ from skin_ident.criticism.telemetry.units import FOLLOWS, declared_step, load_of
 from skin_models.model import Model
 
 KIND = "more than applied"
-MORE, SURE = 1.1, 3.0  # a ratio from which it is said, and standard errors above one
-BLOCKS = 10  # of a session, for the standard error
-LEAST = 0.3  # of the force, that a skin leads through the taxel under the plunger
-UNITS = {9.80665: "kilograms-force", 4.44822: "pounds-force", 1000.0: "kilonewtons"}  # how many newtons one of them is
-WHOLE = 1e-6  # relative, by which steps of counts may differ from a whole number
+MORE, SURE = 1.1, 3.0  # least ratio that is reported; standard errors by which it must exceed one
+BLOCKS = 10  # blocks of a session, for the standard error
+LEAST = 0.3  # least share of the force that skin leads through the taxel under the plunger
+UNITS = {9.80665: "kilograms-force", 4.44822: "pounds-force", 1000.0: "kilonewtons"}  # newtons in one of each unit
+WHOLE = 1e-6  # relative deviation of a step from a whole number, up to which readings are counts
 APART = "hang one known weight on the load cell, and lay it on the taxel"
 
 
 @dataclass(frozen=True)
 class Ratio:
-    """What a taxel reads of the force, and its standard error."""
+    """The ratio of a taxel's reading to the force, and its standard error."""
 
     value: float
     std: float
 
     @property
     def is_more(self) -> bool:
-        """Whether no skin does that, beyond doubt."""
+        """Whether the ratio is clearly more than any skin can have."""
         return self.value > MORE and self.value - 1.0 > SURE * self.std
 
 
 def find_more_than_applied(recordings: list, known: tuple[str, ...] = ()) -> list[Symptom]:
-    """One symptom, of the taxel that reads most, where all sessions at one place agree that it is more than the force. Channels whose units
-    are `known` to be wrong are not asked, nor are taxels in volts or in counts, whose steps are whole numbers."""
+    """At most one symptom: the taxel with the highest ratio, if all sessions at one place agree that it reads more than the force. Not
+    tested are channels whose units are `known` to be wrong, and taxels in volts or in counts, whose steps are whole numbers."""
     first = recordings[0]
     if first.force is None or "force" in known:
         return []
@@ -51,14 +51,14 @@ def find_more_than_applied(recordings: list, known: tuple[str, ...] = ()) -> lis
 
 
 def is_left(symptom: Symptom, model: Model) -> bool:
-    """Whether the taxel reads more than what is applied in a model that knows more, too: in one whose taxel drifts away, or whose load cell
-    bends under the load, the skin itself may lead less than all of it there."""
+    """Whether the taxel reads more than the applied force in the extended model, too. If its taxel drifts, or its load cell is not linear,
+    the model's skin may lead less than the whole force through the taxel."""
     i = int(symptom.channels[-1].rpartition("_")[2])
     return model.shares[i] * model.dispersion.sensed_share >= 1.0
 
 
 def in_newtons(recordings: list, i: int) -> bool:
-    """Whether a taxel's numbers are newtons as far as one can see: neither volts nor counts."""
+    """Whether a taxel's numbers appear to be newtons: neither volts nor counts."""
     seen = (r.step(f"taxel_{i}") for r in recordings)
     step = declared_step(recordings[0], f"taxel_{i}") or next(filter(None, seen), 0.0)
     counts = step >= 1.0 and abs(step / round(step) - 1.0) < WHOLE
@@ -66,7 +66,7 @@ def in_newtons(recordings: list, i: int) -> bool:
 
 
 def _ratio(r, i: int) -> Ratio | None:
-    """None where force or taxel do not follow the load."""
+    """The ratio in one session; None where force or taxel do not follow the load."""
     x = r.force if r.depth is None else load_of(r, "force")
     if x is None:
         return None
@@ -81,7 +81,7 @@ def _ratio(r, i: int) -> Ratio | None:
 
 
 def _worst(ratios: list[tuple[object, Ratio | None]]) -> Ratio | None:
-    """The least sure of the sessions at a place where all of them are more."""
+    """Among places where all sessions have a ratio above one, the highest of their lowest ratios; None if there is no such place."""
     places: dict[tuple[float, ...], list[Ratio | None]] = {}
     for r, ratio in ratios:
         places.setdefault(tuple(r.declared.contact_of(r.name)), []).append(ratio)
@@ -102,7 +102,7 @@ def _symptom(recordings: list, i: int, ratio: Ratio) -> Symptom:
 
 
 def _guesses(channel: str, ratio: float) -> list[str]:
-    """What would make a share of it that a skin can have."""
+    """Explanations, in words, under which the ratio becomes a share that skin can have."""
     units = [
         f"if the load cell's numbers are {name}, not newtons, its share is {ratio / f:.2g}"
         for f, name in UNITS.items()

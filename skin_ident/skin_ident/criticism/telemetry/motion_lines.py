@@ -1,8 +1,8 @@
-"""Lines that the motion itself brings into a residual, and lines that it cannot have brought.
+"""Tells lines that the motion itself brings into a residual from lines that it cannot have brought.
 
-A periodic motion leaves its harmonics in the residual of any skin that is not linear, a coarse encoder its steps at constant speed. What
-curvature, friction, play or contact make of a motion has lines where simple functions of the simulated force and of its rate have them. But
-a line that goes on while the plunger rests came from elsewhere, whatever the motion does at other times.
+A periodic motion leaves its harmonics in the residual of any skin that is not linear, and a coarse encoder its steps at constant speed.
+Curvature, friction, backlash or contact give lines where simple functions of the simulated force and of its rate have lines. But a line
+that goes on while the plunger rests came from elsewhere, whatever the motion does at other times.
 """
 
 import numpy as np
@@ -10,17 +10,17 @@ from scipy.ndimage import median_filter
 from scipy.signal import detrend
 from scipy.stats import f as f_distribution
 
-BY_DEPTH = 0.4  # of a line that the simulation may carry
-NEAR = 3  # bins to both sides
-TALL = 20.0  # times its background, where a motion has a line of its own
-LONE = 100.0  # times its background, where a motion that moves as much has none
-SEVERAL, ABOVE = 3, 8.0  # sessions, in each of which a line stands so many times as tall as in all that is made of the motion
-CYCLES, LEAST_S = 8, 2.0  # of a line, in a window at rest, and its least length
-STILL = 0.25  # of the line's amplitude, by which the simulation may move there (standard deviation)
+BY_DEPTH = 0.4  # share of a line's amplitude up to which the simulation may move near its frequency
+NEAR = 3  # bins to either side
+TALL = 20.0  # height over the background from which a function of the motion has a line of its own
+LONE = 100.0  # height over the background of a line that a motion without a line of its own cannot have made
+SEVERAL, ABOVE = 3, 8.0  # sessions, in each of which the line must stand so many times as tall as any function of the motion
+CYCLES, LEAST_S = 8, 2.0  # cycles of a line in a window at rest, and the window's least length
+STILL = 0.25  # share of the line's amplitude by which the simulation may move in such a window (standard deviation)
 BESIDE = np.array([-4, -3, -2, 2, 3, 4])  # bins of such a window that a line is compared with
-FEWEST = 2  # windows
-CHANCE = 1e-4  # that noise at rest has as much at the line
-SLOW = 0.02  # of the greatest speed, below which a speed has no sign
+FEWEST = 2  # windows at rest that the test needs
+CHANCE = 1e-4  # chance that noise at rest has as much power at the line
+SLOW = 0.02  # share of the greatest rate of the force below which its sign is smoothed
 
 
 def goes_on_at_rest(rows: list[np.ndarray], predicted: list[np.ndarray], frequency: float, amplitude: float, dt: float) -> bool:
@@ -45,12 +45,13 @@ def goes_on_at_rest(rows: list[np.ndarray], predicted: list[np.ndarray], frequen
 def is_of_motion(
     rows: list[np.ndarray], predicted: list[np.ndarray], frequency: float, amplitude: float, tall: float, dt: float, *, strict: bool = False
 ) -> bool:
-    """Whether the simulated rows (N,) move as much near this frequency, or anything that a skin makes of them has a line there.
+    """Whether the motion may have brought a line: the simulated rows (N,) move as much near its frequency, or a function of them has a line
+    there.
 
-    A motion that moves as much and has no line makes none that is so `tall` (times its background) as `LONE`, and in `SEVERAL` sessions
-    none that stands in each of the residuals (N,) in `rows` `ABOVE` times as tall as in all that is made of the motion; a `strict` answer
-    asks that it moves less. Near is as far as the lines of a residual may differ from session to session: periodic motions of different
-    speed may meet there.
+    Movement alone is excused where no function of the motion has a line: if the residual's line is as `tall` (times its background) as
+    `LONE`, or if it stands, in each of `SEVERAL` sessions or more, `ABOVE` times as tall in the residuals `rows` (N,) as in any function of
+    the motion. A `strict` answer excuses nothing. "Near" is as far as the lines of a residual may differ from session to session, where
+    periodic motions of different speed may meet.
     """
     n = min(m.size for m in predicted)
     i = round(frequency * n * dt)
@@ -69,14 +70,14 @@ def _has_line(of_motion: list[list]) -> bool:
 
 
 def over_background(e: np.ndarray) -> np.ndarray:
-    """Periodogram of e (N,), in units of its own running median."""
+    """Periodogram of e (N,) over its background: its own running median, scaled to the mean of an exponential distribution."""
     n = e.size
     power = np.abs(np.fft.rfft((e - e.mean()) * np.hanning(n))) ** 2
     return power / np.maximum(median_filter(power, 101) / np.log(2.0), 1e-300)
 
 
 def _made_of(force: np.ndarray) -> list[np.ndarray]:
-    """What curvature, contact, friction and play may add to a force (N,), each to a scale of its own."""
+    """Functions of a force (N,) such as curvature, contact, friction and backlash may add to it, each with a scale of its own."""
     y = force / np.max(np.abs(force))
     rate = np.gradient(y)
     way = np.tanh(rate / (SLOW * np.max(np.abs(rate))))

@@ -1,18 +1,18 @@
 """Noise: not what rig.yaml declares, in level, in colour, or because it grows with the load.
 
-Looks at what the extended model leaves of what was read, far from contact made or lost, less its own running median: what is slow may be
-the model's. Speaks only where a level is declared (`force_noise_n`, `taxel_noise_n`), and widens it by the converter's step q and by u, rms
-of what errors of the depth do to the simulation, through stiffness and damping (or those of the force, where that drives the test), or of
-what all channels share of them:
+The noise is the residual of the extended model, at the channel's own readings and away from contact made or lost, less its own running
+median: slow parts may be the model's. A channel is judged only where its level is declared (`force_noise_n`, `taxel_noise_n`). The level is
+widened by the converter's step q and by u, the rms error of the simulation from errors of the depth, through stiffness and damping (or of
+the force, where that drives the test), or from what all channels share of such errors:
 
     expected^2 = declared^2 + q^2 / 12 + u^2.
 
-What is louder by less than half is still too loud for one channel where the others are as declared. A level says nothing of colour, nor of
-loads. Whoever measured it in the air declares it truly of noise that wanders, too. So these are held against the other channels of which a
-level is declared: that is odd which is unlike most of them.
+Noise that is less than `OTHER_LEVEL` times as loud as expected still counts as too loud in one channel if the others are as declared. A
+declared level says nothing about colour or load: noise measured in air may be declared truly and still wander. So colour and growth are
+compared with those of the other channels with a declared level, and a channel is odd if it is unlike most of them.
 
-An encoder that adds as much as was declared makes any noise coloured and load-dependent; then only the level is looked at. And noise is
-read through steps as wide as itself now as nothing, now as a whole step; then only a level that is too high is.
+An encoder error as large as the declared noise makes any noise coloured and load-dependent; then only the level is judged. Noise read
+through steps as wide as itself shows now as nothing, now as a whole step; then only a level that is too high counts.
 """
 
 from collections.abc import Callable
@@ -30,29 +30,29 @@ from skin_ident.criticism.telemetry.as_read import calm_lines
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_models.model import Model
 
-SLOW_S = 2.0  # of the running median
-OTHER_LEVEL = 1.5  # times as much, or as little, as expected
-LOUDER = 1.35  # times as much, beside others that are no louder than declared
-COLOURED, WHITE = 0.5, 0.25  # correlations of neighbouring samples: of a channel that is odd beside one of less
-GROWN, STEADY = 1.6, 1.25  # times the spread in the air, in the third of the samples with the greatest load: the same
-BURIED = 0.5  # of the noise declared, which rounding to a converter's steps is (rms) where they are 1.7 times as wide as it
+SLOW_S = 2.0  # s, window of the running median
+OTHER_LEVEL = 1.5  # factor by which the level must exceed, or fall below, the expected one
+LOUDER = 1.35  # factor from which it is too loud where others are as declared
+COLOURED, WHITE = 0.5, 0.25  # correlation of neighbouring samples above which a channel is odd, if that of the others is below the second
+GROWN, STEADY = 1.6, 1.25  # growth with the load: a channel is odd above the first, if that of the others is below the second
+BURIED = 0.5  # rms of rounding over declared noise, from which the noise is buried: steps 1.7 times as wide as it
 SEEN = (
     f"looked for and not seen: it shows where it is {OTHER_LEVEL:g} times as loud as declared or more, or so much quieter, and where, in "
     f"one channel and not in another, it is {LOUDER:g} times as loud, neighbouring samples are alike (correlation above {COLOURED:g}), or "
     f"a load makes it {GROWN:g} times as loud"
 )
 FEWEST = 300  # samples that a verdict needs
-AROUND_S = 0.3  # within which the plunger's greatest speed counts
-SEED = 0  # any: the same record is told the same
+AROUND_S = 0.3  # s around a sample in which the plunger's greatest speed counts
+SEED = 0  # any fixed number, so that the same record gives the same result
 
 
 def find_noise(
     recordings: list, channels: tuple[str, ...], residuals: list[np.ndarray], believed: list[np.ndarray], unread: Callable[[], np.ndarray]
 ) -> list[Symptom]:
-    """Channels whose noise is not as declared, from residuals (C, N) at full rate and masks (C, N) of the samples to look at.
+    """Channels whose noise is not as declared, from residuals (C, N) at full rate and masks (C, N) of the samples to use.
 
-    `unread` gives what errors of what drives the test do to the simulation, (C,) N rms (`by_drive`): dear, and asked only where a level is
-    declared.
+    `unread` gives the rms error (C,), N, of the simulation from errors of the driving signal (`by_drive`). It is costly, and called only
+    where a level is declared.
     """
     levels = {c: level for c, channel in enumerate(channels) if (level := _declared(recordings[0], channel))}
     errors = unread() if levels else np.zeros(0)
@@ -70,7 +70,8 @@ def find_noise(
 def _looked(
     channel: str, c: int, level: float, error: float, recordings: list, residuals: list[np.ndarray], believed: list[np.ndarray]
 ) -> "_Look":
-    """Row `c` of what is left, as its channel was read; the simulation is wrong by `error`, N rms, where the depth is."""
+    """The noise of row `c` of the residuals, at the channel's own readings; `error` is the rms error, N, of the simulation from the driving
+    signal."""
     lines = calm_lines(channel, c, recordings, residuals, [b[c] for b in believed])
     periods = [r.dt if line.own is None else line.own.period for line, r in zip(lines, recordings, strict=True)]
     steps = np.array([(recordings[0].step(channel) or 0.0) / np.sqrt(12.0), error])
@@ -82,8 +83,8 @@ def _looked(
 
 
 def at_leisure(s: Session) -> np.ndarray:
-    """Mask (N,) of the slower half of a session: where the plunger hurries, stamps that tremble and corners of its way make errors that are
-    no noise of a channel."""
+    """Mask (N,) of the slower half of a session: where the plunger is fast, jitter of time stamps and corners of its path make errors that
+    are not noise of a channel."""
     fastest = maximum_filter1d(np.abs(s.motion.v), 2 * int(0.5 * AROUND_S / s.motion.dt) + 1)
     return fastest <= np.median(fastest)
 
@@ -91,9 +92,9 @@ def at_leisure(s: Session) -> np.ndarray:
 def by_drive(
     model: Model, sessions: list[Session], recordings: list, residuals: list[np.ndarray], believed: list[np.ndarray]
 ) -> np.ndarray:
-    """What errors of the depth, or of the force that drives a test, do to what is simulated of each channel, (C,) N rms, over samples of
-    masks (N,): the difference that a further draw of its noise and steps makes, or more, where `residuals` (C, N) of several channels share
-    more in that proportion."""
+    """The rms error (C,), N, of each simulated channel from errors of the depth, or of the force that drives a test, over samples of masks
+    (N,): the change that another realisation of the driving noise and steps makes, or more, if the `residuals` (C, N) of several channels
+    share more in that proportion."""
     rng, step = np.random.default_rng(SEED), _encoder_step(recordings[0]) / np.sqrt(12.0)
     again = [read_again(s, _unread(s, step) * rng.standard_normal(len(s.motion))) for s in sessions]
     changes = [(simulated(model, b) - simulated(model, a))[:, calm] for a, b, calm in zip(sessions, again, believed, strict=True)]
@@ -103,13 +104,14 @@ def by_drive(
 
 
 def _unread(s: Session, step: float) -> float:
-    """The errors of one reading of the depth whose steps leave `step`, m rms, or of the force that drives the test, N rms."""
+    """Standard deviation of one reading's error: of the depth, m, whose steps leave `step` m rms, or of the force that drives the test,
+    N."""
     return float(np.hypot(step, s.depth_noise)) if s.drive is None else s.drive_noise / s.band.passes
 
 
 def _with_shared(unread: np.ndarray, e: np.ndarray) -> np.ndarray:
-    """What is `unread` (C,) of the channels, or what residuals e (C, n) share with others, if that is more: an error z times a_c
-    in each channel makes covariances of a_c a_o z^2, of which a_c / a_o is known."""
+    """`unread` (C,), or what residuals e (C, n) share between channels if that is more. An error z times a_c in channel c makes covariances
+    a_c a_o z^2, and the ratio a_c / a_o is known from `unread`."""
     if e.shape[1] == 0 or len(unread) < 2 or not unread.all():
         return unread
     shared = e @ e.T / e.shape[1] * np.divide.outer(unread, unread)
@@ -119,9 +121,9 @@ def _with_shared(unread: np.ndarray, e: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Look:
-    """The noise of a channel: its declared `level` and what `steps` of the converter and the encoder add, N; of every session, what is left
-    less its running median (`rows`), under which simulated `loads` (a reading is high by its noise, too), and which samples are `believed`.
-    `slow` is the spread with what is slow in it, N."""
+    """The noise of a channel: its declared `level`, and what `steps` of the converter and of the encoder add, N. For every session: the
+    residual less its running median (`rows`), the simulated `loads` (not readings, which contain the noise), and masks of the samples to
+    use (`believed`). `slow` is the spread of the residual including its slow part, N."""
 
     channel: str
     level: float
@@ -134,42 +136,44 @@ class _Look:
 
     @cached_property
     def e(self) -> np.ndarray:
-        """All of the noise that is believed (n,), N."""
+        """The noise at all samples to be used (n,), N."""
         return np.concatenate([row[b] for row, b in zip(self.rows, self.believed, strict=True)])
 
     @cached_property
     def expected(self) -> float:
-        """Its spread by what is declared, N."""
+        """Expected spread, N, from what is declared, steps and encoder."""
         return float(np.hypot(self.level, np.hypot(*self.steps)))
 
     @cached_property
     def times_expected(self) -> float:
-        """How many times that it spreads."""
+        """Ratio of the spread to the expected one."""
         return _spread(self.e) / self.expected
 
     @property
     def is_buried(self) -> bool:
-        """Whether the converter's steps are most of it."""
+        """Whether rounding to the converter's steps hides the noise."""
         return bool(self.steps[0] >= BURIED * self.level)
 
     @property
     def is_its_own(self) -> bool:
-        """Whether neither steps nor the encoder's errors, which are coloured and grow with the load, are most of it."""
+        """Whether the noise is mostly the channel's own: neither buried in steps nor mostly encoder errors, which are coloured and grow
+        with the load."""
         return not self.is_buried and bool(self.steps[1] < 0.5 * self.level) and self.e.size >= FEWEST
 
     @property
     def declared(self) -> str:
-        """What is declared, in words."""
+        """The declaration, in words."""
         return f"rig.yaml declares noise of {self.level:.3g} N"
 
     @cached_property
     def colour(self) -> float:
-        """The correlation of neighbouring samples."""
+        """Correlation of neighbouring samples, median over sessions."""
         return float(np.median([_neighbours(row, b) for row, b in zip(self.rows, self.believed, strict=True)]))
 
     @cached_property
     def idle_and_loaded(self) -> tuple[float, float, float]:
-        """Its spread under the least loads and under the greatest, and the mean magnitude of these, N; nothing where loads are alike."""
+        """Spread under the lowest third of loads and under the highest, and the mean magnitude of the latter, N; zeros where the loads
+        hardly differ."""
         y = np.concatenate([load[b] for load, b in zip(self.loads, self.believed, strict=True)])
         low, high = np.percentile(y, [33.0, 67.0])
         if high <= low + self.expected:
@@ -179,16 +183,16 @@ class _Look:
 
     @property
     def times_under_load(self) -> float:
-        """How many times as loud it is under the greatest loads."""
+        """Ratio of the spread under the greatest loads to that under the least."""
         idle, loaded, _ = self.idle_and_loaded
         return loaded / idle if idle else 1.0
 
 
-_Unlike = tuple[str, str, dict[str, dict[str, Any]]]  # kind, sentence and numbers of what is unlike the declaration
+_Unlike = tuple[str, str, dict[str, dict[str, Any]]]  # kind, sentence and numbers of a finding
 
 
 def _unlike(look: _Look, others: list[_Look]) -> _Unlike | None:
-    """The first thing that is unlike what is declared of a channel, or unlike most of the `others` of which as much is."""
+    """The first respect in which the noise differs from its declaration, or from that of most `others` with a declared level."""
     if look.e.size < FEWEST:
         return None
     peers = [o for o in others if o.is_its_own] if look.is_its_own else []
@@ -220,8 +224,8 @@ def _wandering(look: _Look) -> _Unlike:
 
 
 def _of_another_level(look: _Look, louder: float) -> _Unlike | None:
-    """Noise that is so many times `louder` than is expected, or, with what is slow in it, quieter than is expected where an encoder adds
-    nothing; of noise that is buried nothing is expected."""
+    """A finding where the noise is more than `louder` times the expected level, or quieter than expected. Quieter is judged without the
+    encoder's part and including slow noise, and not where steps bury the noise."""
     measured, at_rest = _spread(look.e), 0.0 if look.is_buried else float(np.hypot(look.level, look.steps[0]))
     ratio = look.times_expected
     if ratio <= louder and OTHER_LEVEL * max(measured, look.slow) >= at_rest:
@@ -232,7 +236,7 @@ def _of_another_level(look: _Look, louder: float) -> _Unlike | None:
 
 
 def _declared(recording, channel: str) -> float | None:
-    """What is declared of a channel, N; of a taxel that is left in volts nothing is."""
+    """The declared noise of a channel, N; None for a taxel that is left in volts."""
     if channel == "force":
         return recording.declared.force_noise_n
     i = int(channel.rpartition("_")[2])

@@ -1,15 +1,15 @@
-"""Single sessions that differ from most others in whole: columns that are swapped, a sign, or a unit.
+"""Single sessions that differ from most others as a whole: columns that are swapped, a sign, or a unit.
 
-What a channel's slope against the load says differs from session to session, for skins are not linear; what two channels of one session say
-of each other does not, as long as the sessions press at one place. So with slopes S (sessions, channels), and those of the other sessions
-by their median, a session is odd where
+A channel's slope against the load differs from session to session, because skins are not linear. The ratio of two channels' slopes does
+not, as long as the sessions press at one place. So with slopes S (sessions, channels), and those of the other sessions by their median, a
+session is odd where
 
     its shares S_i / |S_i| are those of the others in another order                          (columns)
     log |S_ic| less that of the others, less the same of its other channels, is log f        (f a factor of units)
     it falls while the load rises, and rises with it in two others or more                   (sign)
     all its channels' slopes are f times those of the others, and its range of depth 1 / f   (the depth in another unit of length).
 
-Such a session is put right, so that the rest of it may be judged, and the finding says what was done to it.
+Such a session is corrected, so that the rest of it can be judged, and the finding reports the correction.
 """
 
 from collections.abc import Iterator
@@ -23,24 +23,24 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.criticism.telemetry.units import AGAINST, FACTORS, FOLLOWS, NEAR, by_grid, load_of, pressed
 from skin_ident.criticism.vocabulary import SWAPPED, UNIT_FACTOR
 
-ODD = 0.15  # distance of two unit vectors of shares from which a session is asked for another order
-MENDS = 0.25  # of that distance, what the other order may leave
-LITTLE, EXACTLY = 0.02, 0.1  # the same where the others agree, for columns that are much alike: of gains, no two change so that they fit
-ALIKE = 0.05  # or so much, which is what shares differ by from day to day
-DEEPER = 5.0  # times that sessions of one skin may differ in stiffness and in depth
-HUGE, WIDE = 100.0, 2.0  # a factor beyond HUGE is known from within a factor of WIDE
-ORDERLY = 0.3  # of the logarithm of a factor, by which the other sessions may differ among themselves
+ODD = 0.15  # distance of two unit vectors of shares from which another order is tried
+MENDS = 0.25  # greatest distance left in the other order, as a share of the original one
+LITTLE, EXACTLY = 0.02, 0.1  # the same limits for much the same columns, if the others agree: no two gains would change so as to fit
+ALIKE = 0.05  # distance that may also be left, as shares differ by so much from day to day
+DEEPER = 5.0  # factor by which sessions of one skin may differ in stiffness and in depth
+HUGE, WIDE = 100.0, 2.0  # a unit factor beyond HUGE is recognised within a factor of WIDE
+ORDERLY = 0.3  # share of a factor's logarithm by which the other sessions may differ among themselves
 LENGTHS = (1e3, 1e-3, 1e6, 1e-6)  # m, mm and µm for one another: no skin is so much stiffer than itself
 OTHERS = (25.4, 1 / 25.4, 10.0, 0.1, 100.0, 0.01)  # inches, centimetres and hundredths of a millimetre
-CLOSELY = 1.25  # a factor, within which it must be one of those: skins differ by as much, and hardly ever by exactly that
-USUAL = 1e-3  # m, a depth beside which of two sessions the odd one is told
-DECIMAL = 1e-4  # by which the logarithm of a power of ten may be off
-MOST = 6  # faults of this kind in a set of sessions
+CLOSELY = 1.25  # factor within which it must be one of `OTHERS`: skins differ by as much, but hardly ever by exactly that
+USUAL = 1e-3  # m, a usual depth: of two sessions the one further from it is the odd one
+DECIMAL = 1e-4  # error allowed in the decimal logarithm of a power of ten
+MOST = 6  # faults that are corrected in the sessions at one place
 
 
 @dataclass(frozen=True)
 class _Fault:
-    """What is odd in a session, and the session without it."""
+    """The symptom, the index of the session that has it, and that session corrected."""
 
     symptom: Symptom
     session: int
@@ -48,7 +48,8 @@ class _Fault:
 
 
 def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
-    """The recordings with every odd session put right, and what was odd. A session that is alone at its place is asked for signs alone."""
+    """The recordings with every odd session corrected, and the symptoms. A session that is alone at its place is tested only for signs, and
+    for units that its converter steps prove."""
     recordings, scaled = _in_newtons(list(recordings))
     recordings, turned = _upright(recordings)
     symptoms = [*scaled, *turned]
@@ -63,7 +64,7 @@ def put_right(recordings: list) -> tuple[list, tuple[Symptom, ...]]:
 
 
 def _together(symptoms: list[Symptom], names: list[str]) -> Iterator[Symptom]:
-    """The symptoms, those of several sessions as one where these have the same fault."""
+    """The symptoms, with those of several sessions that have the same fault merged into one."""
     alike: dict[tuple, list[Symptom]] = {}
     for s in symptoms:
         factor = s.parameters.get("factor", {}).get("value", 1.0)
@@ -77,8 +78,8 @@ def _together(symptoms: list[Symptom], names: list[str]) -> Iterator[Symptom]:
 
 
 def _in_newtons(recordings: list) -> tuple[list, list[Symptom]]:
-    """Channels whose converter steps prove that they are in another unit in all sessions, put into newtons. A factor of ten proves nothing:
-    that may be a converter that is coarser than declared."""
+    """Converts channels into newtons if their converter steps prove that they are in another unit in all sessions. A factor of ten proves
+    nothing: the converter may be coarser than declared."""
     symptoms = []
     for channel in recordings[0].channels:
         for s in by_grid(recordings, channel):
@@ -91,7 +92,7 @@ def _in_newtons(recordings: list) -> tuple[list, list[Symptom]]:
 
 
 def _upright(recordings: list) -> tuple[list, list[Symptom]]:
-    """Taxels that are upside down in all sessions, turned round."""
+    """Taxels that are upside down in all sessions, with their sign turned."""
     symptoms = []
     for channel in (c for c in recordings[0].channels if c != "force"):
         if any(load_of(r, channel) is None for r in recordings):
@@ -107,7 +108,7 @@ def _upright(recordings: list) -> tuple[list, list[Symptom]]:
 
 
 def _places(recordings: list) -> Iterator[list[int]]:
-    """Indices of the sessions that press at one place."""
+    """Indices of the sessions that press at one place, for places with two sessions or more."""
     places: dict[tuple[float, float], list[int]] = {}
     for i, r in enumerate(recordings):
         places.setdefault(tuple(r.declared.contact_of(r.name)), []).append(i)
@@ -125,7 +126,7 @@ def _fault(group: list) -> _Fault | None:
 
 
 def _slope(recording, channel: str) -> float:
-    """By least squares in contact, N per metre (per newton, where force drives the test)."""
+    """Least-squares slope in contact, N per metre (per newton, where force drives the test)."""
     x, y = (row[pressed(recording)] for row in (load_of(recording, channel), recording.channels[channel]))
     x = x - x.mean()
     return float(x @ (y - y.mean()) / max(x @ x, 1e-300))
@@ -138,7 +139,7 @@ def _follows(recording, channel: str) -> float:
 
 
 def _turned(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
-    """A channel upside down in a session and upright in most of the others."""
+    """A channel that is upside down in a session and upright in most of the others."""
     for channel in names:
         follows = [_follows(r, channel) for r in group]
         wrong = [i for i, q in enumerate(follows) if q < AGAINST]
@@ -151,7 +152,7 @@ def _turned(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
 
 
 def _scaled(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
-    """A channel in other units in one session."""
+    """A channel that is in other units in one session."""
     sure = np.array([all(_follows(r, c) > FOLLOWS for r in group) for c in names], bool)
     channels = [c for c, q in zip(names, sure, strict=True) if q]
     logs = np.log(np.abs(slopes[:, sure])) if channels else np.empty((len(group), 0))
@@ -164,7 +165,7 @@ def _scaled(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
 
 
 def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
-    """The depth of one session in another unit of length."""
+    """A session whose depth is in another unit of length."""
     if group[0].depth is None or not names or not all(_follows(r, c) > FOLLOWS for r in group for c in names):
         return None
     stiff = np.log(np.abs(slopes)).mean(axis=1)
@@ -187,13 +188,13 @@ def _deep(group: list, names: list[str], slopes: np.ndarray) -> _Fault | None:
 
 
 def _is_in_unit(factor: float, stiffer: float, wider: float) -> bool:
-    """Whether a depth is so many times too large, by the logarithms of how much stiffer and wider a session is than the others."""
+    """Whether a depth is too large by `factor`, from the logarithms of how much stiffer and wider in depth a session is than the others."""
     nearly, about = (DEEPER, DEEPER) if factor in LENGTHS else (CLOSELY, CLOSELY**3)
     return abs(stiffer + np.log(factor)) < np.log(nearly) and abs(wider - np.log(factor)) < np.log(about)
 
 
 def _factor(logs: np.ndarray, i: int, c: int) -> float | None:
-    """The factor of units by which channel `c` of session `i` is too large; None where there is none, or another channel has it."""
+    """The factor of units by which channel `c` of session `i` is too large; None where there is none, or where another channel has it."""
     own, whole = _beside(logs, i, c), logs[i, c] - np.median(np.delete(logs[:, c], i))
     factor = next((f for f in FACTORS if abs(own - np.log(f)) < np.log(WIDE if max(f, 1.0 / f) > HUGE else 1.0 + NEAR)), None)
     if factor is None or abs(whole) < 0.5 * abs(own) or whole * own < 0.0:
@@ -203,7 +204,7 @@ def _factor(logs: np.ndarray, i: int, c: int) -> float | None:
 
 
 def _beside(logs: np.ndarray, i: int, c: int) -> float:
-    """Logarithm of what a channel of a session is to the other sessions' beside what its other channels are."""
+    """Logarithm of a channel's ratio to the other sessions, less the median of the same for its session's other channels."""
     apart = logs[i] - np.median(np.delete(logs, i, axis=0), axis=0)
     rest = np.delete(apart, c)
     return float(apart[c] - (np.median(rest) if rest.size else 0.0))
@@ -228,7 +229,7 @@ def _reordered(group: list, names: list[str], slopes: np.ndarray) -> _Fault | No
         left = float(np.linalg.norm(unit[i, order] - _others(unit, i)))
         rest = _unlike(unit, i)
         if len(unit) > 2 and 2 * len(rest) <= len(unit):
-            continue  # nobody knows which are in order
+            continue  # without a majority it is unknown which are in order
         steady = max(float(np.linalg.norm(row - np.median(rest, axis=0))) for row in rest)
         plainly = apart[i] > max(ODD, 3.0 * steady) and left < min(MENDS * apart[i], max(ALIKE, 2.0 * steady))
         exactly = len(group) > 2 and apart[i] > max(LITTLE, 10.0 * steady) and left < EXACTLY * apart[i]
@@ -238,20 +239,20 @@ def _reordered(group: list, names: list[str], slopes: np.ndarray) -> _Fault | No
 
 
 def _unlike(unit: np.ndarray, i: int) -> np.ndarray:
-    """The shares of the other sessions, but for those that are as odd as this one."""
+    """The shares of the other sessions, without those that are nearer to session `i` than to the others' median."""
     rest = np.delete(unit, i, axis=0)
     odd = np.linalg.norm(rest - _others(unit, i), axis=1) > np.linalg.norm(rest - unit[i], axis=1)
     return rest[~odd]
 
 
 def _others(unit: np.ndarray, i: int) -> np.ndarray:
-    """The shares that the other sessions agree on."""
+    """The shares that the other sessions agree on: their normalised median."""
     middle = np.median(np.delete(unit, i, axis=0), axis=0)
     return middle / max(np.linalg.norm(middle), 1e-300)
 
 
 def _order(own: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Which of a session's columns is which of the others'; columns that are not clearly elsewhere stay."""
+    """Which of a session's columns corresponds to each column of the others; columns that are not clearly elsewhere stay."""
     _, best = linear_sum_assignment((own[None, :] - others[:, None]) ** 2)
     gained = (own - others) ** 2 - (own[best] - others) ** 2
     order, seen = np.arange(own.size), set()
@@ -281,5 +282,5 @@ def _of_order(group: list, names: list[str], i: int, order: np.ndarray, apart: f
 
 
 def _either(group: list) -> str:
-    """With two sessions nobody can tell which is right."""
+    """A remark for two sessions: it is unknown which of them is right."""
     return f" (it may as well be the other one, {group[0].name} or {group[1].name}, that is wrong)" if len(group) == 2 else ""

@@ -1,5 +1,5 @@
-"""Pieces of a record in which one channel is written in other units: there it follows what the model says, times a factor that only units
-have. No accident does that, so that neither their number nor how long they last speaks against it."""
+"""Pieces of a record in which one channel is written in other units: there it follows the model times a factor that only units have. No
+accident does that, so neither the number of pieces nor their length is evidence against it."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,17 +14,18 @@ from skin_ident.criticism.telemetry.units import FACTORS
 from skin_ident.criticism.vocabulary import UNIT_CHANGE
 from skin_ident.stretches import runs
 
-NEAR = 0.06  # relative, how close the factor of every piece must come to one of units
-EVEN_S = 1.0  # over which most samples tell which unit they are written in
-FOLLOWS = 0.3  # of a piece, and of what is left of it, the most that the factor may leave
+NEAR = 0.06  # relative deviation of every piece's factor from one of units
+EVEN_S = 1.0  # s, window in which the majority of samples shows the unit
+FOLLOWS = 0.3  # greatest ratio of the rms that the factor leaves to the rms of the piece, and to that of its residual
 
 
 def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> Symptom | None:
-    """The fault of a channel's pieces, by what a model leaves (C, N) N of sessions, where all show one and the same factor of units."""
+    """A symptom for one channel's pieces, from the residuals (C, N), N, of sessions, if all pieces show the same factor of units; else
+    None."""
     c = sessions[0].channels.index(own[0].channel)
     told = {s.name: (s, s.raw[c], s.raw[c] - e[c]) for s, e in zip(sessions, rest, strict=True)}
     outside = [np.array([y, model])[:, ~samples_of(own, s)] for s, y, model in told.values()]
-    usual = slope(*np.concatenate(outside, axis=1))  # the model was fitted to the pieces, too
+    usual = slope(*np.concatenate(outside, axis=1))  # the model's own scale may be off: it was fitted to the pieces, too
     if usual == 0.0:  # a taxel that feels nothing follows nothing, in whatever units
         return None
     factors = [_times(*told[p.session], p) / usual for p in own]
@@ -42,8 +43,8 @@ def in_other_units(own: list[Piece], sessions: list[Session], rest: list[np.ndar
 
 
 def _times(s: Session, y: np.ndarray, model: np.ndarray, piece: Piece) -> float:
-    """Times what the `model` says (N,) N the channel reads in a piece, `y` (N,) N; not a number where it does not follow that: what reads
-    nothing is near any small part of it."""
+    """The factor by which the channel's readings `y` (N,), N, exceed the `model` (N,), N, in a piece. NaN where they do not follow it: a
+    reading of zero would be near any small multiple of it."""
     inside = (s.motion.t >= piece.start) & (s.motion.t < piece.start + piece.seconds)
     y, model = y[inside], model[inside]
     times, off = slope(y, model), y - model
@@ -52,7 +53,8 @@ def _times(s: Session, y: np.ndarray, model: np.ndarray, piece: Piece) -> float:
 
 
 def _whole(own: list[Piece], s: Session, y: np.ndarray, model: np.ndarray, factor: float) -> Iterator[Piece]:
-    """The stretches of a session in which `y` (N,) is nearer to the model times the factor than to the model, where pieces of it are."""
+    """The stretches of a session in which `y` (N,) is nearer to the model times the factor than to the model, and which overlap one of its
+    pieces."""
     nearer = np.abs(y - factor * model) < np.abs(y - model)
     own = [p for p in own if p.session == s.name]
     mask = uniform_filter1d(nearer.astype(float), max(round(EVEN_S / s.motion.dt), 1)) > 0.5
@@ -63,5 +65,5 @@ def _whole(own: list[Piece], s: Session, y: np.ndarray, model: np.ndarray, facto
 
 
 def slope(y: np.ndarray, model: np.ndarray) -> float:
-    """Times what the `model` says (N,) that `y` (N,) reads, by least squares."""
+    """Least-squares factor of `y` (N,) on the `model` (N,)."""
     return float(model @ y) / max(float(model @ model), 1e-300)

@@ -1,7 +1,8 @@
 """Outliers in what was measured: spikes, bursts, drop-outs, and samples frozen while the load goes on.
 
-A force stands still for a while whenever the plunger does: at a reversal with play in the drive, in coarse steps of a converter. The
-simulation then runs ahead of it, its depth being smoothed. A frozen run misses a movement from its beginning on, and alone.
+A force also stands still whenever the plunger does: at a reversal with backlash in the drive, or within a coarse step of a converter. The
+simulation may then run ahead of it, because its depth is smoothed. A real frozen run misses a movement from its beginning on, and in one
+channel alone.
 """
 
 from collections.abc import Sequence
@@ -22,27 +23,27 @@ from skin_ident.criticism.telemetry.wrong_samples import told
 from skin_ident.recordings.recording import Recording
 from skin_ident.stretches import runs, without
 
-LOWEST = 0.7  # of the reach of noise, down to which excursions are looked for where there are none beyond it
-NEAREST = 0.35  # of it, below which excursions run into each other and are no measure of more
+LOWEST = 0.7  # share of the noise's reach, down to which excursions are looked for where there are none beyond it
+NEAREST = 0.35  # share of it below which excursions run into each other and cannot be counted for comparison
 FEWEST = 2  # frozen runs that make a finding by themselves
 DROPPED = 3  # excursions that must end at one reading
-BESIDE = 20  # samples to either side of a run, that tell where it should be
+BESIDE = 20  # samples to either side of a run that show where it should be
 STANDS = 3  # samples at one value, far off: noise of single samples does not do that
 UNLIKELY = 1e-3  # chance that so many excursions stand still
-FROZEN = 5  # samples at one value
-MISSED = 10.0  # steps of the converter, by which a frozen run must at least be behind when it comes back
-SURE = 1 / 3  # of the frozen runs that must be so beyond doubt
-EARLY = 0.25  # of that change, which the first half of the run must have missed
-SEEN = 0.4  # of that change, which another channel must have seen by the end of the run if it can see it
-CLEAR = 3.0  # noise widths above which it can
-BOUNCING = 0.05  # chance below which it is none that excursions are at landings
+FROZEN = 5  # samples at one value, the shortest frozen run
+MISSED = 10.0  # converter steps by which a frozen run must be behind when it comes back
+SURE = 1 / 3  # share of the frozen runs that must be so beyond doubt
+EARLY = 0.25  # share of the whole change that the first half of the run must have missed
+SEEN = 0.4  # share of its expected change that another channel must show by the end of the run, if it can
+CLEAR = 3.0  # noise widths that its expected change must exceed for it to show
+BOUNCING = 0.05  # chance below which it is no coincidence that excursions are at landings
 
 
 @dataclass(frozen=True)
 class Said:
-    """What the channels of a session said, at full rate: `raw` (C, N), N, and the `residual` (C, N) of it, measured less simulated. `jumps`
-    (N,) marks samples where a force may really jump out of a rest, `path` (N,) m is what an encoder says. Channels of which a `recording`
-    knows readings at instants of their own are looked at there."""
+    """What was measured in a session, at full rate: `raw` (C, N), N, and its `residual` (C, N), measured less simulated. `jumps` (N,) marks
+    samples where a force may really jump, `path` (N,) m is the encoder's depth. Channels with readings of their own in the `recording` are
+    examined at those."""
 
     name: str
     residual: np.ndarray
@@ -55,8 +56,8 @@ class Said:
 def find_outliers(
     channels: tuple[str, ...], sessions: Sequence[Said], dt: float, steps: Sequence[float] = (), reads: float = 0.0
 ) -> list[Symptom]:
-    """Excursions and frozen runs per channel. `steps` of converters are looked for where they are not given; what stands still while an
-    encoder that `reads` so finely does so, too, misses nothing."""
+    """Excursions and frozen runs, one symptom per channel. `steps` of the converters are estimated where they are not given. A run that
+    stands still misses nothing if the encoder, whose resolution `reads` m, stands still as well."""
     steps = steps or [0.0] * len(channels)
     residuals, jumps = [s.residual for s in sessions], [s.jumps for s in sessions]
     paths = [s.path for s in sessions if s.path is not None]
@@ -84,13 +85,13 @@ def find_outliers(
 
 
 def _line(channel: str, c: int, s: Said) -> AsRead:
-    """Row `c` of a session as its channel was read."""
+    """Row `c` of a session at the channel's own readings."""
     read = () if s.recording is None else (s.recording.t, s.recording.own(channel))
     return as_read(s.residual[c], s.raw[c], s.jumps, *read)
 
 
 def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
-    """Masks of excursions, of frozen runs, and of those that no noise makes, each for every session."""
+    """Masks for every session: of excursions, of frozen runs, and of runs of one reading that noise would not make."""
     e, y, jumps = ([getattr(line, what) for line in lines] for what in ("e", "y", "jumps"))
     step = step or smallest_step(np.concatenate(y))
     limit = reach(np.concatenate([np.diff(row) for row in e]), step)
@@ -110,7 +111,7 @@ def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], lis
 
 
 def _between_landings(away: list[np.ndarray], jumps: list[np.ndarray]) -> list[np.ndarray]:
-    """The excursions, without those at landings where more of them are than chance would put there: a plunger that lands may bounce."""
+    """The excursions, without those at landings if there are more of them than chance would put there: a plunger that lands may bounce."""
     share = float(np.concatenate(jumps).mean())
     at = np.concatenate([j[runs(a)[0]] for a, j in zip(away, jumps, strict=True)])
     if binom.sf(at.sum() - 1, at.size, share) > BOUNCING:
@@ -119,15 +120,15 @@ def _between_landings(away: list[np.ndarray], jumps: list[np.ndarray]) -> list[n
 
 
 def _bounced(away: list[list[np.ndarray]], jumps: list[np.ndarray]) -> list[np.ndarray]:
-    """Samples (N,) of each session at which excursions of several channels begin at one landing: they all feel the plunger."""
+    """Masks (N,) of each session where excursions of several channels begin at the same landing: all feel the plunger bounce."""
     together = [np.sum(masks, axis=0) > 1 for masks in zip(*away, strict=True)]
     return [t & ~without(t, lambda a, _, j=j: j[a]) for t, j in zip(together, jumps, strict=True)]
 
 
 def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np.ndarray] | None:
-    """The excursions beyond a limit in which the reading stands still, or None where these are too few and too short, or chance may bring
-    them: white noise of whatever tail is somewhere else at the next sample, but noise that wanders in jumps comes back by one now and then,
-    and repeats a reading meanwhile as often as elsewhere."""
+    """The excursions beyond `limit` in which the reading stands still; None where these are too few and too short, or may be chance. White
+    noise, whatever its tail, is elsewhere at the next sample. Noise that wanders in jumps sometimes comes back by one, and meanwhile
+    repeats a reading as often as elsewhere."""
     out, lengths, by_chance = [], [], 0.0
     for rest, row in zip(e, y, strict=True):
         away = [(a, b) for a, b in zip(*runs(excursions(rest, row, limit)), strict=True) if b - a >= STANDS]
@@ -141,20 +142,20 @@ def _standing(e: list[np.ndarray], y: list[np.ndarray], limit: float) -> list[np
 
 
 def _repeats(e: np.ndarray, y: np.ndarray) -> float:
-    """How likely a reading is to be far off once more and the same: not at all in white noise."""
+    """Chance that a reading that is far off stays so and repeats: zero in white noise."""
     return max(float(np.corrcoef(e[1:], e[:-1])[0, 1]), 0.0) * float(np.mean(np.diff(y) == 0.0))
 
 
 def _far_off(e: np.ndarray, a: int, b: int, limit: float) -> bool:
-    """Whether it is the samples a..b that lie apart, and not the two beside them, between spikes of which they are as they should be."""
+    """Whether the samples a..b lie apart from those around them. If not, they are right, and the two samples beside them are spikes."""
     around = np.concatenate([e[max(a - BESIDE, 0) : a], e[b : b + BESIDE]])
     return abs(float(np.median(e[a:b]) - np.median(around))) > 0.5 * limit
 
 
 def _to_one_reading(far: list[np.ndarray], y: list[np.ndarray], limit: float, step: float) -> list[np.ndarray]:
-    """Those of the excursions that end at one and the same reading, as where a line drops out. Of what goes beyond `limit` L in a tail as
-    heavy as noise may have, to either side, the density at a distance d is at most n / (2 L) (L / d)^(n + 1) per newton, n = `HEAVIEST`, so
-    that few of many meet in one step of a converter by chance."""
+    """The excursions that end at one and the same reading, as where a line drops out. Beyond `limit` L, in a tail as heavy as noise may
+    have to either side, the density at a distance d is at most n / (2 L) (L / d)^(n + 1) per newton, n = `HEAVIEST`. So only few of many
+    fall into the same step of a converter by chance."""
     begin = [runs(f)[0] for f in far]
     ends, origins = (np.concatenate([b[np.maximum(a - k, 0)] for b, a in zip(y, begin, strict=True)]) for k in (0, 1))
     if ends.size < DROPPED:
@@ -162,7 +163,7 @@ def _to_one_reading(far: list[np.ndarray], y: list[np.ndarray], limit: float, st
     readings, counts = np.unique(np.round(ends / max(step, 1e-12)), return_counts=True)
     one = readings[np.argmax(counts)] * step
     away = np.abs(one - origins)
-    able = away >= OWN * limit  # the others jump further than that
+    able = away >= OWN * limit  # excursions jump at least that far
     at_one = 0.5 * HEAVIEST * step / limit * (limit / np.maximum(away[able], limit)) ** (HEAVIEST + 1.0)
     by_chance = ends.size * poisson.sf(counts.max() - 1, np.sum(np.minimum(at_one, 1.0)))
     if counts.max() < DROPPED or by_chance > CHANCE:
@@ -177,30 +178,31 @@ def _startled(e: np.ndarray) -> np.ndarray:
 
 
 def _alone(still: np.ndarray, others: list[np.ndarray]) -> np.ndarray:
-    """The frozen runs that no other channel shares: what stands still, or jumps at the end, in several is the plunger or the skin."""
+    """The frozen runs that no other channel shares: if several channels stand still, or jump at the end, the plunger or the skin did."""
     return without(still, lambda a, b: any(o[a : b + 2].any() for o in others))
 
 
 def _sure(still: np.ndarray, s: Said, c: int) -> int:
-    """How many runs of `still`, a mask of channel `c`, miss a movement from their beginning on, which no channel denies."""
+    """Number of runs of `still`, a mask of channel `c`, that miss a movement from its beginning on and that no other channel
+    contradicts."""
     e, y = s.residual, s.raw
     noise = [reach(np.diff(row)) / LEAST for row in e]
     return sum(_from_the_start((y - e)[c, a : b + 1]) and not _denied(e, y, noise, c, a, b) for a, b in zip(*runs(still), strict=True))
 
 
 def _under_way(masks: list[np.ndarray], paths: Sequence[np.ndarray], reads: float) -> list[np.ndarray]:
-    """The runs of each session in which the plunger does not rest, as far as an encoder tells."""
+    """The runs of each session in which the plunger moves, as far as an encoder shows."""
     return [without(m, partial(_rests, path, reads)) for m, path in zip(masks, paths, strict=True)] if paths else masks
 
 
 def _rests(path: np.ndarray, reads: float, a: int, b: int) -> bool:
-    """Whether an encoder that `reads` so finely says that the second half of the samples a..b is where the first is."""
+    """Whether the path is the same in both halves of the samples a..b, to within the encoder's resolution `reads`, m."""
     middle = (a + b) // 2
     return abs(float(np.median(path[middle:b]) - np.median(path[a:middle]))) <= reads
 
 
 def _from_the_start(should: np.ndarray) -> bool:
-    """Whether the first half of a run sees its part of what the simulation does in the whole."""
+    """Whether the first half of a run contains its part of the change that the simulation makes over the whole run."""
     middle = 0.5 * (should[(should.size - 1) // 2] + should[should.size // 2])
     return (middle - should[0]) * np.sign(should[-1] - should[0]) >= EARLY * abs(should[-1] - should[0])
 
@@ -214,7 +216,8 @@ def _denied(e: np.ndarray, y: np.ndarray, noise: list[float], c: int, a: int, b:
 
 
 def _frozen(y: np.ndarray, e: np.ndarray, limit: float, step: float, resting: np.ndarray) -> np.ndarray:
-    """Mask of runs of one value, none of it `resting`, while the residual runs away, and comes back in one jump."""
+    """Mask of runs of one value, with no `resting` sample in them, during which the residual runs away, and after which it comes back in
+    one jump."""
     mask = np.zeros(y.size, bool)
     least = max(limit, MISSED * step)
     for a, b in zip(*held(y, FROZEN), strict=True):

@@ -1,7 +1,7 @@
-"""Peaks that were clipped: pieces of a record that all lie at its greatest readings, on one level, below what the model says.
+"""Clipped peaks: pieces of a record that all lie at its greatest readings, on one level, below the model.
 
-A converter or an amplifier that clips before noise is added leaves no pile of samples at one value, and of a few quick peaks no more than a
-few short pieces. Accidents do not come at the greatest loads alone, and do not end at one level.
+A converter or an amplifier that clips before noise is added leaves no pile of samples at one value. If only a few quick peaks are clipped,
+it leaves a few short pieces. Accidents do not occur at the greatest loads alone, nor end at one level.
 """
 
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ import numpy as np
 from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 
-NOISE = 4.0  # widths of what the model leaves: between the levels of pieces, about a level, and of all other readings above it
-INSIDE = 0.25  # of a piece at either end, where the reading may still be on its way
+NOISE = 4.0  # noise widths of the residual: between the levels of pieces, about the level, and (twice) of any other reading above it
+INSIDE = 0.25  # share of a piece at either end where the reading may still be moving
 
-LASTING_S = 0.1  # over which most samples of a piece are far off
+LASTING_S = 0.1  # s, window in which most samples of a piece are far off
 
 
 @dataclass(frozen=True)
@@ -26,24 +26,26 @@ class Piece:
     start: float
     seconds: float
     size: float  # N
-    met: bool  # whether contact is made or lost there
+    met: bool  # whether contact is made or lost there, or a mass is jolted
 
 
 def samples_of(own: list[Piece], s: Session) -> np.ndarray:
-    """Mask (N,) of the samples of a session's pieces, and as many on either side as a window may have missed."""
+    """Mask (N,) of the samples of a session's pieces, and of those within `LASTING_S` of them, which a window may have missed."""
     t, mine = s.motion.t, [p for p in own if p.session == s.name]
     return np.any([np.zeros(t.size, bool), *((t > p.start - LASTING_S) & (t < p.start + p.seconds + LASTING_S) for p in mine)], axis=0)
 
 
 def pieces_in_words(own: list[Piece]) -> str:
-    """Where the first few of the pieces are, in words."""
+    """The first few of the pieces, in words."""
     return ", ".join(f"{p.session} at {p.start:.1f} s for {p.seconds:.2g} s" for p in own[:4]) + (", …" if len(own) > 4 else "")
 
 
 def clipped_peaks(own: list[Piece], sessions: list[Session], rest: list[np.ndarray], width: np.ndarray) -> Symptom | None:
-    """The pieces of one channel as saturation, which cannot be told from outliers; None where they do not look like it.
+    """The pieces of one channel as saturation, with outliers as an alternative that looks the same; None where they do not look like
+    saturation.
 
-    `rest` are measured less simulated rows (C, N) of each session at full rate, `width` (C, 1) N is what the model leaves of each channel.
+    `rest` are measured less simulated rows (C, N) of each session at full rate, `width` (C, 1) N the noise width of each channel's
+    residual.
     """
     channel = own[0].channel
     c = sessions[0].channels.index(channel)
@@ -69,6 +71,6 @@ def clipped_peaks(own: list[Piece], sessions: list[Session], rest: list[np.ndarr
 
 
 def _within(t: np.ndarray, p: Piece) -> np.ndarray:
-    """The middle of a piece (N,)."""
+    """Mask (N,) of the middle of a piece."""
     middle, half = p.start + 0.5 * p.seconds, (0.5 - INSIDE) * p.seconds
     return np.abs(t - middle) <= max(half, 0.5 * (t[1] - t[0]))

@@ -1,7 +1,7 @@
-"""Pieces of a record in which one channel has nothing to do with what the others say: bursts, replays, a cable that was touched.
+"""Pieces of a record in which one channel does not correspond to the others: bursts, replays, a cable that was touched.
 
-Spikes are seen in the raw signal. A piece that lasts is not, when it looks like any other force; it shows where one channel leaves the
-fitted model by far while the others stay with it. A few such pieces also pass for strong noise, under which every cause would hide.
+Spikes are seen in the raw signal. A piece that lasts is not, if it looks like any other force. It shows where one channel leaves the fitted
+model by far while the others agree with it. A few such pieces would also pass for strong noise, under which every cause would hide.
 """
 
 from collections.abc import Iterator
@@ -22,21 +22,22 @@ from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
 from skin_models.signals import Motion
 
-FAR, NEAR = 10.0, 5.0  # widths of what the model leaves: for the channel itself, and for the others
-MOST, FEW = 0.6, 0.3  # of a lasting window's samples that must be far, and that may not be near in others
-SHARED = 0.5  # of what is left of a channel, in proportion, by which the others are with it and not with the model
-FEWEST, LONG_S = 3, 1.0  # pieces, or one that is so long: a lone short one may be a touch of another kind
-SELDOM = 0.05  # of the time: what is there more often is no accident
-APART_S = 0.5  # pieces nearer than that are one
-LONG = 20.0  # samples, of a memory in which a kick takes long to fade
-APART = 10  # samples at which covariances tell it
-FADES = 0.02  # of the energy of a kick, the most that is left of it beside an exponential
-BRIEF_S, SHARPEST = 0.1, 99.0  # so short a piece may be the jolt of a mass, beside accelerations above this percentile
-MEETING = 0.5  # of the pieces that may lie where contact is made or lost, or at a jolt, where a force may really jump
+FAR, NEAR = 10.0, 5.0  # widths of the residual: beyond the first the channel is far off, beyond the second another one is off, too
+MOST, FEW = 0.6, 0.3  # shares of a window's samples: least that are far off in the channel; most that may be off in any other
+SHARED = 0.5  # share of a channel's residual that the others have in proportion, above which the skin did it and not the channel
+FEWEST, LONG_S = 3, 1.0  # pieces, or a piece of so many s: a single short one may be a touch of another kind
+SELDOM = 0.05  # share of the time: what occurs more often is no accident
+APART_S = 0.5  # s, pieces nearer than that are one
+LONG = 20.0  # samples, memory of noise in which a kick takes long to fade
+APART = 10  # lag, samples, at which covariances give it
+FADES = 0.02  # greatest share of a kick's energy that an exponential leaves
+BRIEF_S, SHARPEST = 0.1, 99.0  # s, a piece so short may be the jolt of a mass, beside accelerations above this percentile
+MEETING = 0.5  # share of pieces (or of a piece) that may lie where contact is made or lost, or at a jolt, and the force may really jump
 
 
 def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -> list[Symptom]:
-    """Outliers that last, by channel, in what `model` leaves (C, N) N, at full rate, of sessions with two channels or more."""
+    """Outliers that last, by channel, in the residuals (C, N), N, of `model` at full rate, for sessions with two channels or more. Includes
+    pieces in other units and clipped peaks."""
     channels = sessions[0].channels
     if len(channels) < 2:
         return []
@@ -52,14 +53,14 @@ def find_pieces(model: Model, sessions: list[Session], rest: list[np.ndarray]) -
 
 
 def _width(sessions: list[Session], rest: np.ndarray) -> np.ndarray:
-    """What the model leaves of every channel (C,), N, as nine tenths of the samples have it, contact included; at least a step of the
-    converter, or the least that two readings differ by where too few occur to tell."""
+    """Noise width (C,), N, of each channel's residual: from its 90 % quantile, contact included, and at least a converter step, or the
+    least difference of two readings where too few occur to show the step."""
     steps = [max(s.steps[c] or smallest_step(s.raw[c]) for s in sessions) for c in range(len(rest))]
     return np.maximum(np.percentile(np.abs(rest), 90.0, axis=1) / 1.645, np.maximum(steps, 1e-12))
 
 
 def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> Iterator[Piece]:
-    """Every piece in which the model leaves much of one channel, and of all others no more than usual (`width` (C, 1), N)."""
+    """Every piece in which the residual of one channel is large, and that of all others no more than usual (`width` (C, 1), N)."""
     moved = motion_under(s, model.dispersion)
     n = max(round(LASTING_S / moved.dt), 8)
     far, near = (uniform_filter1d((np.abs(rest) > limit * width).astype(float), n, axis=1) for limit in (FAR, NEAR))
@@ -77,8 +78,8 @@ def _pieces(model: Model, s: Session, rest: np.ndarray, width: np.ndarray) -> It
 
 
 def _shared(rest: np.ndarray, c: int, width: np.ndarray, k: np.ndarray) -> float:
-    """How much of what the model leaves of channel `c`, in proportion to the stiffness `k` (C,), the others are left with, too, (C, n): 1
-    where the skin does it, though noise may hide it in each of them; 0 where the channel does."""
+    """How much of channel `c`'s residual the others share in proportion to their stiffness `k` (C,): 1 where the skin causes it, though
+    noise may hide it in each of them; 0 where the channel does. `rest` is (C, n)."""
     others = np.arange(len(k)) != c
     weight = (k / width)[others] ** 2
     alike = (rest[others] @ rest[c]) / np.where(k[others] != 0.0, k[others], np.inf) * k[c]
@@ -86,13 +87,13 @@ def _shared(rest: np.ndarray, c: int, width: np.ndarray, k: np.ndarray) -> float
 
 
 def _jolted(moved: Motion) -> np.ndarray:
-    """Mask (N,) of samples beside the sharpest accelerations, which a mass in front of the load cell feels and nothing else does."""
+    """Mask (N,) of samples beside the sharpest accelerations, which only a mass in front of the load cell feels."""
     a = np.abs(np.gradient(moved.v))
     return maximum_filter1d(a > np.percentile(a, SHARPEST), 2 * round(BRIEF_S / moved.dt) + 1)
 
 
 def _runs(mask: np.ndarray, gap: int) -> Iterator[tuple[int, int]]:
-    """First and last (excluded) index of every run, those less than `gap` apart as one."""
+    """First and last (excluded) index of every run; runs less than `gap` apart are joined."""
     at = np.flatnonzero(mask)
     for run in np.split(at, np.flatnonzero(np.diff(at) > gap) + 1):
         if run.size:
@@ -105,13 +106,13 @@ def _accident(own: list[Piece], whole: float) -> bool:
 
 
 def _swallowed(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> bool:
-    """Whether the channel reads nothing in the pieces since it has a threshold."""
+    """Whether the channel reads nothing in the pieces because it has a threshold."""
     c = sessions[0].channels.index(own[0].channel)
     return is_swallowed([s.raw[c] for s in sessions], [e[c] for e in rest], [samples_of(own, s) for s in sessions])
 
 
 def _one_kick(own: list[Piece], sessions: list[Session], rest: list[np.ndarray]) -> bool:
-    """Whether a lone piece is one instant's doing that fades as the channel's noise fades anyway: noise of long memory and heavy tails."""
+    """Whether a single piece is one kick that fades as the channel's noise does: noise of long memory and heavy tails."""
     if len(own) > 1:
         return False
     piece, c = own[0], sessions[0].channels.index(own[0].channel)
@@ -126,7 +127,7 @@ def _one_kick(own: list[Piece], sessions: list[Session], rest: list[np.ndarray])
 
 
 def _memory(rows: list[np.ndarray]) -> float:
-    """Samples in which noise fades to 1 / e where nothing jumps: by covariances some samples apart, where a converter's own is gone."""
+    """Samples in which noise without jumps fades to 1 / e, from covariances at lags at which the converter's own noise is gone."""
     y = np.concatenate(rows or [np.zeros(1)])
     y = np.clip(y, *(np.array([-3.0, 3.0]) * normal_scale(y)))
     near, far = (float(y[:-lag] @ y[lag:]) if y.size > lag else 0.0 for lag in (APART, 2 * APART))
@@ -134,7 +135,7 @@ def _memory(rows: list[np.ndarray]) -> float:
 
 
 def _told(own: list[Piece], clipped: Symptom | None, sessions: list[Session]) -> Symptom:
-    """Accidents, unless they look like clipped peaks; one or two of these may be either."""
+    """The pieces as outliers, or as clipped peaks if they look like it. If they are only one or two, both are reported as alternatives."""
     if clipped is None or len(own) >= FEWEST:
         return clipped or _symptom(own, sessions)
     return replace(_symptom(own, sessions), alternatives=((clipped.cause, clipped.where),), apart=clipped.apart)

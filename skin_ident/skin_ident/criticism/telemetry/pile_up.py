@@ -1,5 +1,6 @@
-"""Saturation: samples pile up at one level, whatever came before, while the model goes on beyond it, or moves where the channel stands and
-the noise that it has elsewhere is gone: a first model may be bent by what clips, or by what else is wrong, as far as the level."""
+"""Saturation: samples pile up at one level, whatever came before, while the model goes on above it. Alternatively the model moves while the
+channel stands at the level without the noise that it has elsewhere: a first model may itself be bent down to the level, by the clipping or
+by other errors."""
 
 from collections.abc import Sequence
 
@@ -9,11 +10,11 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity, sensor_of
 from skin_ident.estimators.scale import normal_scale
 
 FEWEST_VISITS = 2  # separate times at the level
-FEWEST_SAMPLES = 10  # at the level, in all
-PILED = 4.0  # times as many samples at the level as at each of the five below it
-BELOW = 0.9  # of the greatest driving force, up to which taxels are held against it
-BEYOND = 2.0  # noise widths by which the simulation must exceed the level there,
-NOISY = 2.0  # unless noise, and what the model does in a visit, are so many of the converter's steps
+FEWEST_SAMPLES = 10  # samples at the level, in all
+PILED = 4.0  # times as many samples at the level as, on average, at each of the five levels below it
+BELOW = 0.9  # share of the greatest driving force, up to which the taxel's line is fitted to it
+BEYOND = 2.0  # noise widths by which the simulation must exceed the level,
+NOISY = 2.0  # unless the noise, and the model's movement within a visit, exceed so many converter steps
 
 
 def find_saturation(
@@ -24,8 +25,8 @@ def find_saturation(
     n_taxels: int,
     steps: Sequence[float] = (),
 ) -> list[Symptom]:
-    """Channels clipped at a level, from measured and simulated rows (C, N) of each session, read in `steps` where these are known; the
-    clipped samples are marked as bad."""
+    """Channels clipped at a level, from measured and simulated rows (C, N) of each session. They are read in `steps`, where known (else 0).
+    The clipped samples are marked as bad."""
     steps = steps or [0.0] * len(channels)
     found = []
     for c, channel in enumerate(channels):
@@ -43,8 +44,8 @@ def find_saturation(
 
 
 def find_saturated_drive(recordings: list, believed: list[np.ndarray]) -> list[Symptom]:
-    """The force that drives tests without depth, as it is `believed` (N,), clipped at a level beyond which what most follows it of the
-    taxels goes on: in proportion to that the force is known up to there."""
+    """Saturation of the force that drives tests without depth, `believed` (N,) after repair of its spikes. The taxel that moves most serves
+    as the model: its line against the force is fitted below the level."""
     taxels, force = np.concatenate([r.taxels for r in recordings], axis=1), np.concatenate(believed)
     below = force < BELOW * force.max()
     taxel = int(np.argmax(taxels.std(axis=1)))
@@ -57,8 +58,8 @@ def find_saturated_drive(recordings: list, believed: list[np.ndarray]) -> list[S
 
 
 def _pile(y: np.ndarray, step: float) -> tuple[float | None, np.ndarray]:
-    """The topmost level and who sits there, where that is more than the tail of any smooth distribution would put there. Readings that were
-    interpolated, for their stamps are uneven, lie between the levels that are a `step` apart, and count for the next one."""
+    """The topmost level, N (None unless more samples are there than a smooth distribution would have), and the mask of the samples at it.
+    Readings that were interpolated between uneven stamps lie between levels a `step` apart and count for the nearest one."""
     top = float(y.max())
     at = y >= top - 1e-9 * max(abs(top), 1.0)
     near = y[y >= top - 0.1 * (top - y.min())]
@@ -68,8 +69,8 @@ def _pile(y: np.ndarray, step: float) -> tuple[float | None, np.ndarray]:
 
 
 def _stands(y: np.ndarray, model: np.ndarray, at: np.ndarray) -> bool:
-    """Whether the samples `at` the level are without the noise that all others have, by second differences of what the model leaves, though
-    the model moves on in each visit."""
+    """Whether the samples `at` the level lack the noise that all others have (from second differences of the residual), though the model
+    moves in each visit."""
     off = ~at[:-2] & ~at[1:-1] & ~at[2:]
     if not off.any():
         return False

@@ -1,10 +1,10 @@
 """Whether a taxel ought to feel the load: by its declared place, or because it lies between two taxels that do.
 
-Any spread falls off from the contact in all directions, so that a taxel on the straight line between two others feels at least what the
-lesser of them does. Without a declared layout only the second of three taxels is taken to lie between others, as they are numbered in a
-row; of more, the numbers may go row by row over an area, and so they may where three were chosen out of more.
+Any spread decreases from the contact in all directions, so a taxel on the straight line between two others feels at least what the lesser
+of them does. Without a declared layout only the second of three taxels is taken to lie between others, as numbered in a row. With more
+taxels, or three chosen out of more, the numbers may go row by row over an area.
 
-A sensor that lies apart still has its noise: one that reads next to nothing of what is declared, where others read about that, is open.
+A sensor outside the contact still has its noise. One with next to none of the declared noise, where others have about that, is open.
 """
 
 import numpy as np
@@ -12,17 +12,18 @@ import numpy as np
 from skin_ident.estimators.scale import white_noise
 
 WIDTH = 0.0045  # m, narrower than any Gaussian spread of thesis Table 4-8
-AWAY = 0.002  # m, by which a plunger may be off
+AWAY = 0.002  # m, error of the plunger's position
 CLEAR = 3.0  # noise widths that the promised signal must have
-SHARE = 0.4  # of the applied force that the thesis's skins lead through a taxel under the plunger at least
-FELT = 0.1  # of the load that the lesser of two neighbours must feel
-NOTHING = 0.005  # of what the lesser neighbour feels: less is silence
-QUIET, USUAL = 0.3, 0.5  # of the declared noise, which an open taxel reads at most, and others at least
-MIDDLE, BESIDE = (0.2, 0.8), 0.1  # of the way from one neighbour to the other, and beside it, where a taxel is between them
+SHARE = 0.4  # least share of the applied force that the thesis's skins lead through a taxel under the plunger
+FELT = 0.1  # share of the load that the lesser of two neighbours must feel
+NOTHING = 0.005  # share of what the lesser neighbour feels, below which a reading is silence
+QUIET, USUAL = 0.3, 0.5  # share of the declared noise that an open taxel reads at most, and that others read at least
+MIDDLE, BESIDE = (0.2, 0.8), 0.1  # to lie between two taxels: share of the way from one to the other; distance off the line, relative to it
 
 
 def promised(recordings: list, i: int, n: int) -> str:
-    """What promises taxel `i` of `n` a reading well above its own noise, as a clause; empty where it may simply lie apart."""
+    """A clause that says what promises taxel `i` of `n` a reading well above its noise; empty where it may simply lie outside the
+    contact."""
     if n == 1:
         return "though there is a load"
     places = len(recordings[0].declared.taxel_positions_mm)
@@ -36,7 +37,7 @@ def promised(recordings: list, i: int, n: int) -> str:
 
 
 def _without_noise(recordings: list, i: int) -> str:
-    """That a taxel has next to nothing of the noise declared for it, while every other taxel has noise as declared."""
+    """A clause if a taxel has next to nothing of its declared noise while every other taxel has noise as declared; else empty."""
     declared = recordings[0].declared
     levels = [declared.of_taxel("taxel_noise_n", k) for k in range(len(recordings[0].taxels))]
     if not all(levels) or set(recordings[0].taxel_units) != {"N"}:
@@ -55,7 +56,7 @@ def _by_place(r, i: int) -> bool:
 
 
 def _pairs(r, i: int, n: int) -> list[tuple[int, int]]:
-    """Taxels between which taxel `i` lies."""
+    """Pairs of taxels between which taxel `i` lies."""
     places = np.array(r.declared.taxel_positions_mm, float)
     if len(places) < n:
         return [(0, 2)] if n == 3 and i == 1 and not len(places) and not r.some else []
@@ -70,7 +71,7 @@ def _pairs(r, i: int, n: int) -> list[tuple[int, int]]:
 
 
 def _between(r, i: int, a: int, b: int) -> bool:
-    """Whether both neighbours feel the load, so that what taxel `i` reads is nothing beside it."""
+    """Whether both neighbours feel the load, and taxel `i` reads nothing in comparison."""
     load = r.force if r.force is not None else np.sum(r.taxels, axis=0) - r.taxels[i]
     load = load - load.mean()
     energy = float(load @ load)

@@ -1,10 +1,10 @@
 """Adhesion: the skin pulls at the plunger as it leaves.
 
-Moments at which the plunger leaves the skin say little about the rest of a model, and are left out of its comparison. One thing they say
-beyond doubt: without adhesion no contact pulls, whatever the skin's recovery. A reading that falls, at one leaving after the other, below
-what the sensor says in the air, by more than the moving skin weighs, and below what the model says is a pull. One exception is made for the
-model itself: its equations are often simulated for x > 0 as they stand, so that skin follows any plunger and its dashpots pull. Where that
-explains the leavings better than a pull does, it is the simulation's contact that differs, and nothing is wrong with the skin.
+Moments at which the plunger leaves the skin say little about the rest of a model and are not compared. One thing they do show: without
+adhesion no contact pulls, however the skin recovers. A pull is a reading that falls, at one leaving after the other, below the reading in
+air by more than the moving skin weighs, and below the model. There is one exception for the model itself. Its equations are often simulated
+for x > 0 as they stand, so that skin follows any plunger and its dashpots pull. Where that explains the leavings better than adhesion, only
+the simulation's contact differs, and nothing is wrong with the skin.
 """
 
 from collections.abc import Iterator
@@ -21,24 +21,25 @@ from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
 from skin_models.signals import Motion
 
-BEFORE_S, AFTER_S = 0.25, 0.4  # about the moment when the model says that the plunger leaves
-OUT, SLOWLY_S = 0.15e-3, 2.0  # m, or time, to which a plunger is followed that leaves more slowly
-NEAR_S = 8.0  # of air around it, by which the sensor's zero is judged
-CLEAR = 2.5  # widths of what the model leaves, or nearly of what is read in the air, at each of most leavings
-AIR, LEAST_AIR = 1.5, 50  # times the width in the air, if there are so many samples of it: an encoder's noise is not in the air
-CHANCE = 0.25  # that what is read in the air falls as far by itself at one leaving
-AGREE = 0.6  # of the leavings that must show it, in the sessions together
-FEWEST = 4  # leavings
-SHOWN = 0.3  # of what a model says, or of what was found, the least that readings must fall
-REACHES = (0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3)  # m
-SMOOTH, SMOOTH_S = 3, 0.01  # samples, and time, that a pull must last: of many samples some are low by themselves
-IN = 0.3  # of the greatest speed in the air, from which the plunger is on its way in
+BEFORE_S, AFTER_S = 0.25, 0.4  # s before and after the moment when the model says that the plunger leaves
+OUT, SLOWLY_S = 0.15e-3, 2.0  # m, or s, to which the plunger is followed if it leaves more slowly
+NEAR_S = 8.0  # s of air around it that give the sensor's zero
+CLEAR = 2.5  # noise widths of a pull at most leavings: of the residual, or hardly more than of the reading in air
+AIR, LEAST_AIR = 1.5, 50  # times the width in air, if so many samples are in air: an encoder's noise does not show there
+CHANCE = 0.25  # chance that a reading in air falls as far at one leaving
+AGREE = 0.6  # share of the leavings that must show it, over all sessions
+FEWEST = 4  # leavings that a verdict needs
+SHOWN = 0.3  # share of a model's pull, or of the pull found, that readings must fall by at least
+REACHES = (0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3)  # m, candidates for the reach of adhesion
+SMOOTH, SMOOTH_S = 3, 0.01  # samples, and s, that a pull must last: of many samples some are low by chance
+IN = 0.3  # share of the greatest speed in air from which the plunger is on its way in
 
 
 @dataclass(frozen=True)
 class Leaving:
-    """One leaving: how far channels fall below air and model, N (negative), where each of them is lowest, (C, C) by the lowest and the
-    channel; the depth where the first is, m; and how far each falls in the air around in as many samples, three times in four, (C,)."""
+    """One leaving. `together` (C, C) N (negative): how far each channel (second index) falls below air and model where the channel of the
+    first index is lowest. `depth`, m: where the first channel is lowest. `in_air` (C,) N: the level above which the lowest of as many
+    samples in the air around stays three times in four."""
 
     together: np.ndarray
     depth: float
@@ -46,12 +47,12 @@ class Leaving:
 
     @property
     def dips(self) -> np.ndarray:
-        """How far each channel falls at its lowest, (C,)."""
+        """How far each channel falls at its lowest, (C,), N."""
         return np.diag(self.together)
 
 
 def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
-    """A pull on release, from what is measured (`raw`) about every leaving, against `model` and the air around."""
+    """A pull on release, from the measurement (`raw`) at every leaving, against `model` and the air around."""
     if any(s.drive is not None for s in sessions) or any(e.cause == "adhesion" for e in model.effects):
         return []
     rest = [s.raw - simulated(model, s) for s in sessions]
@@ -65,7 +66,7 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
     if carried.size == 0:
         return []
     shown = pulled[:, carried].any(axis=1)
-    if sessions[0].channels[0] == "force" and carried[0] != 0:  # what pulls a taxel pulls the load cell too, whose noise may hide it
+    if sessions[0].channels[0] == "force" and carried[0] != 0:  # the load cell feels it, too, but noise may hide it
         beside = np.array([one.together[carried[0], 0] for one in leavings])
         if np.mean(beside[shown]) > -CLEAR * width[0] / np.sqrt(np.count_nonzero(shown)):
             return []
@@ -78,8 +79,8 @@ def find_pull(model: Model, sessions: list[Session]) -> list[Symptom]:
 
 
 def _width(model: Model, sessions: list[Session], rest: list[np.ndarray]) -> np.ndarray:
-    """How wide the readings of each channel scatter about a plunger that leaves, (C,) N: as the `rest` that a model leaves does, or not
-    much more than they do in the air, spikes and all, but no less than a step."""
+    """Noise width (C,), N, of the readings at a leaving: that of the residual `rest`, or little more than that in air, spikes included, if
+    that is less; at least a converter step."""
     widths = normal_scale(np.concatenate(rest, axis=1), axis=1)
     air = [s.raw[:, _parted(model, s)[2]] for s in sessions]
     air = np.concatenate([rows - np.mean(rows, axis=1, keepdims=True) for rows in air if rows.size] or air, axis=1)
@@ -89,15 +90,15 @@ def _width(model: Model, sessions: list[Session], rest: list[np.ndarray]) -> np.
 
 
 def _parted(model: Model, s: Session) -> tuple[Motion, np.ndarray, np.ndarray]:
-    """The motion of a session, and masks (N,) of where a model has the plunger touch, and of where it is in the air."""
+    """The motion of a session, and masks (N,) of where the model has contact, and of where the plunger is in air."""
     moved = motion_under(s, model.dispersion)
     touched = model.dispersion.contact(moved)
     return moved, touched, ~touched & (moved.x < 0.0)
 
 
 def is_pulled(pulling: Model, without: Model, sessions: list[Session]) -> bool:
-    """Whether the first channel falls at leavings about as a model says that is `pulling`, beside the same `without` the pull; True where
-    too few leavings tell."""
+    """Whether the first channel falls at leavings at least `SHOWN` times as far as the model `pulling` says, both compared with the same
+    model `without` the pull. True where too few leavings show it."""
     if any(s.drive is not None for s in sessions):
         return True
 
@@ -110,15 +111,16 @@ def is_pulled(pulling: Model, without: Model, sessions: list[Session]) -> bool:
 
 
 def _follows(model: Model, sessions: list[Session], clear: np.ndarray, least: float) -> bool:
-    """Whether skin that follows the plunger wherever it goes above depth zero, pulling as it does, leaves fewer squares than the `least` of
-    any pull, and at most leavings nothing that falls below `clear` (C,)."""
+    """Whether skin that follows the plunger wherever it is at positive depth, and pulls as it does, explains the data: its sum of squares
+    is no larger than `least`, the smallest of any pull, and no channel still falls below `clear` (C,) at a share `AGREE` of the
+    leavings."""
     rest = [s.raw - simulated(model, replace(s, motion=replace(s.motion, pressed=True))) for s in sessions]
     dips = np.array([one.dips for one in _all_leavings(model, sessions, rest)])
     return _squares(rest) <= least and _agreed(dips < clear).size == 0
 
 
 def _agreed(pulled: np.ndarray) -> np.ndarray:
-    """The channels that are pulled at most of the leavings, from a mask of both."""
+    """Indices of the channels that are pulled at most of the leavings, from a mask (leavings, channels)."""
     return np.flatnonzero(pulled.mean(axis=0) >= AGREE)
 
 
@@ -127,8 +129,8 @@ def _squares(rows: list[np.ndarray]) -> float:
 
 
 def _as_simulated(found: Symptom, model: Model, sessions: list[Session], rest: list[np.ndarray]) -> tuple[Symptom, float]:
-    """The pull with the reach that brings the simulation nearest to all samples, those that are not compared among them, and the squares
-    that it leaves; where none brings it nearer than no pull at all, the evidence says so: the skin holds on in another way than the
+    """The pull with the reach that brings the simulation nearest to all samples, including those that are not compared, and the sum of
+    squares that it leaves. If no pull is nearer than none, the evidence says so (`UNLIKE`): this skin holds on in another way than the
     simulated one."""
     tried = {}
     for reach in (found.parameters["reach"]["value"], *REACHES):
@@ -145,12 +147,12 @@ def _all_leavings(model: Model, sessions: list[Session], rest: list[np.ndarray])
 
 
 def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
-    """How far every channel falls below its zero, smoothed, and at which depth, each time that the plunger leaves the skin."""
+    """Every leaving of the session: how far each channel, smoothed, falls below its zero, and at which depth."""
     moved, touched, air = _parted(model, s)
     before, after, slowly, near, lasts = (round(seconds / moved.dt) for seconds in (BEFORE_S, AFTER_S, SLOWLY_S, NEAR_S, SMOOTH_S))
     lasts = max(lasts, SMOOTH)
     hangs = np.zeros_like(s.raw)
-    if s.channels[0] == "force":  # the skin's weight, as near as anybody can say where its surface is
+    if s.channels[0] == "force":  # the least force of the skin's mass nearby, as its surface is not known exactly
         hangs[0] = minimum_filter1d(np.minimum(model.dispersion.inertial(moved), 0.0), 2 * lasts + 1)
     windows = []
     for i in np.flatnonzero(touched[:-1] & ~touched[1:]):
@@ -173,13 +175,13 @@ def _leavings(model: Model, s: Session, rest: np.ndarray) -> Iterator[Leaving]:
 
 
 def _even(rows: np.ndarray, lasts: int) -> np.ndarray:
-    """Rows (C, n), averaged over so many samples."""
+    """Rows (C, n), moving average over `lasts` samples."""
     return np.apply_along_axis(np.convolve, 1, rows, np.ones(lasts) / lasts, "valid")
 
 
 def _zero(air: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    """What each channel (C, n) reads in the air while the plunger moves out of it, (C, 1) N: less by what it reads more on the way in, for
-    friction of a rig drags both ways and is no pull of the skin."""
+    """Zero (C, 1), N, of each channel's reading in air (C, n) while the plunger moves out. The reading on the way in shows the friction of
+    a rig, which drags both ways and is no pull of the skin; it is subtracted."""
     still, inwards = np.median(air, axis=1, keepdims=True), air[:, speed > IN * np.abs(speed).max()]
     drag = np.median(inwards, axis=1, keepdims=True) - still if inwards.shape[1] >= 2 * SMOOTH else 0.0
     return still - np.maximum(drag, 0.0)
@@ -189,7 +191,7 @@ def _symptom(model: Model, session: Session, dips: np.ndarray, carried: np.ndarr
     names = [session.channels[c] for c in carried]
     pull = -np.median(dips, axis=0)
     taxels = [c for c in carried if session.channels[c] != "force"]
-    share = max(model.shares, default=0.0)  # 0: no taxel feels anything, and the pull is in what does not reach them
+    share = max(model.shares, default=0.0)  # 0: no taxel feels anything, so none of the pull is sensed
     sensed = float(max((pull[c] for c in taxels), default=0.0) / share) if share > 0.0 else 0.0
     whole = float(pull[session.channels.index("force")]) if "force" in session.channels else sensed
     parameters = {

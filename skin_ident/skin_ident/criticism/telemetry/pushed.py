@@ -1,5 +1,5 @@
-"""Excursions that motion makes and no sensor: a load cell that carries a plunger is pushed for a sample or two where that starts and
-stops, and every channel feels a motion that is quicker than the encoder's readings tell."""
+"""Excursions that come from motion and not from a sensor: a load cell that carries a plunger is pushed for a sample or two where the
+plunger starts and stops, and every channel feels a motion that is quicker than the encoder's readings show."""
 
 from collections.abc import Sequence
 
@@ -9,18 +9,18 @@ from skin_ident.criticism.telemetry.wrong_samples import away_from_around
 from skin_ident.estimators.scale import normal_scale
 from skin_ident.stretches import runs, without
 
-CLEAR = 5.0  # times what noise and steps of the encoder make of an acceleration, above which it is one
-FEWEST = 2  # excursions that tell a mass
-NEAR = 0.5  # of an excursion, within which the mass explains it
-SEEN = 3.0  # times the same, above which it may be one: enough where another channel tells of it, too
-SHARED = 4.0  # widths of the noise, which that must be off by
+CLEAR = 5.0  # times the acceleration error from noise and steps of the encoder, above which an acceleration is clear
+FEWEST = 2  # excursions that give a mass
+NEAR = 0.5  # relative deviation from the mass's push up to which it explains an excursion
+SEEN = 3.0  # the same as `CLEAR`, enough where another channel shows the excursion as well
+SHARED = 4.0  # noise widths by which that channel must be off
 
 
 def not_pushed(
     away: list[np.ndarray], residuals: list[np.ndarray], paths: Sequence[np.ndarray], dt: float, reads: float
 ) -> list[np.ndarray]:
-    """The excursions `away` of one channel, masks (N,) of each session whose model leaves `residuals` (N,) N, without those that are in one
-    proportion to how the plunger speeds up along `paths` (N,) m, which an encoder `reads` so finely."""
+    """The excursions `away` of one channel, masks (N,) of each session with residual `residuals` (N,), N, without those that are
+    proportional to the plunger's acceleration along `paths` (N,) m, with one mass for all. `reads` is the encoder's resolution, m."""
     if not paths:
         return away
     each = [_pushes(*session, dt, reads) for session in zip(away, residuals, paths, strict=True)]
@@ -34,8 +34,8 @@ def not_pushed(
 def not_shared(
     away: list[np.ndarray], c: int, residuals: list[np.ndarray], paths: Sequence[np.ndarray], dt: float, reads: float
 ) -> list[np.ndarray]:
-    """The excursions `away` of channel `c`, masks (N,) of each session whose model leaves `residuals` (C, N) N, without those that begin
-    where the plunger speeds up along `paths` (N,) m, and that another channel shares: they tell of the motion."""
+    """The excursions `away` of channel `c`, masks (N,) of each session with residuals (C, N), N, without those at which the plunger
+    accelerates along `paths` (N,) m and which another channel shares: they come from the motion."""
     if not paths:
         return away
     kept = []
@@ -46,7 +46,7 @@ def not_shared(
 
 
 def _felt(away: np.ndarray, c: int, residuals: np.ndarray) -> np.ndarray:
-    """Where channel `c` is `away`, a mask (N,), and another one clearly off to the same side."""
+    """Mask (N,) of samples where channel `c` is `away` and another channel is clearly off to the same side."""
     out = np.zeros(away.size, bool)
     if away.any() and not away.all():
         far = np.array([away_from_around(e, away) for e in residuals])
@@ -57,7 +57,8 @@ def _felt(away: np.ndarray, c: int, residuals: np.ndarray) -> np.ndarray:
 
 
 def _speeding(path: np.ndarray, dt: float, reads: float) -> np.ndarray:
-    """Where the plunger speeds up or slows down along a `path` (N,) m, which an encoder `reads` so finely: a mask (N,)."""
+    """Mask (N,) of samples where the plunger accelerates or brakes along a `path` (N,) m, above the error of an encoder of resolution
+    `reads`, m."""
     speeding = _acceleration(path, dt)
     return np.abs(speeding) > SEEN * _unread(speeding, dt, reads)
 
@@ -67,12 +68,13 @@ def _acceleration(path: np.ndarray, dt: float) -> np.ndarray:
 
 
 def _unread(speeding: np.ndarray, dt: float, reads: float) -> float:
-    """What noise and steps of the encoder make of an acceleration, m/s^2."""
+    """Error of an acceleration, m/s^2, from noise and steps of the encoder."""
     return max(normal_scale(speeding), reads / dt**2)
 
 
 def _pushes(away: np.ndarray, residual: np.ndarray, path: np.ndarray, dt: float, reads: float) -> dict[int, float]:
-    """By their first sample, the masses (kg) that would make excursions which begin where the plunger clearly speeds up or slows down."""
+    """Masses (kg) that would make the excursions which begin where the plunger clearly accelerates or brakes, by the excursion's first
+    sample."""
     speeding = _acceleration(path, dt)
     clear = CLEAR * _unread(speeding, dt, reads)
     far = np.zeros(away.size)

@@ -1,9 +1,9 @@
 """Quantization: the spacing of the levels that occur, against the step that rig.yaml declares.
 
-Coarse steps imitate dead zones and relaxation, so this comes before any fit.
+Coarse steps imitate dead zones and relaxation, so this is looked for before any fit.
 
-Where nothing is declared, nobody can say that steps are coarser than they should be; but where rounding to them, q / sqrt(12), is more
-than the noise s beneath, they bury it, and that can be seen in what a model leaves, r^2 = s^2 + q^2 / 12.
+Where nothing is declared, nobody can say that steps are coarser than they should be. But where the rounding error q / sqrt(12) is larger
+than the noise s beneath, the steps bury it, and that shows in the residual, r^2 = s^2 + q^2 / 12.
 """
 
 from collections.abc import Iterable
@@ -18,21 +18,21 @@ from skin_ident.criticism.telemetry.units import declared_step
 from skin_ident.estimators.scale import white_noise
 from skin_ident.recordings.levels import FEWEST_LEVELS
 
-COARSER = 1.25  # times the declared step, which no calibration is off by
-UNEVENLY = 1.5  # the same of steps that are not all alike
+COARSER = 1.25  # times the declared step, beyond any calibration error
+UNEVENLY = 1.5  # the same for steps that are not all alike
 UNLIKE = 1.9  # times the step of the other taxels: calibrations alone differ by less
-FEWEST_ALIKE = 3  # taxels, of which one can be unlike the others
-FEW = 0.05  # of the samples, the most levels of a converter whose steps are uneven, and which reads
-OFTEN = 0.9  # of the times that a level is come to, those of levels to which it comes again and again
-AGAIN = 5  # times that a level is come to
-NARROW = 40.0  # percent of the spacings, which may be as narrow as was declared: at a hold noise comes to two levels side by side
-BURIED = 2.0  # times the variance of rounding, below which what is left of a channel is mostly rounding
+FEWEST_ALIKE = 3  # taxels, the fewest of which one can be unlike the others
+FEW = 0.05  # levels as a share of the samples, the most that a converter with uneven steps shows
+OFTEN = 0.9  # share of the visits to levels that must be to levels visited again and again
+AGAIN = 5  # visits to such a level
+NARROW = 40.0  # percent of the spacings that may be as narrow as declared: noise at a hold visits two levels side by side
+BURIED = 2.0  # residual variance, in units of the rounding variance, below which rounding dominates
 
 
 def uneven_step(y: np.ndarray, digits: np.ndarray, declared: float) -> float | None:
-    """Median spacing of the levels to which `y` (N,) comes again and again though they are not equally spaced, as those of a converter that
-    compresses; None where it does not, or where many are no further apart than `declared`. A level is what the samples of one reading are
-    mostly at, told from others by its `digits` (N,): what was interpolated lies between."""
+    """Median spacing of the levels to which `y` (N,) returns again and again, for a converter with unequal steps such as one that
+    compresses; None where the readings do not do this, or where many levels are no further apart than `declared`. A level is the median of
+    the samples with the same `digits` (N,); interpolated samples lie between levels."""
     reading, counts = np.unique(digits[np.diff(digits, prepend=~digits[:1]) != 0], return_counts=True)
     again = counts >= AGAIN
     few = np.count_nonzero(again) <= 2 * FEWEST_LEVELS
@@ -43,7 +43,7 @@ def uneven_step(y: np.ndarray, digits: np.ndarray, declared: float) -> float | N
 
 
 def find_quantization(recordings: list) -> list[Symptom]:
-    """Channels whose steps are coarser than declared."""
+    """Channels whose steps are coarser than declared, or, for undeclared taxels, coarser than the other taxels'."""
     declared = _declared(recordings[0])
     found = _unlike(recordings, declared)
     for channel, step in declared.items():
@@ -61,17 +61,18 @@ def find_quantization(recordings: list) -> list[Symptom]:
 
 
 def is_uneven(s: Symptom) -> bool:
-    """Whether a symptom is of a converter whose steps are uneven."""
+    """Whether the symptom is of a converter with uneven steps."""
     return bool(s.evidence.get("uneven"))
 
 
 def in_uneven_steps(symptoms: Iterable[Symptom]) -> set[str]:
-    """The channels that such converters read."""
+    """The channels with uneven steps."""
     return {c for s in symptoms if is_uneven(s) for c in s.channels}
 
 
 def no_finer(excluded: list[dict[str, Any]], recordings: list) -> list[dict[str, Any]]:
-    """Entries of what is excluded, quantization above no less than tells from what is declared: the levels themselves say no more."""
+    """The entries of what is excluded, where quantization is excluded only above the step that could be told from the declared one: the
+    levels show nothing finer."""
     n, declared = len(recordings[0].taxels), _declared(recordings[0])
     told = {sensor_of(channel, n): COARSER * step for channel, step in declared.items() if step}
     told.setdefault("taxel", min((least for where, least in told.items() if where.startswith("taxel")), default=0.0))
@@ -83,14 +84,14 @@ def no_finer(excluded: list[dict[str, Any]], recordings: list) -> list[dict[str,
 
 
 def undeclared_steps(recordings: list) -> dict[str, float]:
-    """Spacing of the levels of every channel that sits on levels in all sessions and of which rig.yaml declares no step, N."""
+    """Spacing of the levels, N, of every channel that sits on levels in all sessions and has no declared step."""
     each = {c: _steps(recordings, c) for c, step in _declared(recordings[0]).items() if not step and c != "depth"}
     return {c: float(np.median(steps)) for c, steps in each.items() if steps and None not in steps}
 
 
 def find_buried(recordings: list, channels: tuple[str, ...], rests: list[np.ndarray], calm: list[np.ndarray]) -> list[Symptom]:
-    """Channels without a declared step whose steps are wider than their noise, from residuals (C, N) at full rate and masks (N,) of the
-    samples to look at."""
+    """Channels without a declared step whose rounding error exceeds their noise, from residuals (C, N) at full rate and masks (N,) of the
+    samples to use."""
     found = []
     for channel, step in undeclared_steps(recordings).items():
         if channel not in channels:
@@ -105,8 +106,8 @@ def find_buried(recordings: list, channels: tuple[str, ...], rests: list[np.ndar
 
 
 def _unlike(recordings: list, declared: dict[str, float | None]) -> list[Symptom]:
-    """Taxels whose steps are coarser than those of all others, where nobody said what they should be, and coarser beside the noise beneath
-    them, too: one of a wider range has more of both."""
+    """Taxels without declared steps that are coarser than all others, also relative to the noise beneath them: a taxel of wider range has
+    more of both."""
     names = [c for c in recordings[0].channels if c.startswith("taxel") and not declared[c]]
     each = {c: _steps(recordings, c) for c in names}
     steps = {c: float(np.median(s)) for c, s in each.items() if None not in s}
@@ -124,13 +125,13 @@ def _unlike(recordings: list, declared: dict[str, float | None]) -> list[Symptom
 
 
 def _beneath(recordings: list, channel: str, step: float) -> float:
-    """The white noise of a channel beneath its steps, N rms: s^2 = r^2 - q^2 / 12."""
+    """White noise of a channel beneath its steps, N rms: s^2 = r^2 - q^2 / 12."""
     r = float(np.median([white_noise(row) for row, _ in _rows(recordings, channel)]))
     return float(np.sqrt(max(r**2 - step**2 / 12.0, 0.0)))
 
 
 def _coarse(recordings: list, channel: str, step: float, against: str, known: dict[str, dict[str, Any]]) -> Symptom:
-    """Steps that are wider than those that are `known`, by where they are known from, and how to say that."""
+    """The symptom of steps wider than the `known` ones, which are keyed by their source, and described by `against`."""
     ((expected, unit),) = ((q["value"], q["unit"]) for q in known.values())
     evidence = {**known, "why": f"the levels of {channel} are {step / expected:.1f} times as far apart {against}"}
     return Symptom("quantization", sensor_of(channel, len(recordings[0].taxels)), (channel,), {"step": quantity(step, unit)}, evidence)
@@ -142,7 +143,7 @@ def _declared(recording) -> dict[str, float | None]:
 
 
 def _rows(recordings: list, channel: str) -> list[tuple[np.ndarray, np.ndarray]]:
-    """The samples of a channel and their digits, of every recording that has it."""
+    """Samples and digits of a channel in every recording that has it."""
     every = ((r, [*r.channels.items(), ("depth", r.depth)]) for r in recordings)
     return [(row, r.read(channel)) for r, rows in every for name, row in rows if name == channel and row is not None]
 
@@ -152,7 +153,8 @@ def _steps(recordings: list, channel: str) -> list[float | None]:
 
 
 def depth_resolution(recordings: list) -> float:
-    """How finely the depth is read, m: its steps, or those which would be as loud as its white noise, sqrt(12) standard deviations."""
+    """Resolution of the depth, m: its steps, or steps that would be as loud as its white noise (sqrt(12) standard deviations), if they are
+    larger."""
     noises = [white_noise(r.depth) for r in recordings if r.depth is not None]
     return max(depth_step(recordings), np.sqrt(12.0) * max(noises, default=0.0))
 

@@ -1,7 +1,7 @@
-"""Which symptoms are still there once the causes that were named have had their say.
+"""Which symptoms remain once the named causes are in the model.
 
-Telemetry looks at what a first fit leaves. A large effect leaves much, and some of it looks like a fault of the record: what the extended
-model accounts for was none.
+Telemetry examines the residual of a first fit. A large effect leaves much in it, and some of that looks like a fault of the record. What
+the extended model explains was no fault.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from skin_models.model import Model
 
 def remains(symptom: Symptom, recordings: list, channels: tuple[str, ...], rests: list[np.ndarray], model: Model) -> bool:
     """Whether a symptom is still there in measured less simulated (C, N) N of each recording under the extended `model`. Symptoms that no
-    model could account for remain."""
+    model could explain remain."""
     if symptom.evidence.get("kind") == more_than_applied.KIND:
         return more_than_applied.is_left(symptom, model)
     if symptom.channels[0] not in channels:

@@ -1,7 +1,7 @@
-"""Stretches of a record that were there before, digit for digit, and how long they must be not to be chance.
+"""Stretches of a record that occurred before, digit for digit, and how long they must be to exceed chance.
 
-Noise does not repeat. But where a converter is coarse beside the noise, the same motion gives the same numbers for a while by itself: how
-often short windows recur in these very recordings tells how long chance can last.
+Noise does not repeat. But where a converter is coarse beside the noise, the same motion gives the same numbers for a while. How often short
+windows recur in these recordings shows how long chance can last.
 """
 
 from collections.abc import Iterator
@@ -12,17 +12,17 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from skin_ident.recordings.digits import MULTIPLIER
 
-WINDOW = 24  # samples, more than those that tell about chance
+WINDOW = 24  # samples of a window, more than of those that measure chance
 LIVELY = 9  # different readings that a window must hold, so that a quiet hold is not taken for a copy
-SHORT = (8, 16)  # samples of the windows whose recurrences tell about chance
-CHANCE = 0.001  # recurrences of the length found that chance may bring at most
-PART = 100_000  # windows looked at in one go, which bounds the memory
+SHORT = (8, 16)  # samples of the windows whose recurrences measure chance
+CHANCE = 0.001  # largest number of recurrences of this length expected by chance
+PART = 100_000  # windows examined at a time, which bounds the memory
 
 
 @dataclass(frozen=True)
 class Repeat:
-    """`length` samples from `start` of recording `at` on that were there before: from `origin` of recording `source` on. So many of these
-    are `lively`: while a coarse reading rests it repeats itself, and says nothing."""
+    """`length` samples from `start` of recording `at` on that occurred before, from `origin` of recording `source` on. `lively` counts
+    those in windows with enough different readings: a coarse reading at rest repeats itself, which shows nothing."""
 
     at: int
     start: int
@@ -33,7 +33,7 @@ class Repeat:
 
 
 def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
-    """What no chance repeats in readings (N, C) of each recording, the longest first."""
+    """Repeats in readings (N, C) of each recording that chance does not explain, the longest first."""
     codes = _codes(rows)
     every = sorted(_repeats(codes), key=lambda r: -r.length)
     if not every:
@@ -43,14 +43,14 @@ def repeats_of(rows: list[np.ndarray]) -> list[Repeat]:
 
 
 def _codes(rows: list[np.ndarray]) -> list[np.ndarray]:
-    """A number for every different reading."""
+    """A number for every different reading, by recording."""
     every = np.concatenate(rows)
     codes = np.unique(every, axis=0, return_inverse=True)[1].ravel().astype(np.uint64)
     return np.split(codes, np.cumsum([len(row) for row in rows])[:-1])
 
 
 def _repeats(codes: list[np.ndarray]) -> Iterator[Repeat]:
-    """The first window of every stretch that equals an earlier one elsewhere, and how far they go on together."""
+    """Every stretch that equals an earlier one elsewhere, extended in both directions from the first equal window."""
     at, start, first = _recurring(codes, WINDOW)
     source, origin = at[first], start[first]
     apart = (source != at) | (start - origin >= WINDOW)
@@ -68,8 +68,8 @@ def _repeats(codes: list[np.ndarray]) -> Iterator[Repeat]:
 
 
 def _recurring(codes: list[np.ndarray], size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Recording and start of every lively window of `size` samples, and which of them is the first that equals it."""
-    powers = np.cumprod(np.full(size, MULTIPLIER))  # of the windows' polynomial hash
+    """Recording and start of every lively window of `size` samples, and the index of the first window that equals it."""
+    powers = np.cumprod(np.full(size, MULTIPLIER))  # weights of the windows' polynomial hash
     at, start, hashes = [], [], []
     for k, row in enumerate(codes):
         for begin in range(0, row.size - size + 1, PART):
@@ -85,12 +85,13 @@ def _recurring(codes: list[np.ndarray], size: int) -> tuple[np.ndarray, np.ndarr
 
 
 def _different(windows: np.ndarray) -> np.ndarray:
-    """How many different readings every window (…, n) holds."""
+    """Number of different readings in every window (…, n)."""
     return 1 + np.count_nonzero(np.diff(np.sort(windows, axis=-1), axis=-1), axis=-1)
 
 
 def _by_chance(codes: list[np.ndarray], repeats: list[Repeat]):
-    """How many windows of a length would recur by themselves: what recurs of short windows elsewhere, carried on geometrically."""
+    """A function of the length: how many windows of it would recur by chance. It extrapolates the recurrences of short windows outside the
+    `repeats` geometrically."""
     kept = [np.ones(row.size, bool) for row in codes]
     for r in repeats:
         kept[r.at][r.start : r.start + r.length] = False
@@ -100,7 +101,7 @@ def _by_chance(codes: list[np.ndarray], repeats: list[Repeat]):
 
 
 def _common(a: np.ndarray, b: np.ndarray) -> int:
-    """How many samples of two stretches are the same from their beginning on."""
+    """Number of leading samples that two stretches have in common."""
     n = min(a.size, b.size)
     differs = a[:n] != b[:n]
     return int(np.argmax(differs)) if differs.any() else n

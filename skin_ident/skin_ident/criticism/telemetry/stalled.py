@@ -1,7 +1,7 @@
-"""Rows that a logger wrote again and again while its stamps went on: every column stands, and then leaps at once.
+"""Rows that a logger wrote repeatedly while its time stamps went on: every column stands still, and then leaps at once.
 
-A plunger at rest stands, too, and coarse converters say the same of it for long. It then moves off no faster than a stage can: what leaps
-by several times the longest step that the motion has otherwise was under way while the rows stood.
+A plunger at rest stands still, too, and coarse converters show the same row for long. But it then starts no faster than a stage can. If the
+signal leaps by several times the longest step that the motion has otherwise, the plunger moved while the rows stood still.
 """
 
 import numpy as np
@@ -10,13 +10,13 @@ from skin_ident.criticism.telemetry.symptom import Symptom, quantity
 from skin_ident.stretches import marked, runs
 from skin_models.words import counted
 
-FEWEST = 8  # samples that repeat one
-LEAPS = 5.0  # times the steps of all but a thousandth of the samples
-USUAL = 99.9  # percent
+FEWEST = 8  # samples that repeat one row, the fewest of a stretch
+LEAPS = 5.0  # times the step that `USUAL` percent of the samples do not exceed
+USUAL = 99.9  # percentile of the steps
 
 
 def find_stalled(recordings: list) -> list[Symptom]:
-    """One symptom for all stretches of all sessions, the samples of which are not believed."""
+    """One symptom for all stretches of all sessions; their samples are marked as bad."""
     stretches = [(r, a, b) for r in recordings for a, b in _stalls(r)]
     if not stretches:
         return []
@@ -31,7 +31,7 @@ def find_stalled(recordings: list) -> list[Symptom]:
 
 
 def _stalls(recording) -> list[tuple[int, int]]:
-    """The first repeated sample of every stretch, and the one behind its last."""
+    """The first repeated sample and the end (exclusive) of every stretch."""
     moves = recording.depth if recording.depth is not None else recording.force
     steps = np.abs(np.diff(np.vstack([*([] if recording.depth is None else [recording.depth]), *recording.channels.values()])))
     leap = LEAPS * np.percentile(np.abs(np.diff(moves)), USUAL)

@@ -1,18 +1,18 @@
-"""Whether a channel moves at all: what moves is smooth beside its own noise, for a plunger cannot jump from sample to sample.
+"""Whether a channel moves at all. Real motion is smooth beside the channel's noise, because a plunger cannot jump from sample to sample.
 
-With d the difference of neighbouring samples, white noise has var(d) = 2 var(y); a sinusoid seen from six samples a period on has less than
-var(y). So a channel is still where var(y) < MOVES var(d) / 2, spikes left aside.
+With d the difference of neighbouring samples, white noise has var(d) = 2 var(y); a sinusoid with six samples or more in a period has less
+than var(y). So a channel is still where var(y) < MOVES var(d) / 2, without spikes.
 """
 
 import numpy as np
 
-MOVES = 1.5  # between white noise, which has 1, and what moves, from 2 on
-SPIKES = 0.5  # percent of the samples, above and below
-NOTHING = 1e-9  # of the largest value: rounding
+MOVES = 1.5  # between white noise, which has 1, and motion, which has 2 or more
+SPIKES = 0.5  # percent of the samples that are clipped above and below
+NOTHING = 1e-9  # share of the largest value that is rounding
 
 
 def is_still(y: np.ndarray) -> bool:
-    """Whether the samples (N,) are one constant, or noise around it."""
+    """Whether the samples (N,) are constant, or noise around a constant."""
     y = np.clip(y, *np.percentile(y, [SPIKES, 100.0 - SPIKES]))
     if y.size < 3 or np.ptp(y) <= NOTHING * np.max(np.abs(y)):
         return True

@@ -1,4 +1,4 @@
-"""What a look at the telemetry returns."""
+"""What an examination of the telemetry returns."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,7 +10,7 @@ from skin_ident.criticism.vocabulary import Key
 
 @dataclass(frozen=True)
 class Symptom:
-    """A cause seen in the record itself. `bad` maps (session, channel) to a mask (N,) of samples not to be believed; `alternatives` are
+    """A cause seen in the record itself. `bad` maps (session, channel) to a mask (N,) of samples not to be trusted; `alternatives` are
     (cause, where) that would look the same, and `apart` says what would tell them from it."""
 
     cause: str
@@ -24,7 +24,7 @@ class Symptom:
 
 
 def sensor_of(channel: str, n_taxels: int) -> str:
-    """The word a finding uses for the sensor behind a channel; a lone taxel is just `taxel`."""
+    """The name in a finding of the sensor behind a channel; a single taxel is just `taxel`."""
     if channel == "force":
         return "load_cell"
     if channel == "depth":
@@ -33,5 +33,5 @@ def sensor_of(channel: str, n_taxels: int) -> str:
 
 
 def quantity(value: float, unit: str) -> dict[str, Any]:
-    """A parameter as findings.json writes it."""
+    """A parameter in the format of findings.json."""
     return {"value": float(value), "unit": unit}

@@ -1,6 +1,6 @@
-"""Units and names of columns: a channel in other units, all the time, from some moment on or in one session; two columns swapped; a sign.
+"""Units and names of columns: a channel in other units, all the time, from some time on or in one session; two columns swapped; a sign.
 
-The converter's grid proves it where the steps are declared (see `grid`); the slope against depth betrays it where they are not.
+The converter's grid proves it where the steps are declared (see `grid`); the slope against depth shows it where they are not.
 """
 
 from collections.abc import Sequence
@@ -14,15 +14,15 @@ from skin_ident.criticism.vocabulary import SWAPPED, UNIT_CHANGE, UNIT_FACTOR
 
 # A pound-force and a kilogram-force in N, a technical atmosphere in MPa, each either way; thousands, and a point that is out of place.
 FACTORS = (4.44822, 1 / 4.44822, 9.80665, 1 / 9.80665, 0.0980665, 1 / 0.0980665, 1000.0, 1e-3, 10.0, 0.1)
-NEAR = 0.06  # relative, how close a ratio of slopes must come to such a factor
-PIECES = 12  # of a session, each asked for its grid
+NEAR = 0.06  # relative deviation of a ratio of slopes from such a factor
+PIECES = 12  # pieces of a session, each tested for its grid
 FOLLOWS = 0.5  # correlation with the load, without which a slope means nothing
-WITHIN, ENOUGH = 0.3, 0.1  # of the greatest depth, from which on contact is sure, and of the samples, which must be there
-AGAINST = -0.6  # correlation with the load by which a channel is upside down
+WITHIN, ENOUGH = 0.3, 0.1  # share of the greatest depth beyond which contact is sure; share of the samples that must be there
+AGAINST = -0.6  # correlation with the load below which a channel is upside down
 
 
 def find_unit_faults(recordings: list) -> list[Symptom]:
-    """Everything of that kind; what is swapped is not asked for its units."""
+    """All such faults; swapped channels are not tested for their units."""
     swapped = _swapped(recordings)
     names = {c for s in swapped for c in s.channels}
     rest = [c for c in recordings[0].channels if c not in names]
@@ -31,7 +31,7 @@ def find_unit_faults(recordings: list) -> list[Symptom]:
 
 
 def declared_step(recording, channel: str) -> float | None:
-    """The converter step that rig.yaml declares for a channel, N; a taxel that is left in volts has none."""
+    """The converter step, N, that rig.yaml declares for a channel; None for a taxel that is left in volts."""
     d = recording.declared
     if channel == "force":
         return d.force_step_n
@@ -40,7 +40,7 @@ def declared_step(recording, channel: str) -> float | None:
 
 
 def _swapped(recordings: list) -> list[Symptom]:
-    """Two channels of which each sits on the other's grid and not on its own."""
+    """Two channels that each sit on the other's grid and not on their own."""
     names = list(recordings[0].channels)
     steps = {c: declared_step(recordings[0], c) for c in names}
     rows = {c: np.concatenate([r.channels[c] for r in recordings]) for c in names}
@@ -55,7 +55,7 @@ def _swapped(recordings: list) -> list[Symptom]:
 
 
 def by_grid(recordings: list, channel: str) -> list[Symptom]:
-    """A channel in other units, where its declared step tells."""
+    """A channel in other units, as its declared step shows."""
     step = declared_step(recordings[0], channel)
     if not step:
         return []
@@ -80,7 +80,8 @@ def by_grid(recordings: list, channel: str) -> list[Symptom]:
 
 
 def _by_slope(recordings: list, channel: str) -> list[Symptom]:
-    """A session whose slope against the load differs from the others' by a factor that only a unit has, or another place of the contact."""
+    """A session whose slope against the load differs from the others' by a factor of units. Not tested for taxels of sessions that press at
+    different places, where the slope depends on the place."""
     if recordings[0].spread is not None and channel != "force":
         return []
     slopes = np.array([_slope(r, channel) for r in recordings])
@@ -95,7 +96,7 @@ def _by_slope(recordings: list, channel: str) -> list[Symptom]:
 
 
 def _unit(recordings: list, channel: str, factor: float, why: str, kind: str, sessions: Sequence[str] = ()) -> Symptom:
-    """`sessions` are those that have it throughout, where others do not."""
+    """The symptom; `sessions` are those that have the fault throughout, where others do not."""
     evidence = {"why": why, "kind": kind, **({"session": sessions[0]} if len(sessions) == 1 else {})}
     return Symptom("data_error", _place(channel, recordings), (channel,), {"factor": quantity(factor, "1")}, evidence)
 
@@ -116,14 +117,15 @@ def _upside_down(recordings: list, channel: str) -> list[Symptom]:
 
 
 def load_of(recording, channel: str) -> np.ndarray | None:
-    """What a channel answers to: the depth (N,) m, or the force that drives a test without one, N; None where it does not move."""
+    """The load that a channel responds to: the depth (N,) m, or the force that drives a test without depth, N; None where it does not
+    move."""
     load = recording.depth if recording.depth is not None else recording.force if channel != "force" else None
     return load if load is not None and np.ptp(load) > 0.0 else None
 
 
 def pressed(recording) -> np.ndarray:
-    """Mask (N,) of the samples well within contact: a mass that is pushed along weighs on the load cell there, and in the air not. All
-    samples, where force drives the test or contact is hardly made."""
+    """Mask (N,) of the samples well within contact, where an attached mass loads the cell in a way that it does not in air. All samples,
+    where force drives the test or contact is hardly made."""
     if recording.depth is None:
         return np.ones(len(recording), bool)
     deep = recording.depth > WITHIN * np.percentile(recording.depth, 99.0)

@@ -1,8 +1,8 @@
-"""Runs of one reading that noise does not make: the last value sent once more where samples were lost.
+"""Runs of one reading that noise does not make: the last value repeated where samples were lost.
 
-White noise whose differences from sample to sample have the standard deviation s gives one reading, in steps q, with a probability p of at
-most q / (s sqrt(pi)); noise that wanders repeats its last one with less. So L equal readings in a row come by chance at most N p^(L - 1)
-times in N samples. A converter whose steps are uneven does that, too, at its wide ones: there no other reading is found near that one, at
+White noise whose differences from sample to sample have the standard deviation s repeats a reading, in steps q, with a probability p of at
+most q / (s sqrt(pi)). Wandering noise repeats its last one with less. So L equal readings in a row occur by chance at most N p^(L - 1)
+times in N samples. A converter with uneven steps repeats readings, too, at its wide steps: there no other reading occurs near that one, at
 any time.
 """
 
@@ -11,15 +11,15 @@ import numpy as np
 from skin_ident.criticism.telemetry.excursions import held
 from skin_ident.estimators.scale import normal_scale
 
-LEAST = 4  # samples
-AROUND = 100  # samples to either side, on the quieter of which noise is known; half of them must not rest either
-CHANCE = 1e-4  # runs that chance may bring
-MOVED = 2.0  # steps, by which the load moves meanwhile: a plunger at rest, or about to turn, is quieter than one that moves
+LEAST = 4  # samples, the shortest run
+AROUND = 100  # samples to either side: the quieter side gives the noise, and the nearer half must not rest either
+CHANCE = 1e-4  # expected number of runs by chance
+MOVED = 2.0  # steps by which the load must move meanwhile: a plunger at rest, or about to turn, is quieter than one that moves
 
 
 def unlikely_runs(y: np.ndarray, e: np.ndarray, step: float, resting: np.ndarray) -> np.ndarray:
-    """Mask (N,) of runs of one reading of `y`, whose model leaves `e`, that go on while the load does and noise would not; of none that is
-    `resting` (N,)."""
+    """Mask (N,) of runs of one reading of `y`, with residual `e`, that last while the load moves and that noise would not make. Runs near a
+    `resting` sample (N,) do not count."""
     mask = np.zeros(y.size, bool)
     again = np.diff(y, prepend=np.nan) == 0.0
     for a, b in zip(*held(y, LEAST), strict=True):
@@ -33,13 +33,14 @@ def unlikely_runs(y: np.ndarray, e: np.ndarray, step: float, resting: np.ndarray
 
 
 def _noise(y: np.ndarray, e: np.ndarray) -> float:
-    """The standard deviation of differences from sample to sample that is noise of `y` itself: what its model leaves, `e`, has that of the
-    depth in it as well, and second differences of the reading little of a motion."""
+    """Standard deviation of the noise in sample-to-sample differences of `y`: from the residual `e`, which contains depth noise as well, or
+    from second differences, which contain little of a motion; the smaller one."""
     return min(normal_scale(np.diff(e)), normal_scale(np.diff(y, 2)) / np.sqrt(3.0))
 
 
 def _wide(y: np.ndarray, reading: float, within: float, count: int) -> bool:
-    """Whether the step of a `reading` is wide: beside the `count` samples of a run it is read more often than all others `within` N."""
+    """Whether the step of a `reading` is wide: apart from the run's `count` samples, it is read more often than all other readings `within`
+    N."""
     close = y[np.abs(y - reading) < within]
     same = int(np.count_nonzero(close == reading))
     return close.size - same <= same - count

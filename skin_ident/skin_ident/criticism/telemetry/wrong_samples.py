@@ -1,4 +1,4 @@
-"""What is told of samples that are wrong: how many, and how far from where those around them lead; and whether they are left."""
+"""Describes samples that are wrong: how many, and how far from the samples around them; and tells whether they remain."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from skin_ident.estimators.scale import rms
 from skin_ident.recordings.recording import Recording
 from skin_ident.stretches import runs
 
-LEFT = 0.5  # of their size, that outliers still have under a model that knows more
+LEFT = 0.5  # share of their size that outliers must keep under the extended model
 
 
 def told(
@@ -23,8 +23,8 @@ def told(
     n_taxels: int,
     dt: float,
 ) -> Symptom | None:
-    """What is told of a channel's excursions `away` and frozen runs `still`, masks (N,) of each session, by those `read` (M,): excursions,
-    frozen runs, and those that no noise makes. None where there are none."""
+    """The symptom of a channel's excursions `away` and frozen runs `still`, masks (N,) of each session; None where there are none. `read`
+    (M,) holds what was found at the channel's own readings: excursions, frozen runs, and runs that noise would not make."""
     jumps, frozen, unlikely = read
     ran = [line.kept(a, grid) for line, a, grid in zip(lines, jumps, away, strict=True)]
     stood = [line.kept(f | u, grid) for line, f, u, grid in zip(lines, frozen, unlikely, still, strict=True)]
@@ -49,8 +49,8 @@ def told(
 
 
 def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residuals: list[np.ndarray]) -> bool:
-    """Whether samples that were found to be outliers lie as far from those around them as they did, in `row` of what a model leaves that
-    knows more, (C, N) for each recording: with a depth that gives way a landing is no jump away and back."""
+    """Whether the outliers lie as far from the samples around them as before, in `row` of the extended model's residuals (C, N) for each
+    recording. With a depth that gives way a landing is no longer a jump away and back."""
     channel = symptom.channels[0]
     lines = calm_lines(channel, row, recordings, residuals, [np.ones(len(r), bool) for r in recordings])
     masks = [symptom.bad.get((r.name, channel), np.zeros(len(r), bool)) for r in recordings]
@@ -59,7 +59,8 @@ def are_left(symptom: Symptom, recordings: Sequence[Recording], row: int, residu
 
 
 def _farthest(line: AsRead, on_grid: np.ndarray) -> np.ndarray:
-    """How far a residual lies away in the samples of a mask (N,); of readings between these, which may be more, the farthest of a run."""
+    """How far a residual lies off in the samples of a mask (N,). With readings of its own, which may be more, it is the farthest in each
+    run."""
     mask = line.beside(on_grid)
     if line.own is None:
         return away_from_around(line.e, mask)
@@ -69,7 +70,7 @@ def _farthest(line: AsRead, on_grid: np.ndarray) -> np.ndarray:
 
 
 def away_from_around(e: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """How far the residual e (N,) lies, in the samples of the mask (N,), from the straight lines between the good samples around them."""
+    """How far the residual e (N,) lies, in the samples of the mask (N,), from straight lines between the good samples around them."""
     if not mask.any() or mask.all():
         return np.zeros(0)
     good = np.flatnonzero(~mask)
