@@ -97,12 +97,24 @@ def prepare(recording, bad: np.ndarray | None = None, common: Common = ALONE) ->
     bad = np.zeros(raw.shape, bool) if bad is None else bad
     bridged = with_lines(raw, bad)
     weight = (band.thin(bad.astype(float)) < 0.02).astype(float)
-    contact = 1e-3 * np.array(recording.declared.contact_of(recording.name), float)
-    rows, kept = (channels, raw, bridged), (band.times(recording.t), band.thin(bridged), weight, recording.dt)
-    driven = (drive, *((0.0, 0.0) if drive is None else (band.white(recording.force), recording.step("force") or 0.0)))
-    steps = tuple(recording.step(c) or 0.0 for c in channels)
-    depth_noise = beside_rounding(recording) if drive is None else 0.0
-    return Session(recording.name, s, *rows, band, *kept, *driven, recording.spread, contact, steps=steps, depth_noise=depth_noise)
+    session = Session(
+        name=recording.name,
+        motion=s,
+        channels=channels,
+        raw=raw,
+        bridged=bridged,
+        band=band,
+        t=band.times(recording.t),
+        measured=band.thin(bridged),
+        weight=weight,
+        period=recording.dt,
+        spread=recording.spread,
+        contact=1e-3 * np.array(recording.declared.contact_of(recording.name), float),
+        steps=tuple(recording.step(c) or 0.0 for c in channels),
+    )
+    if drive is None:
+        return replace(session, depth_noise=beside_rounding(recording))
+    return replace(session, drive=drive, drive_noise=band.white(recording.force), drive_step=recording.step("force") or 0.0)
 
 
 def with_reference(sessions: list[Session]) -> list[Session]:

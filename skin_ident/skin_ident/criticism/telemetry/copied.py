@@ -97,8 +97,8 @@ def _places(again: Repeat) -> tuple[slice, slice]:
 
 
 def _copy(recordings: list, again: list[Repeat], channels: tuple[str, ...]) -> Symptom:
-    """One symptom for all stretches, described by the first, which is the longest."""
-    first = again[0]
+    """One symptom for all stretches, described by the longest."""
+    first = max(again, key=lambda r: r.length)
     r, source = recordings[first.at], recordings[first.source]
     whole = first.length >= 0.9 * len(r)
     alone = f" in {channels[0]} alone" if len(channels) < len(r.channels) else ""

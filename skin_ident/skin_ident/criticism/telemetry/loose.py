@@ -81,7 +81,9 @@ def _jumps(y: np.ndarray, load: np.ndarray, slope: float, least: float, by_depth
     """Samples (the first after the jump) where the reading jumps by about the expected reading while the load stays."""
     calm = maximum_filter1d(load, 2 * NEAR + 1) - minimum_filter1d(load, 2 * NEAR + 1) < CALM * load
     d = np.diff(y, prepend=y[0])
-    met = (d > 0.0) & (np.roll(load, -NEAR) > np.roll(load, NEAR)) if by_depth else np.zeros(y.size, bool)
+    k = np.arange(y.size)
+    rises = load[np.minimum(k + NEAR, y.size - 1)] > load[np.maximum(k - NEAR, 0)]
+    met = (d > 0.0) & rises & by_depth
     return np.flatnonzero((load > least) & calm & (np.abs(d) > FALLS * slope * load) & ~met)
 
 

@@ -19,7 +19,7 @@ from skin_ident.criticism.telemetry.swallowed import is_swallowed
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telemetry.tails import CHANCE, HEAVIEST, LEAST, reach, smallest_step, stands_apart
 from skin_ident.criticism.telemetry.unlikely import unlikely_runs
-from skin_ident.criticism.telemetry.wrong_samples import told
+from skin_ident.criticism.telemetry.wrong_samples import Marks, told
 from skin_ident.recordings.recording import Recording
 from skin_ident.stretches import runs, without
 
@@ -63,25 +63,32 @@ def find_outliers(
     paths = [s.path for s in sessions if s.path is not None]
     n_taxels = sum(channel != "force" for channel in channels)
     lines = [[_line(channel, c, s) for s in sessions] for c, channel in enumerate(channels)]
-    read = [_of_channel(lines[c], steps[c]) for c in range(len(channels))]
-    every = [tuple([line.on_grid(m) for line, m in zip(lines[c], masks, strict=True)] for masks in read[c]) for c in range(len(channels))]
-    bounced = _bounced([away for away, _, _ in every], jumps)
+    read = [_of_channel(own, step) for own, step in zip(lines, steps, strict=True)]
+    marks = [m.on_grid(own) for m, own in zip(read, lines, strict=True)]
+    bounced = _bounced([m.away for m in marks], jumps)
     found = []
-    for c, (away, still, unlikely) in enumerate(every):
-        away = [a & ~b for a, b in zip(away, bounced, strict=True)]
+    for c, channel in enumerate(channels):
+        away = [a & ~b for a, b in zip(marks[c].away, bounced, strict=True)]
         if is_swallowed([s.raw[c] for s in sessions], [e[c] for e in residuals], away):
             away = [np.zeros_like(a) for a in away]
         away = not_shared(not_pushed(away, [e[c] for e in residuals], paths, dt, reads), c, residuals, paths, dt, reads)
-        others = [[_startled(e[o]) | every[o][1][k] for o in range(len(channels)) if o != c] for k, e in enumerate(residuals)]
-        alone = ([_alone(m, o) for m, o in zip(masks, others, strict=True)] for masks in (still, unlikely))
-        own, lost = (_under_way(masks, paths, reads) for masks in alone)
-        sure = sum(_sure(masked, s, c) for masked, s in zip(own, sessions, strict=True))
-        if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
-            own = [np.zeros_like(s) for s in own]
-        if sum(runs(m)[0].size for m in lost) >= FEWEST:
-            own = [s | m for s, m in zip(own, lost, strict=True)]
-        found.append(told([s.name for s in sessions], channels[c], lines[c], read[c], away, own, n_taxels, dt))
+        still = _stands_still(marks, c, sessions, paths, reads)
+        found.append(told([s.name for s in sessions], channel, lines[c], read[c], away, still, n_taxels, dt))
     return [s for s in found if s is not None]
+
+
+def _stands_still(marks: list[Marks], c: int, sessions: Sequence[Said], paths: list[np.ndarray], reads: float) -> list[np.ndarray]:
+    """Masks (N,) for every session where channel `c` alone stands still while the plunger moves: frozen runs, if enough of them are so
+    beyond doubt, and runs that noise would not make, if there are several."""
+    others = [[_startled(s.residual[o]) | m.still[k] for o, m in enumerate(marks) if o != c] for k, s in enumerate(sessions)]
+    alone = ([_alone(m, o) for m, o in zip(masks, others, strict=True)] for masks in (marks[c].still, marks[c].unlikely))
+    own, lost = (_under_way(masks, paths, reads) for masks in alone)
+    sure = sum(_sure(masked, s, c) for masked, s in zip(own, sessions, strict=True))
+    if sure < max(FEWEST, SURE * sum(runs(s)[0].size for s in own)):
+        own = [np.zeros_like(s) for s in own]
+    if sum(runs(m)[0].size for m in lost) >= FEWEST:
+        own = [s | m for s, m in zip(own, lost, strict=True)]
+    return own
 
 
 def _line(channel: str, c: int, s: Said) -> AsRead:
@@ -90,8 +97,8 @@ def _line(channel: str, c: int, s: Said) -> AsRead:
     return as_read(s.residual[c], s.raw[c], s.jumps, *read)
 
 
-def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
-    """Masks for every session: of excursions, of frozen runs, and of runs of one reading that noise would not make."""
+def _of_channel(lines: list[AsRead], step: float) -> Marks:
+    """What looks wrong in one channel, at its own readings in every session."""
     e, y, jumps = ([getattr(line, what) for line in lines] for what in ("e", "y", "jumps"))
     step = step or smallest_step(np.concatenate(y))
     limit = reach(np.concatenate([np.diff(row) for row in e]), step)
@@ -107,7 +114,8 @@ def _of_channel(lines: list[AsRead], step: float) -> tuple[list[np.ndarray], lis
     idle = float(values[np.argmax(counts)])
     resting = [j | (np.abs(b - idle) < limit) for b, j in zip(y, jumps, strict=True)]
     still = [_frozen(b, a, limit, step, rest) for a, b, rest in zip(e, y, resting, strict=True)]
-    return _between_landings(away, jumps), still, [unlikely_runs(b, a, step, rest) for a, b, rest in zip(e, y, resting, strict=True)]
+    unlikely = [unlikely_runs(b, a, step, rest) for a, b, rest in zip(e, y, resting, strict=True)]
+    return Marks(_between_landings(away, jumps), still, unlikely)
 
 
 def _between_landings(away: list[np.ndarray], jumps: list[np.ndarray]) -> list[np.ndarray]:

@@ -80,19 +80,22 @@ def by_grid(recordings: list, channel: str) -> list[Symptom]:
 
 
 def _by_slope(recordings: list, channel: str) -> list[Symptom]:
-    """A session whose slope against the load differs from the others' by a factor of units. Not tested for taxels of sessions that press at
-    different places, where the slope depends on the place."""
+    """Sessions whose slope against the load differs from the others' by a factor of units, one symptom for each factor. Not tested for
+    taxels of sessions that press at different places, where the slope depends on the place."""
     if recordings[0].spread is not None and channel != "force":
         return []
     slopes = np.array([_slope(r, channel) for r in recordings])
     if len(slopes) < 2 or not np.all(np.isfinite(slopes)) or np.any(np.abs(slopes) < 1e-9):
         return []
-    for r, ratio in zip(recordings, slopes / np.median(slopes), strict=True):
-        factor = next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR), None)
-        if factor:
-            why = f"{channel} of {r.name} is {ratio:.4g} times what the other sessions say: a factor of units"
-            return [_unit(recordings, channel, factor, why, UNIT_FACTOR, [r.name])]
-    return []
+    ratios = slopes / np.median(slopes)
+    found = []
+    for factor in FACTORS:
+        odd = np.flatnonzero(np.abs(ratios / factor - 1.0) < NEAR)
+        if odd.size:
+            names = [recordings[i].name for i in odd]
+            why = f"{channel} of {', '.join(names)} is {np.median(ratios[odd]):.4g} times what the other sessions say: a factor of units"
+            found.append(_unit(recordings, channel, factor, why, UNIT_FACTOR, names))
+    return found
 
 
 def _unit(recordings: list, channel: str, factor: float, why: str, kind: str, sessions: Sequence[str] = ()) -> Symptom:

@@ -1,6 +1,7 @@
 """Describes samples that are wrong: how many, and how far from the samples around them; and tells whether they remain."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,21 +14,34 @@ from skin_ident.stretches import runs
 LEFT = 0.5  # share of their size that outliers must keep under the extended model
 
 
+@dataclass(frozen=True)
+class Marks:
+    """Masks of one channel, one for every session: of excursions (`away`), of frozen runs (`still`), and of runs of one reading that noise
+    would not make (`unlikely`)."""
+
+    away: list[np.ndarray]
+    still: list[np.ndarray]
+    unlikely: list[np.ndarray]
+
+    def on_grid(self, lines: list[AsRead]) -> "Marks":
+        """The same at the samples of the recordings, for a channel that is read at the instants of these `lines`."""
+        return Marks(*([line.on_grid(m) for line, m in zip(lines, masks, strict=True)] for masks in (self.away, self.still, self.unlikely)))
+
+
 def told(
     names: list[str],
     channel: str,
     lines: list[AsRead],
-    read: tuple[list[np.ndarray], ...],
+    read: Marks,
     away: list[np.ndarray],
     still: list[np.ndarray],
     n_taxels: int,
     dt: float,
 ) -> Symptom | None:
     """The symptom of a channel's excursions `away` and frozen runs `still`, masks (N,) of each session; None where there are none. `read`
-    (M,) holds what was found at the channel's own readings: excursions, frozen runs, and runs that noise would not make."""
-    jumps, frozen, unlikely = read
-    ran = [line.kept(a, grid) for line, a, grid in zip(lines, jumps, away, strict=True)]
-    stood = [line.kept(f | u, grid) for line, f, u, grid in zip(lines, frozen, unlikely, still, strict=True)]
+    marks the same and more at the channel's own readings."""
+    ran = [line.kept(a, grid) for line, a, grid in zip(lines, read.away, away, strict=True)]
+    stood = [line.kept(f | u, grid) for line, f, u, grid in zip(lines, read.still, read.unlikely, still, strict=True)]
     masks = [a | s for a, s in zip(ran, stood, strict=True)]
     count, total = int(sum(m.sum() for m in masks)), sum(m.size for m in masks)
     if count == 0:
