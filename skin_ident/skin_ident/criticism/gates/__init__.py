@@ -1,4 +1,10 @@
-"""What a cause must pass before it is believed: held-out sessions predicted better (`gate`, `second_opinion`), beside what training leaves
-uncertain (`uncertain`), more than what the steps of encoder and converters leave open (`resolution`) or errors of the encoder feign
-(`feigned`) or hide (`blurred`), and more than noise of another colour would explain (`description`). What is asked is a `claim`.
+"""The gates that a cause must pass before it is named:
+
+- it predicts held-out sessions better (`gate`, `second_opinion`), after allowing for what training leaves undetermined (`uncertain`);
+- its gain exceeds what the steps of encoder and converters can account for (`resolution`);
+- its gain exceeds what errors of the encoder can mimic (`feigned`); what the encoder's noise hides of a gain is estimated as well
+  (`blurred`);
+- it shortens the description of the record by more than noise of another colour would (`description`).
+
+A `claim` is the assertion under test: that a model with the cause gains over the model without.
 """

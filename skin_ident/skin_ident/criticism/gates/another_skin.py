@@ -1,12 +1,14 @@
-"""A skin that is another in every session: a hundredth stiffer today than on the day that was fitted.
+"""Skin that differs from session to session, for instance a hundredth stiffer today than on the day that was fitted.
 
-What it leaves in a session that was not fitted is slow and large, belongs to no cause, and may hide what a true one gains. So numbers of
-the skin may be the session's own, theta ~ N(0, s^2) as a share of each, with s = `STRAYS`, in every model that is held against it:
+In a held-out session such a difference leaves a residual that is slow and large, belongs to no cause, and may hide the gain of a true one.
+So each parameter in `NUMBERS` may be off by a share theta of its own in each session, theta ~ N(0, s^2) with s = `STRAYS`, in both of the
+models that are compared:
 
     theta = (J'J + 1/s^2)^-1 J' r,    2 log p - 2 log p0 = r' J theta - log det(1 + s^2 J'J)
 
-with the whitened residual r, of which r - J theta is left, what theta changes, J, and the marginal likelihood p of that beside p0 without
-(N. M. Laird, J. H. Ware, Random-effects models for longitudinal data, Biometrics 38 (1982) 963-974).
+Here r is the whitened residual, J what the simulation changes by per unit of theta, and r - J theta the residual that remains; p is the
+marginal likelihood with theta, and p0 the likelihood without (N. M. Laird, J. H. Ware, Random-effects models for longitudinal data,
+Biometrics 38 (1982) 963-974).
 """
 
 import numpy as np
@@ -19,31 +21,31 @@ from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-NUMBERS = ("k1", "b1", "k2", "b2")  # that a session may have of its own
-STRAYS = 0.03  # s, of every number, from session to session
+NUMBERS = ("k1", "b1", "k2", "b2")  # parameters of the dispersion model that may differ per session
+STRAYS = 0.03  # s, standard deviation of each parameter between sessions, as a share of it
 
 
 def of_the_skin(model: Model, s: Session) -> tuple[Unknown, ...]:
-    """The unknowns that a session may have of its own; none of one that a force drives, in which a stiffness is a gain."""
+    """The unknowns among `NUMBERS` that may differ per session. None where a force drives the session: there a stiffness acts as a gain."""
     return tuple(u for u in unknowns(model, s) if u.label in NUMBERS) if s.drive is None else ()
 
 
 def changes(model: Model, s: Session) -> np.ndarray:
-    """What a unit of each theta changes in a session, (U, C, n) N in the common band."""
+    """What the simulation of a session changes by per unit of each theta, (U, C, n) N in the common band."""
     which = of_the_skin(model, s)
     shares = values(model, which) / scales(model, which)
     return tangents(model, [s], which)[0] * shares[:, None, None]
 
 
 def solved(J: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, float]:
-    """theta (U,) of the module's equation from J (R, U) and r (R,), and what it explains: twice a log likelihood ratio."""
+    """Estimate theta (U,) of the module's equation from J (R, U) and r (R,); also its log-likelihood ratio, in twice nats."""
     gram, product = J.T @ J, J.T @ r
     theta = np.linalg.solve(gram + np.eye(len(gram)) / STRAYS**2, product)
     return theta, float(theta @ product - np.linalg.slogdet(np.eye(len(gram)) + STRAYS**2 * gram)[1])
 
 
 def left_beside_own_skin(model: Model, session: Session, noise: Whitener) -> np.ndarray:
-    """What a model leaves of a session beside numbers of the session's own, (C, n) N."""
+    """Residual (C, n) N of a session after skin parameters of the session's own are estimated from it."""
     s = settled(model, session)
     own, e = changes(model, s), residual(model, s)
     theta, _ = solved(stack([own], [s], noise), stack([e], [s], noise))

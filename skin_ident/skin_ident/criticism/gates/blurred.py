@@ -1,8 +1,9 @@
-"""What noise of the encoder takes from a cause: a form that feels it as it is read explains less than it would of the true depth.
+"""How much of a cause's gain is lost to the encoder's noise: a cause that feels this noise explains less than it would at the true depth.
 
-Damping that follows a root of the speed changes most where the plunger all but rests, and there noise turns the sign of its speed. A loop
-with a threshold wider than that noise does not notice, and would be preferred for it (W. A. Fuller, Measurement Error Models, 1987, ch. 1).
-What a cause A explains of what it does at the true depth x falls by |W (A(x + n) - A(x))|^2, as it does by a further draw of the noise n.
+Damping that follows a root of the speed changes most where the plunger almost rests, and there noise flips the sign of the speed. A loop
+whose threshold is wider than the noise does not feel it, and would be preferred for that reason alone (W. A. Fuller, Measurement Error
+Models, 1987, ch. 1). Let A(x) be what a cause adds to the simulation at the true depth x, W the whitening and n the noise. The gain falls
+by |W (A(x + n) - A(x))|^2, and it falls by as much again when one more draw of n is added. That second fall is what is measured here.
 """
 
 import numpy as np
@@ -13,12 +14,12 @@ from skin_ident.criticism.sessions.read_again import with_noise_again
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-SEED = 0  # any: the same record is told the same
+SEED = 0  # any value: the same record always gives the same result
 
 
 def blurred(before: Model, after: Model, sessions: list[Session], noise: Whitener) -> float:
-    """The likelihood gain that `after` has over `before` at the least too little for noise of the encoder, of which only what is white is
-    known; nothing where it has none, or a force drives the test."""
+    """The amount by which noise of the encoder lowers the likelihood gain of `after` over `before`. It is a lower bound, since only the
+    white part of that noise is known; 0 where a session has no such noise or is driven by a force."""
     if not all(s.depth_noise > 0.0 and s.drive is None for s in sessions):
         return 0.0
     rng = np.random.default_rng(SEED)
@@ -27,7 +28,7 @@ def blurred(before: Model, after: Model, sessions: list[Session], noise: Whitene
 
 
 def _changed(before: Model, after: Model, s: Session, rng: np.random.Generator) -> np.ndarray:
-    """By how much what `after` adds to `before` is another (C, n), N, where the depth is read with its noise once more."""
+    """Change (C, n), N, of the difference between `after` and `before` when the depth is read with one more draw of its noise."""
     first, second = (
         simulated(after, each) - simulated(before, each) for each in (s, with_noise_again(s, rng.standard_normal(len(s.motion))))
     )

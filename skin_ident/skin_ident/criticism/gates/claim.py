@@ -1,4 +1,4 @@
-"""That a cause gains, as it is put to what hardware may do instead."""
+"""A claim: the assertion that a cause gains, to be compared with what hardware may do instead."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,8 @@ from skin_models.model import Model
 
 @dataclass(frozen=True)
 class Claim:
-    """What the model `after` gains over `before` by a cause at a place, `key`; both were fitted to the sessions `train`."""
+    """The claim that the model `after` gains over `before` by the cause and place `key`; both models were fitted to the sessions
+    `train`."""
 
     key: Key
     gain: Gain
@@ -20,15 +21,15 @@ class Claim:
 
     @property
     def cause(self) -> str:
-        """The cause alone."""
+        """The cause, without its place."""
         return self.key[0]
 
     @property
     def channel(self) -> str:
-        """Where it gains most."""
+        """The channel that gains most."""
         return self.gain.channel
 
     @property
     def driven(self) -> bool:
-        """Whether a force drives the test, and no depth is read."""
+        """Whether a force drives the test, so that no depth is read."""
         return self.train[0].drive is not None

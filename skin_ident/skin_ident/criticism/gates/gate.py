@@ -1,8 +1,8 @@
-"""The gate: a cause is believed when sessions that were not used to fit it are predicted better.
+"""The gate: a cause is accepted when it improves the prediction of sessions that were not used to fit it.
 
-The held-out sessions are cut into blocks, long against the memory of the noise; the whitened squared error of each block before and
-after is resampled by blocks (B. Efron, R. Tibshirani, An Introduction to the Bootstrap, 1993, ch. 8). Without sessions to hold out, each
-training session is held out in turn, and both models are fitted to the others.
+The held-out sessions are cut into blocks that are long compared with the memory of the noise. The whitened squared errors of these blocks,
+before and after, are resampled block by block (B. Efron, R. Tibshirani, An Introduction to the Bootstrap, 1993, ch. 8). Without sessions to
+hold out, each training session is held out in turn, and both models are fitted to the others.
 """
 
 from collections.abc import Callable
@@ -22,29 +22,33 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE
 
 EACH_IN_TURN = "each session in turn"  # what was held out, where no session was kept aside; readers of findings.json know it by this
-BLOCK_S = 2.0  # of the residual, drawn as a whole: longer than noise remembers
-FEWEST_BLOCKS = 3  # of a session; shorter ones in one that would have fewer
-RESAMPLES = 1000  # of the blocks
-MATERIAL = 0.01  # fall of the whitened held-out mean square below which an effect is not worth naming, if half of the channels carry it
-MUCH, CLEAR = 0.25, 0.06  # the same from which the plain error is asked no further, and from which half of its fall is enough
-MOST, NOTHING = 0.5, -0.02  # the same from which its lower bound may be next to nothing, where most of it is in one block
-MATERIAL_RMSE = 0.04  # the same of the plain error of the channel that gains most: an effect of a quarter of the noise
-HEARD, LOUD = 0.28, 0.35  # of what is left in a channel: what a change of that size can lower its error by, at most, is 4 and 6 %
-SPOILT = 1.25  # times what it was, to which no cause may let the error of a channel rise
+BLOCK_S = 2.0  # s of residual that are resampled as a whole: longer than the memory of the noise
+FEWEST_BLOCKS = 3  # least number of blocks in a session; a short session has shorter blocks
+RESAMPLES = 1000  # bootstrap draws of all blocks
+# Fall of the whitened held-out mean square below which an effect is not worth naming, if at least half of the channels carry it.
+MATERIAL = 0.01
+# Falls of the same: above MUCH the plain error need not fall beyond doubt; above CLEAR half of its usual fall is enough.
+MUCH, CLEAR = 0.25, 0.06
+MOST, NOTHING = 0.5, -0.02  # above a fall of MOST its lower bound need only exceed NOTHING, since most of the fall may lie in one block
+MATERIAL_RMSE = 0.04  # least relative fall of the RMSE in the channel that gains most: that of an effect a quarter as large as the noise
+HEARD, LOUD = 0.28, 0.35  # size of a change over the residual of a channel (RMS): such changes lower its error by 4 and 6 % at most
+SPOILT = 1.25  # factor by which no cause may raise the error of a channel
 CARRIES = 0.02  # relative fall of its RMSE from which a channel is said to carry the effect
-FOLD_ITERATIONS = 3  # of a fit that begins where that to all sessions ended
+FOLD_ITERATIONS = 3  # iterations of a fit that begins at the fit to all sessions
 
-Asked = tuple[Session, Model, Model]  # a session, and the models before and after that shall predict it
+Asked = tuple[Session, Model, Model]  # a session, and the models before and after that are to predict it
 Residuals = tuple[list[np.ndarray], list[np.ndarray]]  # (C, n) N of each session, before and after
 
 
 @dataclass(frozen=True)
 class Gain:
-    """Held-out error before and after, N, in `channel`, the one that gained most; `ci95` bounds the fall of the RMSE there.
+    """The gain of a cause on held-out data. `before` and `after` are the plain held-out RMSE, N, in `channel`, the one that gained most;
+    `ci95` bounds its fall there.
 
-    `carried` are the channels whose error fell, `quicker` those where what is quick of it did, `spoilt` those where it rose by much;
-    `relative` and `lower` are the fall of the whitened mean square over all channels and its lower 99 % bound: the gate itself, for which
-    `breadth` makes up where few channels carry it.
+    `carried` are the channels whose error fell. `quicker` are those in which the quick part of the error fell (differences between
+    neighbouring samples). `spoilt` are those whose error rose by much. `relative` is the fall of the whitened mean square over all
+    channels, and `lower` its lower 99 % bound: these are the gate itself. `breadth` lowers the gate where few channels carry the effect.
+    `held_out` names what was held out.
     """
 
     channel: str
@@ -61,9 +65,9 @@ class Gain:
 
     @property
     def passed(self) -> bool:
-        """Better beyond doubt in the sense of the likelihood, enough to matter, and not at the cost of the plain error, of other channels
-        neither; where the likelihood gains little, the plain error must fall beyond doubt and by more, too."""
-        plain = self.relative > MUCH  # slow noise is large, and says little against what is quick
+        """Whether the gain passes the gate: the likelihood is better beyond doubt and by enough to matter, the plain error falls too, and
+        no channel gets clearly worse. Where the likelihood gains little, the plain error must fall beyond doubt, and by more."""
+        plain = self.relative > MUCH  # slow noise dominates the plain error, which therefore says little against a quick effect
         falls = self.ci95[0] > 0.0
         least = NOTHING if self.relative > MOST and falls else 0.0
         sure = self.lower > least and (plain or falls)
@@ -72,14 +76,14 @@ class Gain:
 
     @property
     def is_against(self) -> bool:
-        """Whether held-out data speak against it: predicted no better in the sense of the likelihood, nor in the plain error beyond doubt,
-        which says more where skin that is another leaves errors as slow as noise may be."""
+        """Whether held-out data speak against the cause: the likelihood is no better, and the plain error does not fall beyond doubt. Where
+        the skin is another, its errors are as slow as noise may be, and then the plain error says more than the likelihood."""
         falls = self.ci95[0] > 0.0 and self.after < (1.0 - MATERIAL_RMSE) * self.before
         return self.relative <= 0.0 and not falls
 
     def shows_at(self, where: str) -> bool:
-        """Whether a sensor's fault shows in that sensor, and not only in what the rest of the model does beside it; beside a slow error of
-        another cause what is quick of it does."""
+        """Whether a sensor's fault shows in that sensor's own channels, and not only in what the rest of the model does beside it. Where
+        another cause leaves a slow error there, it is enough that the quick part of the error falls."""
         shown = (*self.carried, *self.quicker)
         return any(c in shown for c in own_channels(where, shown))
 
@@ -91,26 +95,26 @@ class Gain:
 
     @property
     def squares(self) -> float:
-        """Fall of the mean square in `channel`, N^2."""
+        """Fall of the plain mean square error in `channel`, N^2."""
         return self.before**2 - self.after**2
 
 
 def deaf(before: Model, after: Model, train: list[Session], held: list[Session], where: str) -> bool:
-    """Whether `held` cannot be asked: what `after` changes there is too little to pass the gate, true or not, but much in `train`. Of a
-    sensor's fault its own channels tell."""
+    """Whether `held` cannot test a cause: what `after` changes there is too small to pass the gate even if it is true, while it is large in
+    `train`. For a sensor's fault only its own channels count."""
     own = [i for i, c in enumerate(train[0].channels) if c in own_channels(where, train[0].channels)]
     return len(train) > 1 and _felt(before, after, held, own) < HEARD < LOUD < _felt(before, after, train, own)
 
 
 def own_channels(where: str, channels: tuple[str, ...]) -> tuple[str, ...]:
-    """Those of `channels` that show what is wrong at a place: a sensor's own, those on a clock, or all."""
+    """Those of `channels` that show a fault at a place: the sensor's own, those on that clock, or all."""
     taxels = tuple(c for c in channels if c.startswith("taxel"))
     own = {"load_cell": ("force",), "taxel": taxels, "clock": ("force",), "clock_taxels": taxels}
     return own.get(where, (where,) if where.startswith("taxel_") else channels)
 
 
 def _felt(before: Model, after: Model, sessions: list[Session], own: list[int]) -> float:
-    """By how much `after` differs from `before`, over what `before` leaves, in that of the channels `own` where it is most."""
+    """Change from `before` to `after` over the residual of `before` (RMS), in that of the channels `own` where this ratio is largest."""
     e = [residual(before, s) for s in sessions]
     left, changed = (
         sum((rows**2 * s.weight).sum(axis=1) for rows, s in zip(each, sessions, strict=True))
@@ -122,9 +126,9 @@ def _felt(before: Model, after: Model, sessions: list[Session], own: list[int]) 
 def held_out_gain(
     before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener, refit_before: Callable = fit
 ) -> Gain:
-    """What `after` gains over `before` on `held`, or by holding out each training session in turn where `held` is empty.
+    """Gain of `after` over `before` on `held`; where `held` is empty, each training session is held out in turn.
 
-    `refit_before` fits `before` to the remaining sessions, where it may not change all that `fit` changes.
+    `refit_before` fits `before` to the remaining sessions, for a model in which not everything may change that `fit` would change.
     """
     if held:
         return gain_of_residuals(*left_in_held(before, after, train, held, noise), held, noise, ", ".join(s.name for s in held))
@@ -136,24 +140,25 @@ def held_out_gain(
 
 
 def left_in_held(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Residuals:
-    """What both models, fitted to `train`, leave of `held` sessions beside what training leaves open."""
+    """Residuals in the `held` sessions of both models, fitted to `train`, less what training leaves undetermined."""
     return tuple(beside_uncertainty([residual(m, settled(m, s)) for s in held], m, train, held, noise) for m in (before, after))
 
 
 def in_turn(before: Model, after: Model, train: list[Session], noise: Whitener, refit_before: Callable = fit) -> list[Asked]:
-    """Every training session beside both models, fitted to the others."""
+    """Every training session, with both models fitted to the others."""
     return [(s, *refitted(before, after, rest, noise, refit_before)) for rest, s in (without(train, s) for s in train)]
 
 
 def refitted(before: Model, after: Model, sessions: list[Session], noise: Whitener, refit_before: Callable = fit) -> tuple[Model, Model]:
-    """Both models fitted to `sessions`; of what these do not feel, such as a step after their end, `after` has nothing."""
+    """Both models fitted to `sessions`. Amplitudes of `after` that these do not feel at all, such as that of a step after their end, become
+    zero."""
     found = fit(after, sessions, noise, FOLD_ITERATIONS)
     unfelt = tuple(u for u in found.unknowns if isinstance(u.part, int) and u.parameter.role == AMPLITUDE and found.std[u.label] == 0.0)
     return refit_before(before, sessions, noise, FOLD_ITERATIONS).model, with_values(found.model, unfelt, np.zeros(len(unfelt)))
 
 
 def left_by(asked: list[Asked]) -> Residuals:
-    """What both models leave of the session beside them."""
+    """Residuals of both models in the session that they are to predict."""
     return tuple([residual(pair[i], settled(pair[i], pair[0])) for pair in asked] for i in (1, 2))
 
 
@@ -166,7 +171,7 @@ def bootstrap_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: 
 
 
 def rmse_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> tuple[np.ndarray, np.ndarray]:
-    """RMSE (2, C) before and after, N, and draws of both (2, C, RESAMPLES), from plain residuals [(C, n), …]."""
+    """RMSE (2, C) before and after, N, and its bootstrap draws (2, C, RESAMPLES), from plain residuals [(C, n), …]."""
 
     def sums(es: list[np.ndarray]) -> np.ndarray:
         return np.concatenate([by_block(e**2 * s.weight, s) for e, s in zip(es, sessions, strict=True)], axis=-1)
@@ -179,7 +184,7 @@ def rmse_fall(before: list[np.ndarray], after: list[np.ndarray], sessions: list[
 
 
 def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session], noise: Whitener, said: str) -> Gain:
-    """The gain from residuals [(C, n), …] N of `sessions`, before and after."""
+    """The gain from residuals [(C, n), …] N of `sessions`, before and after; `said` names what was held out."""
     white = [[noise.apply(e, s) for e, s in zip(es, sessions, strict=True)] for es in (before, after)]
     total, lower = bootstrap_fall(*white, sessions)
     rms, drawn = rmse_fall(before, after, sessions)
@@ -194,19 +199,19 @@ def gain_of_residuals(before: list[np.ndarray], after: list[np.ndarray], session
 
 
 def _fallen(channels: tuple[str, ...], before: np.ndarray, after: np.ndarray) -> tuple[str, ...]:
-    """The channels whose RMS error (C,) fell from before to after."""
+    """The channels whose RMS error (C,) fell by more than `CARRIES` from before to after."""
     return tuple(name for name, b, a in zip(channels, before, after, strict=True) if b - a > CARRIES * b)
 
 
 def _quick(es: list[np.ndarray], sessions: list[Session]) -> np.ndarray:
-    """RMS (C,) of what neighbouring samples of residuals [(C, n), …] differ by."""
+    """RMS (C,) of the differences between neighbouring samples of residuals [(C, n), …]."""
     both = [s.weight[:, 1:] * s.weight[:, :-1] for s in sessions]
     squares = sum((np.diff(e, axis=1) ** 2 * w).sum(axis=1) for e, w in zip(es, both, strict=True))
     return np.sqrt(squares / np.maximum(sum(w.sum(axis=1) for w in both), 1.0))
 
 
 def breadth_of(carried: int, channels: int) -> float:
-    """`Gain.breadth` of what is carried by so many of the channels."""
+    """`Gain.breadth` of an effect that so many of the channels carry."""
     return min(2.0 * carried / channels, 1.0)
 
 

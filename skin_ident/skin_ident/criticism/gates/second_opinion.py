@@ -1,13 +1,13 @@
-"""A second opinion, where the held-out sessions leave in doubt what training finds beyond doubt.
+"""A second opinion, where held-out sessions leave in doubt what training sessions show beyond doubt.
 
-One session may be too short, or move in too few ways, to tell an effect of half the noise's size. All sessions together say more, each
-predicted by models that were fitted without it. Where a single session moves so that the effect shows, no model that was fitted to others
-can know it; then one half of every session is predicted by models that were fitted to the other half. Sessions are the better judges, for
-noise that wanders is less like itself from one to the next: halves are asked last, and for more.
+One session may be too short, or move in too few ways, to show an effect of half the noise's size. All sessions together say more, each
+predicted by models that were fitted without it. Where only a single session moves so that the effect shows, no model fitted to the others
+can know it. Then one half of every session is predicted by models that were fitted to the other half. Sessions are the better test, because
+wandering noise is less alike between sessions than between halves: so halves are tried last, and must gain more.
 
-Skin that is another in a session that was held out may leave more there than a cause gains: then every session is asked once more beside
-numbers of its own (see `another_skin`). Where gains or contacts differ from session to session, a channel may be farther off with the
-better model than with a worse one by its scale alone. That is another cause, and says nothing of the one that is asked.
+Where the skin is another in a held-out session, this may leave more there than a cause gains. So every session is tested once more with
+skin parameters of its own (see `another_skin`). Where gains or contacts differ from session to session, a better model may predict a
+channel worse than a poor one, only because of the scale. That is another cause, and says nothing of the one under test.
 """
 
 from collections.abc import Iterator
@@ -24,12 +24,13 @@ from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-SCALES = (0.5, 2.0)  # between which a factor is another gain or contact
+SCALES = (0.5, 2.0)  # range of the factor that another gain or contact may give a channel
 
 
 def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Iterator[Gain]:
-    """What `after` gains over `before` in all sessions: training ones predicted by fits to the others, held-out ones by those to all; then
-    the same where each has a skin of its own, unless they press at several places, and have shares of their own."""
+    """Gain of `after` over `before` in all sessions: training sessions are predicted by fits to the others, held-out ones by the fit to all
+    training sessions. Then the same with skin parameters of each session's own, unless sessions press at several places and have shares of
+    their own."""
     asked = in_turn(before, after, train, noise)
     sessions = [*(s for s, _, _ in asked), *held]
     left = [a + b for a, b in zip(left_by(asked), left_in_held(before, after, train, held, noise), strict=True)]
@@ -41,7 +42,7 @@ def all_in_turn(before: Model, after: Model, train: list[Session], held: list[Se
 
 
 def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whitener) -> Gain:
-    """What `after` gains over `before` in the later half of every session when fitted to the earlier ones, and the other way round."""
+    """Gain of `after` over `before` where each half of every session is predicted by models that were fitted to the other halves."""
     earlier, later = zip(*(_halves(s) for s in train), strict=True)
     asked = [*_predicting(later, earlier, before, after, noise), *_predicting(earlier, later, before, after, noise)]
     gain = gain_of_residuals(*left_by(asked), [s for s, _, _ in asked], noise, "each half of the sessions in turn")
@@ -49,7 +50,7 @@ def halves_in_turn(before: Model, after: Model, train: list[Session], noise: Whi
 
 
 def at_any_scale(before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
-    """What `after` gains over `before` in held-out sessions where each channel of every session may be off by a factor."""
+    """Gain of `after` over `before` in held-out sessions where a free factor scales each channel of every session."""
     asked = [(s, before, after) for s in held] or in_turn(before, after, train, noise)
     left = ([_left_at_any_scale(models[i], s) for s, *models in asked] for i in (0, 1))
     return gain_of_residuals(*left, [s for s, _, _ in asked], noise, f"{', '.join(s.name for s, _, _ in asked)}, at any scale")
