@@ -1,4 +1,6 @@
-"""Which of the trials is believed: it explains enough, predicts what was held out, shortens the description, and no hardware does it."""
+"""Which of the trials is believed: one that explains enough, predicts held-out data, shortens the description, and is not due to
+hardware.
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,23 +22,29 @@ from skin_ident.criticism.search.tared import SHIFT
 from skin_ident.criticism.search.trial import Trial, sized
 from skin_ident.criticism.vocabulary import OFFSET, Key
 
-SURELY = 0.25  # of the fall of the mean square, above which its lower bound must be for a plainer form: that is a second chance
-SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of them were asked
-DOUBTLESS = 2.0  # times what makes a cause worth naming, which the best one must explain if held-out sessions leave it in doubt
-ALL = 0.9  # of what the richest set of directions explains, which a cause must that is small beside others
-FAINT = 0.012  # of what the others have explained in squares, which it must besides to be named: more than its ninth in size
-FAR_LESS = 0.6  # of what another explains, in whose place no cause is believed where held-out data nearly bear that out
-SMALL, OF_ITS_OWN = 0.3, 0.1  # of what was named first explains, below which a cause must explain so much that no more of that does
-WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but this share, where it predicts held-out data as well but for so little
+SURELY = 0.25  # share of the fall of the mean square that its lower bound must exceed for a plainer form, which is a second chance
+SHORTER = 15.0  # twice nats by which a cause must shorten the description: some hundreds of causes were compared
+DOUBTLESS = 2.0  # times the least gain worth naming, which the best trial must explain for a second opinion, or to be in doubt
+ALL = 0.9  # share of what the richest set of directions explains, which a cause must explain that is small beside others
+FAINT = 0.012  # share of the fall in squares by others that it must exceed as well to be named: more than a ninth of their size
+FAR_LESS = 0.6  # share of the score of a trial that held-out data nearly support; one with less is not believed in its place
+SMALL, OF_ITS_OWN = 0.3, 0.1  # a trial below SMALL of what a named cause explains must explain OF_ITS_OWN that more of the named would not
+WIDE, NEARLY = 0.2, 0.95  # a rival, too, explains all but WIDE, where its held-out gain is at least NEARLY that of the best
 
 
 def first_believed(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[Fit, Named] | None:
-    """The best trial that held-out data support, as a finding with its rivals. What is small beside the largest effect so far in a channel
-    may be its imperfect form, and is not named, unless it is more of a cause that is; nor is what more of those would explain. Where the
-    best is what good hardware has anyway, or the record itself shows one that held-out data bear out and that is only too small to be named
-    here, a lesser one is not looked for; nor is one believed that explains less than what an encoder leaves open, unless it stands beside
-    that, or far less than another that held-out data nearly bear out; where force drives instead of depth, its load cell is a rival of
-    every name in any case. Why a good one is none, hardware or doubt, is noted in the search."""
+    """The best trial that held-out data support, with its fit, as a finding with its rivals; None where there is none. Why a good trial is
+    not named, hardware or doubt, is noted in the search. These are not named:
+
+    - a trial that is small beside the largest effect so far in its channel, for it may be that effect's imperfect form, unless it is more
+      of a named cause or explains nearly all that anything explains;
+    - a trial that more of the named causes would explain;
+    - any lesser trial, where the best is what good hardware has anyway, or is a cause that the record itself shows and held-out data
+      support, only too small to be named here;
+    - a trial that explains less than one which an encoder may account for, unless it is believed beside that one. Where a force drives the
+      test this is not asked, for its load cell is a rival of every name in any case;
+    - a trial that explains far less than another that held-out data nearly support.
+    """
     nearly, left_open, known = 0.0, None, {n.key for n in search.named if not n.courses}
     for trial in _forms(trials):
         gain = _gain_of(search, trial, trials[0].score)
@@ -80,7 +88,7 @@ def _stands_beside(search: Search, trial: Trial, other: Trial) -> bool:
 
 
 def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:
-    """Whether a trial that some sessions lack is believed as one that all share would be."""
+    """Whether a trial of a cause that some sessions lack passes the same tests as a shared cause."""
     if search.shadows(gain) or trial.score <= search.form_of_others(*trial.key) or _mends_a_history(search, trial):
         return False
     if _is_hardware(search, trial, gain) or not _is_believed(search, trial, gain, second_chance=False):
@@ -89,9 +97,9 @@ def believed_in_part(search: Search, trial: Trial, gain: Gain) -> bool:
 
 
 def _explains_all(search: Search, trial: Trial) -> bool:
-    """Whether a trial of one instance explains nearly all that anything explains of what is left: what an imperfect form of another cause
-    leaves, no other cause has the form of. One that explains much more than small amounts of everything is no small effect: it leads the
-    fit out of a false minimum."""
+    """Whether a trial of one instance explains nearly all that anything explains of the residual. Then it is no leftover of another cause's
+    imperfect form, since no single cause has the form of such a leftover. A trial that explains much more than small amounts of everything
+    is no small effect: it leads the fit out of a false minimum."""
     if trial.plainer is not None:
         return False
     everything = search.survey().explained_by_everything
@@ -99,15 +107,16 @@ def _explains_all(search: Search, trial: Trial) -> bool:
 
 
 def _mends_a_form(search: Search, trial: Trial) -> bool:
-    """Whether a small trial explains little that more of what was named would not: soft play, fitted as hard, leaves a loop."""
+    """Whether a trial is small and explains little that more of the named causes would not. Soft play, fitted as hard play, leaves a
+    loop."""
     others = {n.key for n in search.named}
     small = trial.score < SMALL * max((n.explained for n in search.named), default=0.0)
     return bool(others) and small and trial.key not in others and search.survey().of_its_own(trial.key, others) < OF_ITS_OWN
 
 
 def _mends_a_history(search: Search, trial: Trial) -> bool:
-    """Whether what the skin of some sessions would have explains little beside what is named of all skin: sessions differ in what was done
-    to a skin before, and no form of a softening or a loop remembers quite as a skin does."""
+    """Whether what the skin of some sessions would have explains little beside what is named of the skin of all. Sessions differ in what
+    was done to a skin before, and no form of softening or loop remembers quite as a skin does."""
     of_skin = max((n.explained for n in search.named if n.where == "skin"), default=0.0)
     return trial.key[1] == "skin" and trial.score < SMALL * of_skin
 
@@ -117,14 +126,14 @@ def _forms(trials: list[Trial]) -> Iterator[Trial]:
 
 
 def _is_believed(search: Search, trial: Trial, gain: Gain, *, second_chance: bool) -> bool:
-    """Whether a trial explains enough of what it was fitted to, and of what was held out, to be named."""
+    """Whether a trial explains enough of training and of held-out data to be named."""
     told = trial.score > search.least(trial.fit.count) * gain.breadth and sized(trial)
     surely = not second_chance or gain.lower > SURELY * gain.relative
     return bool(told and surely and gain.passed and gain.shows_at(trial.key[1]) and _is_shorter(search, trial.fit))
 
 
 def _in_doubt(search: Search, trial: Trial, best: Trial, gain: Gain) -> bool:
-    """Whether a trial as good as the best explains very much of training, and held-out sessions speak neither for nor against it."""
+    """Whether a trial as good as the best explains very much of training, while held-out sessions speak neither for nor against it."""
     able = trial.score > max(reach(best.score), _doubtless(search, trial) * gain.breadth) and sized(trial)
     several = bool(search.held) or len(search.train) > 1
     return bool(able and several and not gain.passed and not gain.spoilt and not gain.is_against and _is_shorter(search, trial.fit))
@@ -135,12 +144,12 @@ def _doubtless(search: Search, trial: Trial) -> float:
 
 
 def _is_shorter(search: Search, after: Fit) -> bool:
-    """Whether the record is described in fewer words with a cause than with noise that is merely more coloured."""
+    """Whether the record's description is shorter with the cause than with noise that is merely more coloured."""
     return shorter_by(search.present, after, search.train, search.noise.growth) > SHORTER
 
 
 def _gain_of(search: Search, trial: Trial, best: float) -> Gain:
-    """What a trial gains; of one as good as the `best` that explains very much of training a second opinion is asked."""
+    """Gain of a trial; a second opinion is asked for where it is as good as the `best` and explains very much of training."""
     models = search.present.model, trial.fit.model, trial.key[1]
     gain = search.gain(*models)
     if gain.spoilt and gain.lower > MUCH:
@@ -151,7 +160,7 @@ def _gain_of(search: Search, trial: Trial, best: float) -> Gain:
 
 
 def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
-    """Whether a trial is so little as a good stage or converter does; what is seen of it is noted."""
+    """Whether a trial is so small that a good stage or converter does as much by itself; if it gains all the same, the reason is noted."""
     effects = instances(trial.fit.model, *trial.key)
     little = all(map(negligible, effects))
     why = stage_is_off(effects, gain) if little else converter_does(search.claim(trial.key, gain, trial.fit.model))
@@ -161,7 +170,8 @@ def _is_hardware(search: Search, trial: Trial, gain: Gain) -> bool:
 
 
 def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain) -> dict[Key, NotNamed]:
-    """What the steps of an encoder do in place of a trial: all of it, or of those that explain as much a zero of depth that they hide."""
+    """What the encoder may do in place of a trial, by cause and place: the trial itself, or a zero of depth too small for it to read among
+    the rivals that explain as much."""
     encoder = encoder_does(search.claim(trial.key, gain, trial.fit.model), search.noise, search.encoder_step)
     if encoder:
         return {trial.key: encoder}
@@ -171,7 +181,7 @@ def _hardware_does(search: Search, trial: Trial, rivals: list[Trial], gain: Gain
 
 
 def _note_the_like(search: Search, trial: Trial, trials: list[Trial]) -> None:
-    """Note of what explains as much as a trial that is left to hardware, or is the same by nature, that it is, too."""
+    """Where a trial is left to hardware, note the same for those that explain as much or are the same signal by nature."""
     why = search.hardware.get(trial.key)
     if why is None:
         return
@@ -181,9 +191,9 @@ def _note_the_like(search: Search, trial: Trial, trials: list[Trial]) -> None:
 
 
 def _is_rival(search: Search, other: Trial, best: Trial, gain: Gain) -> bool:
-    """Whether `other` cannot be told from `best`: it explains as much of what was fitted, or would but for the encoder's noise, or nearly,
-    and of what was held out. Of the same cause at two places one instance each is compared, where one explains most: a second mends its
-    form, wherever it is."""
+    """Whether `other` cannot be told from `best`. It cannot where it explains as much of training, or would without the encoder's noise, or
+    nearly as much with nearly the same held-out gain. Where both are the same cause at two places, and one instance explains most, their
+    first instances are compared: a second instance mends the form, wherever it is."""
     one = best.forms[-1].score
     if other.key[0] == best.key[0] and one > (1.0 - WIDE) * best.score and other.forms[-1].score > reach(one):
         return True
@@ -198,9 +208,9 @@ def _is_rival(search: Search, other: Trial, best: Trial, gain: Gain) -> bool:
 
 
 def _finding(search: Search, trial: Trial, rivals: list[Trial], trials: list[Trial], runs: list[Run], gain: Gain) -> Named:
-    """A trial by its name, and by all others that it may have."""
+    """A trial as a finding, with all other names that it may have."""
     alternatives = tuple(Rival(*t.key, trial.score - t.score, t.fit.model) for t in rivals)
     alternatives += own_rivals(runs, trial.score, {t.key for t in (trial, *rivals)})
-    for same in (trial, *(t for t in rivals if t.key == OFFSET)):  # what swallows a force is told from neither
+    for same in (trial, *(t for t in rivals if t.key == OFFSET)):  # a dead zone cannot be told from a position offset either
         alternatives += same_by_nature(same, trials, {trial.key, *(a.key for a in alternatives)}, search.train)
     return Named(*trial.key, gain, trial.score, alternatives, search.present.model, trial.fit.model)

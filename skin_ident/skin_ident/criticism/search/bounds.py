@@ -1,11 +1,14 @@
-"""For every cause that was not named: excluded above so much, or untestable and what would test it.
+"""For every cause that was not named: the amount above which it is excluded, or why it is untestable and what would test it.
 
-A direction of the last survey has an amount z with standard error sd (in the directions' own, whitened inner products). The data speak
-about a cause where a typical amount of it would have stood out by `CLEAR` standard errors; it is then excluded above |z| + 1.96 sd, where
-that is most: alone, beside any of the causes that explain most of what is left (two effects may hide each other), or in a round of the
-search in which the cause came near the one that was named then (which may have taken its place).
-A cause may be both: a gain that changes part-way is excluded while one that was wrong throughout passes for another stiffness. What is
-seen in the record itself, as the steps of a converter are, is not excluded below its own size.
+A direction of the last survey has an amount z with standard error sd, from the whitened inner products of the directions. The data can test
+a cause where a typical amount of it would stand out by `CLEAR` standard errors. It is then excluded above the largest |z| + 1.96 sd of:
+
+- the direction alone;
+- the direction beside any of those that explain most of the residual, since two effects may hide each other;
+- a round of the search in which the cause came near the one named there, which may have taken its place.
+
+A cause may be both excluded and untestable: a gain that changes part-way is excluded, while one that was wrong throughout passes for
+another stiffness. What the record itself shows, such as the steps of a converter, is not excluded below its own size.
 """
 
 from collections.abc import Mapping
@@ -22,18 +25,18 @@ from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
 CLEAR = 3.0  # standard errors
-NEAR = 0.35  # of the best score of a round
+NEAR = 0.35  # share of a round's best score above which a cause came near
 ALIKE = 0.98  # correlation above which two directions are one
-NOT_SEEN = {"noise": SEEN}  # what would have been seen, of causes that telemetry alone decides
+NOT_SEEN = {"noise": SEEN}  # what would have been seen, for causes that telemetry alone decides
 HOLLOW = "beside what else may be there, all that is possible of it would not stand out here"
 
 
 def excluded_and_untestable(
     last: Survey, rounds: list[Survey], named: set[str], known: dict[str, str], seen: Mapping[str, Mapping[str, NotNamed]]
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Entries of findings.json for all causes not in `named`, from the last survey and those of all `rounds`. `known` gives the reason for
-    causes that telemetry alone decides: an empty text means looked for and not found. What is `seen` in the record bounds what may be
-    excluded; of a cause that is named what is in doubt at another place."""
+    """Entries of findings.json, excluded and untestable, for all causes not in `named`, from the last survey and those of all `rounds`.
+    `known` gives the reason for causes that telemetry alone decides; an empty text means looked for and not found. What is `seen` in the
+    record bounds what may be excluded. For a cause that is named, what is seen of it at another place is listed where it is in doubt."""
     p, bounds = last.projected, _bounds(last, rounds)
     excluded, untestable = [], []
     for cause in CAUSES:
@@ -59,19 +62,19 @@ def excluded_and_untestable(
 
 
 def _with_clock(entry: dict[str, Any]) -> dict[str, Any]:
-    """The entry with its place in the word of the vocabulary, and which clock it is."""
+    """The entry with its place in the words of findings.json, and with the name of the clock if it is one."""
     return {**entry, **where_and_clock(entry["where"])} if "where" in entry else entry
 
 
 def undecided(cause: Cause, where: str, seen: NotNamed) -> dict[str, Any]:
-    """The entry `untestable` for what is `seen` at one place and is no finding."""
+    """The entry `untestable` for something `seen` at one place that is no finding."""
     entry = {"cause": cause.name, "where": where, "because": seen.because, "needs": seen.needs or cause.needs}
     known = {"in_doubt": seen.doubt, "hardware": seen.hardware, "own_zero": seen.own_zero}
     return entry | {name: True for name, is_so in known.items() if is_so}
 
 
 def _bounds(last: Survey, rounds: list[Survey]) -> np.ndarray:
-    """What the amount of every direction of the `last` survey is surely below."""
+    """Upper bound of the amount of every direction of the `last` survey."""
     p = last.projected
     bounds = np.maximum(_amounts(p), _beside_others(p))
     for s in rounds:
@@ -90,7 +93,8 @@ def _amounts(p: Projected) -> np.ndarray:
 
 
 def _beside_others(p: Projected) -> np.ndarray:
-    """The same beside that leading direction with which it is most, where that one still explains something beside it."""
+    """The same of every direction fitted beside one leading direction: the largest value over the leading ones that still explain something
+    then."""
     bounds = np.zeros(len(p.which))
     keys = [d.key for d in p.which]
     for column, j in enumerate(p.leading):
@@ -106,7 +110,7 @@ def _beside_others(p: Projected) -> np.ndarray:
 
 
 def _excluded(p: Projected, bounds: np.ndarray, cause: str, model: Model) -> tuple[list[dict[str, Any]], list[str]]:
-    """One entry per place: the weakest of the bounds over the shapes that the data excite. And the places where that bounds nothing, for
+    """One entry per place: the weakest bound over the shapes that the data excite. Also the places where this bound says nothing, because
     no skin or sensor can have as much."""
     limits = detectable(p, CLEAR)
     hollow = set()
@@ -127,13 +131,14 @@ def _excluded(p: Projected, bounds: np.ndarray, cause: str, model: Model) -> tup
 
 
 def _most(q: Parameter, where: str, model: Model) -> float:
-    """The most that an amplitude can be: what its effect allows, and nothing in the skin is stiffer than all of it."""
+    """The largest possible amplitude: what its effect allows, and in the skin no more than the skin's whole stiffness."""
     whole = model.dispersion.k1 + model.dispersion.k2
     return min(max(abs(q.lower), abs(q.upper)), whole if where == "skin" and q.unit == "N/m" and whole > 0.0 else np.inf)
 
 
 def _imitated(p: Projected, cause: Cause, excluded: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """One entry per place where some form of a cause is excluded, for the forms that the model's own parameters imitate entirely."""
+    """One entry per place where some form of a cause is excluded, for those of its forms that the model's own parameters imitate
+    entirely."""
     left: dict[tuple[str, str], float] = {}
     for d, share in zip(p.which, p.left, strict=True):
         if d.cause == cause.name:

@@ -1,4 +1,4 @@
-"""Names that are the same signal by nature in these data: nobody can tell them apart here, so all of them are said.
+"""Causes that are the same signal by nature in these data: nobody can tell them apart here, so all of them are reported.
 
 Every rule looks at the effects that carry a named cause, and yields the causes and places that would be the same signal. Their equations
 are those of the effects in `skin_models.effects`.
@@ -33,13 +33,13 @@ from skin_models.effects.drift import Creep, LogDrift, LogGainDrift
 from skin_models.effects.mount_compliance import DampedMount, JointedMount, PowerMount, YieldingMount
 from skin_models.effects.rate_dependence import OneSidedDamping
 
-CLOSES = 0.05  # of the greatest depth, within which a joint is closed
-AT_ONCE_S = 1.0  # within which a drift that begins so fast is there: what follows is hardly more than a constant
-SENSED = 0.95  # of an arm that relaxes, under the taxels: nearly all of it
-UNTOLD = 0.97  # of the squares that the load cell leaves without an effect, left with it: it does not tell
-MOST = 0.8  # of what a loop of the skin explains, what that of the load cell must: their forms are not the same
+CLOSES = 0.05  # share of the greatest depth within which a joint closes at once
+AT_ONCE_S = 1.0  # s, time constant below which a drift is complete almost at once: the rest is nearly constant
+SENSED = 0.95  # share of a relaxing arm that is under the taxels, above which it counts as all of it
+UNTOLD = 0.97  # ratio of the load cell's squared residual with an effect to that without, above which the load cell does not show it
+MOST = 0.8  # share of the score of a loop in the skin that one in the load cell must explain: their forms differ
 SURE = 2.0  # standard errors
-ALONE = 0.1  # of what one kind of sensor feels of damping, the most that the other feels where it is told by the first alone
+ALONE = 0.1  # ratio of what one kind of sensor feels of an effect to what the other feels, below which the other alone shows it
 SWALLOWED = {"skin": ("dead_zone", "skin"), "taxel": ("dead_zone", "taxel")}
 
 
@@ -57,20 +57,20 @@ class Instances:
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
-        """Those of its model that carry its cause at its place."""
+        """The effects of the trial's model that carry its cause at its place."""
         return instances(self.trial.fit.model, *self.key)
 
     def have(self, *forms: type[Effect]) -> bool:
-        """Whether one of them is of one of these forms."""
+        """Whether one of the effects is of one of these classes."""
         return any(isinstance(e, forms) for e in self.effects)
 
     def amounts(self) -> tuple[float, float]:
-        """The stiffness that they have under the taxels, and beside them, N/m."""
+        """Total stiffness of the effects under the taxels and beside them, N/m."""
         return tuple(sum(abs(getattr(e, name, 1.0)) for e in self.effects) for name in ("k_sensed", "k_dispersed"))
 
 
 def same_by_nature(trial: Trial, trials: list[Trial], said: set[Key], sessions: list[Session]) -> tuple[Rival, ...]:
-    """The names, not `said` yet, that are the same signal as what a trial has; as they were tried, where they were."""
+    """Names not in `said` that are the same signal as a trial's cause; with fit and score where they were tried themselves."""
     mine = Instances(trial, sessions)
     others = dict.fromkeys(other for rule in RULES for other in rule(mine) if other not in said)
     tried = {t.key: Rival(*t.key, trial.score - t.score, t.fit.model) for t in trials}
@@ -78,8 +78,8 @@ def same_by_nature(trial: Trial, trials: list[Trial], said: set[Key], sessions: 
 
 
 def _swallowed(mine: Instances) -> Iterator[Key]:
-    """A force below a threshold is swallowed by the skin or by its taxels: each taxel reads what is above it. A plunger with F / k less
-    to go presses in contact as if the skin swallowed F."""
+    """A force below a threshold may be swallowed by the skin or by its taxels: either way each taxel reads what is above it. In contact, a
+    plunger that goes F / k less deep than it reads presses as if the skin swallowed F."""
     cause, where = mine.key
     if cause == "dead_zone" and where in SWALLOWED:
         yield from (key for place, key in SWALLOWED.items() if place != where)
@@ -88,7 +88,8 @@ def _swallowed(mine: Instances) -> Iterator[Key]:
 
 
 def _memory(mine: Instances) -> Iterator[Key]:
-    """At one speed memory of time is memory of the path: of a skin that relaxes as of a sensor that creeps."""
+    """At one speed, memory of time and memory of the path are the same signal: a skin that relaxes or a sensor that creeps looks like
+    hysteresis."""
     if not at_one_rate(mine.sessions):
         return
     cause, where = mine.key
@@ -103,16 +104,16 @@ def _memory(mine: Instances) -> Iterator[Key]:
 
 
 def _there_at_once(mine: Instances) -> Iterator[Key]:
-    """What drifts as log(1 + t / tau) from the first second on is nearly there from the start: a constant."""
+    """A drift as log(1 + t / tau) that begins within the first second is nearly complete from the start: a constant."""
     for form, constant in ((LogDrift, "force_offset"), (LogGainDrift, "gain_error")):
         if any(isinstance(e, form) and e.tau < AT_ONCE_S for e in mine.effects):
             yield constant, mine.key[1]
 
 
 def _mounts(mine: Instances) -> Iterator[Key]:
-    """A tip at g(x), as behind a joint, makes of a linear skin one whose spring stiffens as g, and whose damping grows as g' with depth;
-    one behind a joint that closes at once presses as if the skin swallowed a force. A tip that follows late makes of it one with an arm
-    that relaxes fast."""
+    """A tip at g(x), as behind a joint, makes a linear skin look like one whose spring stiffens as g and whose damping grows as g' with
+    depth. Behind a joint that closes at once it presses as if the skin swallowed a force. A tip that follows late makes the skin look like
+    one with a fast relaxing arm."""
     joints = [e for e in mine.effects if isinstance(e, JointedMount)]
     if joints or mine.have(PowerMount):
         yield from (STIFFER, DAMPING)
@@ -124,13 +125,13 @@ def _mounts(mine: Instances) -> Iterator[Key]:
 
 
 def _heard_by_neighbours(mine: Instances) -> Iterator[Key]:
-    """An arm that the load cell does not tell is what taxels would hear of their neighbours' changes."""
+    """A relaxing arm that the load cell does not show looks like taxels that pick up their neighbours' changes."""
     if mine.key == RELAXATION and len(mine.sessions[0].channels) > 2 and _told_by_taxels_alone(mine):
         yield LEAKS
 
 
 def _told_by_taxels_alone(mine: Instances) -> bool:
-    """Whether what the skin does is nearly all under the taxels, and the load cell, which feels it, too, is no better simulated for it."""
+    """Whether nearly all of the effect is under the taxels, and the load cell, which should feel it, is simulated no better with it."""
     with_it = mine.trial.fit.model
     without = lacking(with_it, *mine.key)
     sensed, dispersed = mine.amounts()
@@ -139,7 +140,7 @@ def _told_by_taxels_alone(mine: Instances) -> bool:
 
 
 def _told_by_the_load_cell_alone(mine: Instances) -> Iterator[Key]:
-    """A loop or an arm of the skin that has nothing under the taxels is what the load cell would do by itself, or by its creep."""
+    """A loop or relaxing arm of the skin with nothing under the taxels looks like a loop, or creep, of the load cell."""
     sensor = {HYSTERESIS: LOOP_OF_LOAD_CELL, RELAXATION: CREEP_OF_LOAD_CELL}.get(mine.key)
     if sensor is None or len(mine.sessions[0].channels) < 2 or "force" not in mine.sessions[0].channels:
         return
@@ -149,13 +150,14 @@ def _told_by_the_load_cell_alone(mine: Instances) -> Iterator[Key]:
 
 
 def _late_one_way(mine: Instances) -> Iterator[Key]:
-    """Damping of one way, which the load cell or the taxels alone tell, is a lag of theirs that is longer on that way."""
+    """Damping in one direction of motion that the load cell or the taxels alone show looks like a lag of theirs that is longer in that
+    direction."""
     if mine.key == DAMPING and all(isinstance(e, OneSidedDamping) for e in mine.effects):
         yield from late_one_way(sum(e.c_sensed for e in mine.effects), sum(e.c_dispersed for e in mine.effects))
 
 
 def late_one_way(sensed: float, dispersed: float) -> Iterator[Key]:
-    """The lag of that sensor which alone tells of damping under the taxels and beside them, N s/m, if there is one."""
+    """The lag of the sensor that alone shows damping under the taxels and beside them, N s/m; nothing where both sensors show it."""
     if abs(sensed) < ALONE * abs(dispersed):
         yield "lag", "load_cell"
     elif abs(sensed + dispersed) < ALONE * abs(sensed):
@@ -163,7 +165,7 @@ def late_one_way(sensed: float, dispersed: float) -> Iterator[Key]:
 
 
 def _within_a_sample(mine: Instances) -> Iterator[Key]:
-    """What skin or mount have done within a sample, a late depth does as well."""
+    """What skin or mount complete within one sample looks like a late depth."""
     fastest = min((getattr(e, name, np.inf) for e in mine.effects for name in ("tau", "late")), default=np.inf)
     if mine.key[1] in ("skin", "rig") and fastest < mine.sessions[0].period:
         yield LATE_DEPTH
@@ -182,9 +184,12 @@ RULES: tuple[Callable[[Instances], Iterator[Key]], ...] = (
 
 
 def likelier_place(trials: list[Trial]) -> list[Trial]:
-    """The trial of the same cause at another place that goes before the best, if there is one. Where that is a dead zone, of the skin or of
-    one taxel: the same dead zone in all taxels, if that explains as much. Where it is a loop of the skin of which the taxels surely feel
-    nothing: that of the load cell, if it explains most of it. No skin has a memory that only passes by the taxels."""
+    """The trial of the best trial's cause at a likelier place, as a list, empty where there is none.
+
+    - For a dead zone of the skin or of one taxel: the same dead zone in all taxels, if that explains as much.
+    - For a loop of the skin that the taxels surely do not feel: the loop of the load cell, if it explains most of it. No skin has a memory
+      that bypasses the taxels alone.
+    """
     best = trials[0] if trials else None
     if best and best.key[0] == "dead_zone" and best.key[1] != "taxel":
         return [t for t in trials if t.key == SWALLOWED["taxel"] and t.score > reach(best.score)]
@@ -194,7 +199,7 @@ def likelier_place(trials: list[Trial]) -> list[Trial]:
 
 
 def _beside_the_taxels(trial: Trial) -> bool:
-    """Whether every instance of a skin's cause, which taxels could tell, is surely less under them than beside them."""
+    """Whether every instance of a skin's cause is surely far smaller under the taxels than beside them, and there are taxels to show it."""
     model, std = trial.fit.model, trial.fit.std
 
     def beside(i: int, e: Effect) -> bool:

@@ -1,4 +1,4 @@
-"""Which is believed: a cause that all sessions share, or what each has of its own."""
+"""The choice between a cause that all sessions share and a course that each session has of its own."""
 
 from dataclasses import replace
 
@@ -13,19 +13,19 @@ from skin_ident.criticism.search.rivals import CHANCE
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
 
-MARGIN = 1.1  # times the likelihood gain of the best shared cause that a course must reach to go first
-BEHIND = 0.9  # times the same to be tried at all, where held-out data refuse that cause
-NEARLY = 0.9  # of what a course that bends explains, which one that lasts must
-BESIDE = 0.6  # of what a course explains that predicts nothing, the least that another cause must explain to be asked beside it
+MARGIN = 1.1  # times the score of the best shared cause that a course must reach to go first
+BEHIND = 0.9  # times the same, from which a course is tried where held-out data refuse that cause
+NEARLY = 0.9  # share of a bending course's score that a constant course must reach to replace it
+BESIDE = 0.6  # share of the score of a course that predicts nothing, which another cause must explain to be tried
 
 
 def choose(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple[Run, Named] | None, tuple[Fit, Named] | None]:
-    """What each session has of its own, where that explains clearly more than any shared cause or where held-out data refuse those. Of
-    one cause at one place that form is taken which explains more.
+    """The course or the shared cause that is believed, with its run or fit; the other one, or both, is None.
 
-    Where it explains clearly more and yet predicts nothing, noise wanders more than the noise model knows, and no cause is named that
-    explains far less. A clock that slips, or a zero that jumps, wherever it helps is no noise: where it predicts nothing, it is passed
-    over; what explains far less than a clock that is in doubt is not named.
+    A course is chosen where it explains clearly more than any shared cause, or where held-out data refuse those. Where both are the same
+    cause at one place, the form that explains more is chosen. Where a course explains clearly more and yet predicts nothing, noise wanders
+    more than the noise model knows, and no cause is named that explains far less. A clock that slips, or a zero that jumps, is no wandering
+    noise: where it predicts nothing it is passed over, but what explains far less than a clock that is in doubt is not named.
     """
     chosen = _chosen(search, trials, runs)
     if any(chosen) or not runs or not runs[0].course.jumps:
@@ -39,7 +39,7 @@ def _chosen(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple
     first, best = runs[0], max((t.score for t in trials), default=0.0)
     leads = first.score > (best if _is_one_number(first) else max(MARGIN * best, best + CHANCE))
     same, score = bool(trials) and trials[0].key == first.course.key, first.score
-    if same and not leads:  # in another form than the best trial, which has been refitted, too
+    if same and not leads:  # in another form than the best trial, which was refitted with everything else, so this is refitted as well
         score = max(score, fit_beside(search, first)[1])
     own = _own(search, runs, trials) if leads or (same and score > best) else None
     if own:
@@ -55,13 +55,13 @@ def _chosen(search: Search, trials: list[Trial], runs: list[Run]) -> tuple[tuple
 
 
 def _own(search: Search, runs: list[Run], trials: list[Trial]) -> tuple[Run, Named] | None:
-    """A finding from the first of the courses, or, where that bends and predicts nothing, from the constant that is nearly all of it: what
-    bends there is of another cause."""
+    """A finding from the first of the courses. Where that one bends and predicts nothing, from the constant course that explains nearly all
+    of it: the bend then belongs to another cause."""
     first = runs[0]
     kept = [r for r in runs[1:] if r.course == replace(first.course, shape=CONSTANT) and r.score > NEARLY * first.score]
     return next(filter(None, (own_course(search, r, runs, trials) for r in (first, *kept))), None)
 
 
 def _is_one_number(run: Run) -> bool:
-    """Whether a course is one number of each session, which other depths do not feign."""
+    """Whether a course is one number per session that other depths do not mimic; a slope they do."""
     return run.course.shape == CONSTANT and run.course.carrier != SLOPE

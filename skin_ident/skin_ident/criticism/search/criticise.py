@@ -1,4 +1,4 @@
-"""The whole criticism of a baseline: search, ask again once more is known, eliminate, and say what is left."""
+"""The whole criticism of a baseline: search, repeat what later findings may change, eliminate, and report what is left."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ from skin_ident.criticism.vocabulary import Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 
-WORSE = 1.1  # times the error of the baseline in a channel, with which an extended model is worse
+WORSE = 1.1  # ratio to the baseline's error in a channel, above which an extended model is worse
 
 
 def criticise(
@@ -41,10 +41,9 @@ def criticise(
     mass_declared: bool = False,
     most: int = MOST_FINDINGS,
 ) -> Criticism:
-    """Find what the baseline gets wrong on `train`, believing only what also predicts `held` better. `mass` is that of the skin, kg,
-    assumed unless `mass_declared`; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m; there
-    are at `most` so many rounds. Raises `DiagnosisError` where too little of the sessions can be compared.
-    """
+    """Find what the baseline gets wrong on `train`, accepting only what also predicts `held` better. `mass` is that of the skin, kg,
+    assumed unless `mass_declared`; `more` are directions beside those of the catalogue; `encoder_step` is the step of the depth, m; `most`
+    is the number of rounds at most. Raises `DiagnosisError` where too little of the sessions can be compared."""
     progress("fitting the baseline")
     start = given or dispersion_start(train, mass)
     train, held = _compared(train, held, start, mass)
@@ -61,7 +60,7 @@ def criticise(
 
     search = searched(_shown(fitted.model, train))
     late = _shown(search.present.model, [*search.train, *search.held]) & _in_whose_place(search)
-    search = searched(late) if late else search  # the baseline had left too much for it to be seen
+    search = searched(late) if late else search  # beside the baseline's residual these could not be seen
     unweigh(search)
     settle_skin(search)
     tell_of_skin(search)
@@ -75,7 +74,7 @@ def criticise(
 
 
 def _asked(every: tuple[Direction, ...], suspected: set[Key]) -> tuple[Direction, ...]:
-    """The directions that a record is asked about which itself shows the causes that are `suspected`."""
+    """The directions to be tested. Some effects are tested only where the record itself shows their cause, so that it is `suspected`."""
     return tuple(d for d in every if d.key in suspected or not d.effect.only_if_shown)
 
 
@@ -85,7 +84,7 @@ def _shown(model: Model, sessions: list[Session]) -> set[Key]:
 
 
 def _in_whose_place(search: Search) -> set[Key]:
-    """Causes in whose place another may have been named: its rivals, and those that ranked before it."""
+    """Causes in whose place another may have been named: the rivals of findings, and causes that ranked above the named one."""
     places = {a.key for n in search.named for a in n.alternatives}
     for survey, cause in search.rounds:
         first = next((i for i, r in enumerate(survey.ranked) if r.cause == cause), 0)
@@ -94,9 +93,9 @@ def _in_whose_place(search: Search) -> set[Key]:
 
 
 def _compared(train: list[Session], held: list[Session], start: Model, mass: float) -> tuple[list[Session], list[Session]]:
-    """The sessions less the moments when the plunger may have left the skin of a model, and, where their surface may lie elsewhere than is
-    said, when it may have met it or left it there, and less beginnings at which that skin has not come to rest. Raises `DiagnosisError`
-    where too little remains."""
+    """The sessions without what cannot be compared: moments when the plunger may have left the skin of a model; where the surface may lie
+    elsewhere than declared, moments when the plunger may have met or left it there; and beginnings at which the skin is not yet at rest.
+    Raises `DiagnosisError` where too little remains."""
     surface = surface_of(train)
     there = dispersion_start([moved(s, surface) for s in train], mass).dispersion if surface else None
     train, held = ([at_rest(without_parting(s, start.dispersion), start) for s in sessions] for sessions in (train, held))
@@ -107,7 +106,7 @@ def _compared(train: list[Session], held: list[Session], start: Model, mass: flo
 
 
 def _name_all(search: Search) -> None:
-    """Name one cause after the other, put others into the place of those that they explain more than, and take out what nothing needs."""
+    """Name one cause after the other, replace findings by causes that explain more in their place, and take out what nothing needs."""
     run(search, search.baseline)
     while len(search.rounds) < search.most and exchange(search):
         run(search, search.present)
@@ -116,7 +115,8 @@ def _name_all(search: Search) -> None:
 
 
 def _baseline_beside(c: Criticism, start: Model, hanging: tuple[Effect, ...], train: list[Session], noise: Whitener) -> Fit:
-    """The plain model, fitted again where a mass was, or where sessions have a skin of their own that is no finding: it has these, too."""
+    """The plain model. It is fitted again where the mass was fitted, or where sessions have a skin of their own that is no finding: the
+    baseline then has these, too."""
     plain = [replace(s, skin=c.skin_before(own)) for s, own in zip(train, c.train, strict=True)]
     if not (c.train[0].free_mass or any(s.skin for s in plain)):
         return c.baseline
@@ -124,8 +124,8 @@ def _baseline_beside(c: Criticism, start: Model, hanging: tuple[Effect, ...], tr
 
 
 def _predicts_worse(c: Criticism, held: list[Session]) -> bool:
-    """Whether causes were named with which no channel of `held`, the sessions as they were prepared, is predicted better than by the
-    baseline, and one clearly worse: each was held against a model that others, or another mass, had led astray."""
+    """Whether causes were named although, with them, no channel of `held` is predicted better than by the baseline, and one clearly worse.
+    Then each was compared with a model that others, or another mass, had led astray. `held` are the sessions as they were prepared."""
     if not (c.named and held):
         return False
     before, after = (
@@ -137,7 +137,7 @@ def _predicts_worse(c: Criticism, held: list[Session]) -> bool:
 
 
 def _without_names(c: Criticism, train: list[Session], held: list[Session]) -> Criticism:
-    """The same with the baseline alone, and all that was named in doubt."""
+    """The criticism with the baseline alone; all that was named is noted as in doubt."""
     bare = (
         tuple(replace(c.before(own, s), lacks=s.lacks) for own, s in zip(found, sessions, strict=True))
         for found, sessions in ((c.train, train), (c.held, held))
@@ -148,7 +148,7 @@ def _without_names(c: Criticism, train: list[Session], held: list[Session]) -> C
 
 
 def _resumed(search: Search) -> bool:
-    """Whether more is named where what has been taken out is left to others."""
+    """Whether the findings change when the search goes on after causes were taken out."""
     named = list(search.named)
     search.go_on()
     run(search, search.present)

@@ -1,4 +1,4 @@
-"""What training sessions speak for and others leave in doubt: no finding, and nothing that may be called excluded either."""
+"""What training sessions support and others leave in doubt: it is no finding, but must not be called excluded either."""
 
 import numpy as np
 
@@ -10,29 +10,29 @@ from skin_ident.criticism.search.named import Named, NotNamed
 REPEATED = "more sessions, as far, as fast and as long as those that speak for it"
 TARED = "tares that last longer than noise wanders, and approaches from the air into contact"
 QUIET = "the same motions again with a quieter channel, or rests long enough to see how its noise wanders"
-OWN = {ZERO: "its zero", SLOPE: "its gain"}  # the other carriers say what they are
+OWN = {ZERO: "its zero", SLOPE: "its gain"}  # in words; the names of the other carriers say what they are
 
 
 def unproven() -> NotNamed:
-    """Why what explains much of training is no finding, where held-out sessions are not predicted better beyond doubt."""
+    """Why what explains much of training is no finding, where held-out sessions are not surely predicted better with it."""
     why = "the sessions that are fitted speak for it, but what is held out is not surely predicted better with it"
     return NotNamed(np.inf, why, REPEATED, doubt=True)
 
 
 def yields() -> NotNamed:
-    """Why what held-out data bear out is no finding, where zeros of single sessions do as much."""
+    """Why what held-out data support is no finding, where zeros of single sessions explain as much."""
     return NotNamed(np.inf, "zeros of single sessions, as tares and stages leave them, explain as much", TARED, doubt=True)
 
 
 def shadowed(gain: Gain, named: list[Named]) -> NotNamed:
-    """Why what held-out data bear out is no finding beside what was `named` and explains far more in the same channel: no form of a cause
-    is quite that of a skin."""
+    """Why what held-out data support is no finding beside a `named` cause that explains far more in the same channel. No model of a cause
+    fits real skin exactly, and this may be the rest."""
     by = max(named, key=lambda n: n.gain.squares * (gain.channel in n.gain.carried))
     return _left_by(by, f"{_falls(gain)}, little beside what {by.cause} in the {by.where} explains")
 
 
 def mending(gain: Gain, named: list[Named]) -> NotNamed:
-    """Why what held-out data bear out is no finding where more of what was `named` would explain most of the same."""
+    """Why what held-out data support is no finding where more of what was `named` would explain most of it."""
     by = max(named, key=lambda n: n.explained)
     more = "the causes that are named" if len(named) > 1 else f"{by.cause} in the {by.where}"
     return _left_by(by, f"{_falls(gain)}, and more of {more} would explain most of that")
@@ -43,13 +43,13 @@ def _falls(gain: Gain) -> str:
 
 
 def _left_by(by: Named, why: str) -> NotNamed:
-    """Why what an imperfect form of a cause (`by`) may leave is no finding."""
+    """Why what an imperfect form of the cause `by` may leave is no finding."""
     needs = f"a session in which {by.cause} in the {by.where} hardly shows, or a form of it that fits better"
     return NotNamed(np.inf, f"{why}: it may be what an imperfect form of that leaves", needs, doubt=True)
 
 
 def wandering(run: Run) -> NotNamed:
-    """Why what single sessions would have of their own is no finding, where the blocks between are not predicted by it."""
+    """Why a course of single sessions is no finding, where it does not predict the blocks between those that it was fitted to."""
     what = OWN.get(run.course.carrier, f"the {run.course.carrier}")
     why = f"within single sessions {what} would wander by {run.size:.2g} N rms, but fitted to every other block it does not predict those"
     return NotNamed(np.inf, f"{why} between: noise that wanders does as much", QUIET, doubt=True)

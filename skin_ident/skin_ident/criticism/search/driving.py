@@ -1,10 +1,16 @@
-"""What a load cell whose force drives a test without depth may have, in the place of what its taxels or the skin seem to have.
+"""What a load cell may have, where its force drives a test without depth, in the place of what its taxels or the skin seem to have.
 
-Taxel i is simulated from the measured force f as s_i H(f). A load cell that reads F + e where F presses makes that s_i H(e) too much in
-every taxel: all of them together read too little by their shares of e. So what all taxels have alike, or the skin under them, the load cell
-may have the other way round, if it is something that load cells have: one that creeps up for skin that relaxes, one that lags for taxels
-that come early, one that clips for skin that stiffens under great forces, one whose zero is too high for skin that begins to under small
-ones, one that rubs for taxels that stay behind. What one taxel of several has, it has not.
+Taxel i is simulated from the measured force f as s_i H(f). If the load cell reads F + e where F presses, every taxel is simulated too high
+by s_i H(e): all taxels together seem to read too little, by their shares of e. So what all taxels have alike, or the skin under them, may
+be the opposite fault of the load cell, if load cells have such a fault:
+
+- a load cell that creeps up looks like skin that relaxes;
+- one that lags, like taxels that come early;
+- one that clips, like skin that stiffens under great forces;
+- one whose zero is too high, like skin that begins to stiffen under small forces;
+- one with friction, like taxels that stay behind.
+
+What one of several taxels has alone cannot come from the load cell.
 """
 
 from collections.abc import Iterator
@@ -24,19 +30,19 @@ from skin_ident.criticism.vocabulary import DAMPING, LOOP_OF_LOAD_CELL, RELAXATI
 from skin_models.effects.rate_dependence import EyringDamping, OneSidedDamping, PowerDamping
 from skin_models.model import Model
 
-ALIKE = 0.2  # of the squares of a change, by which the record may be further from a common course of all taxels
-GREATEST = 0.99  # of the samples are at forces up to those that are called the greatest
-BEGINS, FASTER = 0.02, 0.1  # of the greatest force, above which a change begins; of its slope, by which it grows faster there
-MOVES = 0.1  # of the rms rate of the force, above which it rises or falls
-FEWEST = 10  # samples that show a slope
-EITHER_WAY = ("force_offset", "drift", "gain_error")  # that sensors have with either sign
+ALIKE = 0.2  # share of the squares of a change, by which a common course of all taxels may fit the record less well
+GREATEST = 0.99  # quantile of the force that is taken for its greatest
+BEGINS, FASTER = 0.02, 0.1  # of the greatest force, above which a change begins; of its slope, by which it grows faster at the top
+MOVES = 0.1  # of the standard deviation of the force's rate, above which the force rises or falls
+FEWEST = 10  # samples at least, to find a slope
+EITHER_WAY = ("force_offset", "drift", "gain_error")  # faults that sensors have with either sign
 FRICTION, LATE, CLIPS = ("friction", "load_cell"), ("lag", "load_cell"), ("saturation", "load_cell")
 CREEP, SLOPE, ZERO = ("drift", "load_cell"), ("gain_error", "load_cell"), ("force_offset", "load_cell")
 
 
 @dataclass(frozen=True)
 class _Change:
-    """What some causes at their places (`keys`, of one cause) add to the taxels of sessions, by the effects of a model, or by `runs`."""
+    """What one cause at some places (`keys`) adds to the taxels of sessions, by the effects of a model and by `runs` of courses."""
 
     model: Model
     keys: tuple[Key, ...]
@@ -45,8 +51,8 @@ class _Change:
 
     @cached_property
     def rows(self) -> list[tuple[np.ndarray, ...]]:
-        """By session the rate of the driving force (n,), what is simulated without them, what they add to that, and what is left with them
-        (T, n), in the band."""
+        """By session, in the band: the rate of the driving force (n,), then in the taxels (T, n) the simulation without the cause, what the
+        cause adds to it, and the residual with the cause."""
         plain = self.model
         for key in self.keys:
             plain = lacking(plain, *key)
@@ -60,7 +66,7 @@ class _Change:
 
     @property
     def common(self) -> bool:
-        """Whether it may as well be one course that all taxels have by their shares: the record is hardly further from that."""
+        """Whether the record is fitted almost as well by one course that all taxels have in proportion to their shares."""
         worse = there = 0.0
         for _, plain, added, left in self.rows:
             shares = np.sqrt(np.mean(plain**2, axis=1, keepdims=True))
@@ -71,13 +77,13 @@ class _Change:
 
     @property
     def ahead(self) -> float:
-        """Above nothing where the taxels read more by it while the force rises than while it falls."""
+        """Positive where the cause makes the taxels read more while the force rises than while it falls."""
         return sum(float(np.sum(np.sign(rate) * (np.abs(rate) > MOVES * rate.std()) * added)) for rate, _, added, _ in self.rows)
 
     @property
     def bends(self) -> tuple[bool, bool]:
-        """Whether what the taxels read more by it begins above some force and then grows in proportion to it, and whether it grows faster
-        among the greatest forces than before."""
+        """Whether the change in the taxels begins above some force and then grows in proportion to it, and whether it grows faster among
+        the greatest forces than below them."""
         force = np.concatenate([s.band.thin(s.drive[None])[0] for s in self.sessions])
         more = np.concatenate([np.sum(added, axis=0) for _, _, added, _ in self.rows])
         top = float(np.quantile(force, GREATEST))
@@ -91,20 +97,20 @@ class _Change:
 
     @property
     def early(self) -> bool:
-        """Whether damping that is another on the way in than on the way out lets the taxels read before the load cell, on either way."""
+        """Whether damping that differs between the way in and the way out makes the taxels read before the load cell on either way."""
         d, more = self.model.dispersion, sum(getattr(e, "c_sensed", 0.0) for e in instances(self.model, *self.keys[0]))
         return d.k1 > 0.0 and (d.b1 + abs(more)) / d.k1 > d.recovery
 
 
 def with_load_cell(named: list[Named], model: Model, runs: list[Run], sessions: list[Session]) -> list[Named]:
-    """The findings in `sessions`, `model` and `runs` having all of them; where force drives those, with what the load cell may have in
-    their place before all their other names."""
+    """The findings in `sessions`, where `model` and `runs` have all of them. Where a force drives the sessions, what the load cell may have
+    in place of a finding comes before all its other names."""
     if not named or sessions[0].drive is None:
         return named
     told = [_beside(n, list(_of_load_cell(n, named, model, runs, sessions))) for n in named]
     if not any(FRICTION in (a.key for a in n.alternatives) for n in told):
         return told
-    return [_beside(n, [Rival(*FRICTION, 0.0)]) if n.cause == SWALLOWS else n for n in told]  # what rubs does so in the air, too
+    return [_beside(n, [Rival(*FRICTION, 0.0)]) if n.cause == SWALLOWS else n for n in told]  # friction acts in the air as well
 
 
 def _beside(n: Named, rivals: list[Rival]) -> Named:
@@ -113,7 +119,7 @@ def _beside(n: Named, rivals: list[Rival]) -> Named:
 
 
 def _of_load_cell(n: Named, named: list[Named], model: Model, runs: list[Run], sessions: list[Session]) -> Iterator[Rival]:
-    """What the load cell may have in the place of a finding, or of one of its other names."""
+    """What the load cell may have in the place of a finding, or of one of its alternatives."""
     keys = _every_taxel(n, named, sessions[0])
     own = tuple(r for r in runs if r.course.key in keys)
     if n.is_another_skin:
@@ -121,14 +127,14 @@ def _of_load_cell(n: Named, named: list[Named], model: Model, runs: list[Run], s
     elif keys:
         yield from (Rival(*key, 0.0) for key in _inverse(_Change(model, keys, own, sessions)))
     for a in n.alternatives:
-        if a.model is not None:  # of the same kind alone: these are many names already
+        if a.model is not None:  # the first alone, which is of the same kind: these are many names already
             yield from (Rival(*key, a.short_by) for key in islice(_inverse(_Change(a.model, (a.key,), (), sessions)), 1))
         elif a.where == "taxel" and a.cause in EITHER_WAY and sessions[0].n_taxels == 1:
             yield Rival(a.cause, "load_cell", a.short_by)
 
 
 def _every_taxel(n: Named, named: list[Named], session: Session) -> tuple[Key, ...]:
-    """The places at which a finding's cause was named, its own or those of every taxel; () where it has only some."""
+    """The places at which a finding's cause was named: its own, or those of every taxel; () where only some taxels have it."""
     if not n.where.startswith("taxel_"):
         return (n.key,)
     every = {f"taxel_{i}" for i in range(session.n_taxels)} - set(session.stuck)
@@ -137,7 +143,7 @@ def _every_taxel(n: Named, named: list[Named], session: Session) -> tuple[Key, .
 
 
 def _inverse(change: _Change) -> Iterator[Key]:
-    """The faults of a load cell that add the same to all taxels, if there are any."""
+    """The faults of a load cell that would add the same to all taxels, if there are any."""
     cause, where = change.keys[0]
     if not (where == "skin" or where.startswith(("taxel", "clock"))) or not change.common:
         return
@@ -158,7 +164,8 @@ def _inverse(change: _Change) -> Iterator[Key]:
 
 
 def _of_damping(change: _Change) -> Iterator[Key]:
-    """Damping that hardly grows with speed is friction, if the taxels stay behind by it; such as is another in than out is such a lag."""
+    """Damping that hardly grows with speed may be friction, if the taxels stay behind by it. Damping that differs between the way in and
+    the way out may be a lag that does."""
     effects = instances(change.model, *change.keys[0])
     slow = any(isinstance(e, EyringDamping) or (isinstance(e, PowerDamping) and e.exponent < 1.0) for e in effects)
     if slow and change.ahead < 0.0:

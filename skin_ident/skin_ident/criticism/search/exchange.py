@@ -1,11 +1,12 @@
 """Whether what was named while other causes were still hidden is the best account now that these are known.
 
 A search that only goes forward keeps what it took first, and of two effects the first to be named was chosen to explain some of the other
-as well. So each cause is taken out once the others are known, and everything is asked again what explains the rest (P. Pudil, J.
+as well. So each cause is taken out once the others are known, and the search looks again for what explains the rest (P. Pudil, J.
 Novovičová, J. Kittler, Floating search methods in feature selection, Pattern Recognition Letters 15 (1994) 1119-1125).
 
-Of two names for the same the one that explains a little more may leave what no other cause explains well, while beside its rival one does.
-So where much is left that is not believed, the rivals are asked, each in the place of its finding.
+Of two names for the same signal, the one that explains a little more may leave a rest that no other cause explains well, while beside its
+rival another cause does. So where a cause explains much of the residual and is not believed, the rivals are tried, each in the place of its
+finding.
 """
 
 from dataclasses import replace
@@ -22,13 +23,13 @@ from skin_ident.criticism.search.together import beside
 from skin_models.effect import Effect
 from skin_models.model import Model
 
-MUCH = 4.0  # times what makes a cause worth naming, which one must explain that is not believed, for rivals to be asked
-FEWER = 3  # parameters, by which an account is clearly plainer
+MUCH = 4.0  # times the least gain worth naming, which a cause that is not believed must explain for rivals to be tried
+FEWER = 3  # parameters fewer, from which an account is clearly simpler
 
 
 def exchange(search: Search) -> bool:
-    """Put the better account in the place of the first finding that has one, and say whether there was one; where the same cause is found
-    again, its rivals are those it has now. Not asked of short records. `search` is the state of `criticise`."""
+    """Put the better account in the place of the first finding that has one; return whether there was one. Where the same cause is found
+    again, its rivals are replaced by those it has now. Not done for short records. `search` is the state of `criticise`."""
     if not search.lasts:
         return False
     if len(search.named) > 1 and any(_exchanged(search, finding) for finding in _shared(search)):
@@ -37,12 +38,12 @@ def exchange(search: Search) -> bool:
 
 
 def _shared(search: Search) -> list[Named]:
-    """What was named that all sessions share."""
+    """The findings that all sessions share."""
     return [n for n in search.named if not (n.courses or n.only)]
 
 
 def _exchanged(search: Search, finding: Named) -> bool:
-    """Whether something explains more in the place of `finding` and was put there."""
+    """Whether something explains more in the place of `finding`, and was put there."""
     search.progress(f"asking again what {finding.cause} in the {finding.where} stands for")
     ahead, key = _without(search, finding), finding.key
     last = ahead.look()
@@ -74,7 +75,8 @@ def _exchanged(search: Search, finding: Named) -> bool:
 
 
 def _renew_rivals(search: Search, finding: Named, near: tuple[Rival, ...]) -> None:
-    """Let `finding` have for rivals the names that are `near` now that the other causes are known, where it is one of them itself."""
+    """Replace the alternatives of `finding` by the names that are `near` now that the other causes are known, if it is among these
+    itself."""
     if finding.key in {a.key for a in near}:
         known = {n.key for n in search.named}
         again = replace(finding, alternatives=tuple(a for a in near if a.key not in known))
@@ -82,15 +84,15 @@ def _renew_rivals(search: Search, finding: Named, near: tuple[Rival, ...]) -> No
 
 
 def _better(other: float, than: float, numbers: int) -> bool:
-    """Whether one account explains more than another; as much is enough for one with clearly fewer `numbers`, and not for one with clearly
-    more."""
+    """Whether one account explains more than another. With clearly fewer `numbers` (difference in parameters) it need only explain as much;
+    with clearly more it must explain clearly more."""
     if numbers <= -FEWER:
         return other > reach(than)
     return reach(other) > than if numbers >= FEWER else other > than
 
 
 def _for_rival(search: Search, finding: Named) -> bool:
-    """Put that rival in the place of `finding` beside which another cause is believed, where both explain more than there is now."""
+    """Replace `finding` by the rival beside which another cause is believed, where both together explain more than the present account."""
     known = {n.key for n in search.named}
     for rival in (r for r in finding.alternatives if r.key not in known):
         own = instances(rival.model, *rival.key) if rival.model else ()
@@ -100,7 +102,8 @@ def _for_rival(search: Search, finding: Named) -> bool:
 
 
 def _taken(search: Search, finding: Named, rival: Rival, own: tuple[Effect, ...]) -> bool:
-    """Whether the `own` effects of a rival were put in the place of `finding`: believed beside the cause that is believed beside them."""
+    """Whether the `own` effects of a rival were put in the place of `finding`: beside the rival another cause is believed, and the rival
+    beside it."""
     search.progress(f"asking what {rival.cause} in the {rival.where} would leave")
     rest = lacking(search.present.model, *finding.key)
     ahead = _ahead(search, finding, replace(rest, effects=(*rest.effects, *own)))
@@ -123,15 +126,15 @@ def _taken(search: Search, finding: Named, rival: Rival, own: tuple[Effect, ...]
 
 
 def _as_good_with(search: Search, ahead: Search, finding: Named, rival: Rival, after: Fit) -> bool:
-    """Whether the fit `after`, of a `rival` and what is believed beside it, is as good with `finding` in the rival's place: then that which
-    is believed speaks for neither."""
+    """Whether the fit `after`, of a `rival` and another cause beside it, is no better than with `finding` in the rival's place: then that
+    other cause speaks for neither."""
     rest = lacking(after.model, *rival.key)
     own = instances(search.present.model, *finding.key)
     return fit(replace(rest, effects=(*rest.effects, *own)), ahead.train, ahead.noise).cost < after.cost + CHANCE
 
 
 def _become(search: Search, ahead: Search, finding: Named) -> None:
-    """The state of `search` is that of `ahead` now, without `finding`."""
+    """Make the state of `search` that of `ahead`, without `finding`."""
     search.named, search.present, search.noise = ahead.named, ahead.present, ahead.noise
     search.befores.pop(finding.key, None)
 
@@ -142,12 +145,12 @@ def _without(search: Search, finding: Named) -> Search:
 
 
 def _ahead(search: Search, finding: Named, model: Model) -> Search:
-    """The state in which everything but `finding` has been named, and `model` is fitted."""
+    """The same, with `model` fitted."""
     ahead = search.ahead(fit(model, search.train, search.noise))
     ahead.named = [n for n in search.named if n is not finding]
     return ahead
 
 
 def _explained(present: Fit, without: Search) -> float:
-    """What `present` explains beyond the state `without`, as a trial's score is."""
+    """What `present` explains beyond the state `without`, measured as a trial's score is."""
     return present.under(without.noise, without.train).gain_over(without.present)

@@ -1,4 +1,4 @@
-"""Whether the numbers of a given model are wrong: those of its skin, or of the effects that it has."""
+"""Whether the numbers of a given model are wrong: those of its skin, or of its effects."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,13 +15,15 @@ from skin_ident.criticism.vocabulary import DAMPING, PARAMETERS
 from skin_models.effect import Effect
 from skin_models.model import Model
 
-AS_STIFF, AS_DAMPED = 0.02, 0.1  # share by which stiffness, or damping, is the same: an imperfect effect bends it by as much
-WRONG = 0.1  # relative fall of the held-out error by which given numbers are called wrong: an imperfect effect bends them a little
+# Relative change up to which stiffness, or damping, counts as the same: an imperfect effect bends it by as much.
+AS_STIFF, AS_DAMPED = 0.02, 0.1
+WRONG = 0.1  # relative fall of the held-out error from which given numbers are called wrong: an imperfect effect bends them a little
 
 
 def check_numbers(search: Search, given: Model) -> None:
-    """Name `parameters` where the numbers of the given model are wrong once every named cause is in it; where they are not, they stay.
-    Those of its effects alone are changed where that is enough: a simulation may have what the record has not."""
+    """Name `parameters` where the numbers of the given model are wrong even with every named cause in it; where they are not, the given
+    numbers stay. Those of its effects alone are changed where that is enough: a simulation may contain an effect that the record has
+    not."""
     every = search.present
     as_given = replace(given, effects=(*given.effects, *_added(given, every.model)))
 
@@ -43,32 +45,33 @@ def check_numbers(search: Search, given: Model) -> None:
 
 
 def _wrong(search: Search, given: Model, before: Fit, after: Fit, refit_before: Callable) -> tuple[bool, NotNamed | None]:
-    """Whether numbers that `before` holds are wrong, as `after` has changed them; if it is hardware that bends them, why not."""
+    """Whether numbers that `before` holds are wrong, as `after` has changed them. If hardware accounts for the change, they are not, and
+    the reason is returned too."""
     gain = search.gain(before.model, after.model, "skin", refit_before)
     if not (gain.passed and gain.before - gain.after > WRONG * gain.before and _others(given, after.model)):
         return False, None
-    # Noise of the depth, or of a force that drives the test, does as much to damping.
+    # Noise of the depth, or of a force that drives the test, biases damping by as much.
     as_if = DAMPING if _but_for_damping(given, after.model) else PARAMETERS
     why = encoder_does(Claim(as_if, gain, before.model, after.model, search.train), search.noise, search.encoder_step)
     return why is None, why
 
 
 def _others(given: Model, after: Model) -> bool:
-    """Whether numbers of the skin, or of the effects that were given, are others by what anybody would care for."""
+    """Whether numbers of the skin, or of the given effects, have changed by an amount that matters."""
     damping = AS_DAMPED * abs(given.dispersion.b1 + given.dispersion.b2)
     was, now = ((m.dispersion.b1, m.dispersion.b2) for m in (given, after))
     return not _but_for_damping(given, after) or any(abs(n - w) > damping for w, n in zip(was, now, strict=True))
 
 
 def _but_for_damping(given: Model, after: Model) -> bool:
-    """Whether stiffness and shares are the same for all that anybody would care, and the effects that were given as they were."""
+    """Whether stiffness and shares are practically the same, and the given effects exactly: then only damping may have changed."""
     was, now = ((m.dispersion.k1, m.dispersion.k2, *m.shares) for m in (given, after))
     same = all(abs(n - w) <= AS_STIFF * abs(w) for w, n in zip(was, now, strict=True))
     return same and given.effects == after.effects[: len(given.effects)]
 
 
 def _added(given: Model, extended: Model) -> tuple[Effect, ...]:
-    """The effects of an extended model that are not those of the given one, whatever their numbers have become."""
+    """The effects of an extended model beyond those of the given one, matched by class and place whatever their numbers have become."""
     had, added = [(type(e), e.where) for e in given.effects], []
     for e in extended.effects:
         if (type(e), e.where) in had:

@@ -1,4 +1,4 @@
-"""Adding one cause to a model: as many instances of its effect as the data ask for, each refitted with everything else."""
+"""Adding one cause to a model: as many instances of its effect as the data support, each refitted with everything else."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -23,24 +23,24 @@ from skin_models.effects.stress_relaxation import StressRelaxation
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, SHAPE, clipped, parameters_of
 
-MOST = 3  # instances of one cause at one place
-LARGE = 1.0  # times what all noise is worth, from which an effect is large
-AT_SHAPE = 3  # iterations
-PROMISED = 0.5  # of what the ranking promised
-EXCEEDED, FARTHER = 3.0, 2.0  # times that, and times the amount that was found then
-LITTLE = 0.05  # of an amount
-IN_TURN = 3  # times that shares are settled and the rest fitted
+MOST = 3  # instances of one cause at one place, at most
+LARGE = 1.0  # whitened gain per sample from which an effect is large: it explains as much as all noise
+AT_SHAPE = 3  # iterations of a first fit, with the shape held, or beside settled shares
+PROMISED = 0.5  # share of the ranked gain; a fit that gains less is begun anew in other ways
+EXCEEDED, FARTHER = 3.0, 2.0  # times the ranked gain above which the fit is begun anew, from FARTHER times the amount that it found
+LITTLE = 0.05  # share of the ranked amount from which a careful fit begins
+IN_TURN = 3  # alternations of settling the shares and fitting the rest
 INSTANCE, FORM = 10.0, 20.0  # squared whitened units that another instance, or a finer form, must explain
-WORTH = 0.02  # of what the first instance explained: less is not worth another one
-SURE = 2.0  # standard errors that a further instance must have for its size
-FINER = 0.002  # nor, which is the same name with one number more, a finer form of it
-AT_ONCE = 0.05  # s, what passes the common band as damping does
-SLIPPING = 3e-6  # m, a path that no skin is bent by before it slips
+WORTH = 0.02  # share of the first instance's gain that another instance must explain
+SURE = 2.0  # standard errors that the size of a further instance must exceed
+FINER = 0.002  # the same for a finer form, which is the same name with one number more
+AT_ONCE = 0.05  # s, time constant of what passes the common band as damping does
+SLIPPING = 3e-6  # m, a path so short that skin is not bent by it before it slips
 
 
 def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener) -> tuple[Fit, ...]:
-    """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters: the fit with
-    all that are, and that with the first alone where they are several."""
+    """Add the cause `best` to the fitted model `start`, instance by instance, until another one is not worth its parameters. Return the fit
+    with all instances and, where there are several, also the fit with the first alone."""
     own = tuple(d for d in which if d.key == best.key)
     present, ranked, first, stages = start, best, 0.0, []
     for _ in range(MOST):
@@ -61,14 +61,15 @@ def grow(start: Fit, best: Ranked, sessions: list[Session], which: tuple[Directi
 
 
 def _with_instance(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
-    """Of a large effect, in the best of its forms: small amounts, which were ranked, do not tell them apart."""
+    """The fit with one more instance. A large effect is begun in each of its forms and the best is taken, because the ranking is by small
+    amounts, which do not tell the forms apart."""
     forms = _forms(ranked) if ranked.gain >= LARGE * present.count else [ranked]
     begun = (f for r in forms for f in (_in_form(present, r, sessions, noise), *_beside_sound_damping(present, r, sessions, noise)))
     return min(begun, key=lambda f: f.cost)
 
 
 def _forms(ranked: Ranked) -> list[Ranked]:
-    """The cause as ranked, and begun at the largest amount of every other form that explains it together with the best."""
+    """The cause as ranked, and the same begun at the largest amount of each other form that helps to explain it."""
     found = {type(ranked.best.effect): ranked}
     for d, z in sorted(zip(ranked.used, ranked.amounts, strict=True), key=lambda used: -abs(used[1])):
         found.setdefault(type(d.effect), replace(ranked, best=d, best_amount=float(z)))
@@ -76,12 +77,16 @@ def _forms(ranked: Ranked) -> list[Ranked]:
 
 
 def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Fit:
-    """First at the shape that the ranking found, where the fit is all but linear; a shape that is free at once runs away. Where the model's
-    own numbers must change with the effect, its whole amount at once may leave the fit in a place worse than before: then from little.
-    Where little of what the ranking promised is kept, from little, too: beside a delay damping is far off, and tells too large a one; from
-    the amounts at which an effect was scanned: of a delay by half a period of the motion no small one shows the way; and in its finer
-    forms: damping may have taken all that a plain lag would explain, and leave what only a lag of a part does. Where far more is, the way
-    was longer than it seemed, and may go on: from twice as far."""
+    """The fit with one more instance in the ranked form. It begins at the ranked shape, which is held at first: there the fit is nearly
+    linear, while a shape that is free at once runs away. Beginnings are, in turn:
+
+    - the ranked amount; or little of it, where the whole amount leaves the fit worse than before because the model's own unknowns must
+      change with the effect;
+    - where far more is gained than the ranking promised, twice the amount found, since the way may go on;
+    - where little of the promised gain is kept: little of the amount (beside a delay, damping is far off and makes the ranked amount too
+      large); the amounts at which the effect was scanned (no small delay shows the way to one of half a period of the motion); and the
+      finer forms (damping may have taken all that a plain lag would explain, and left what only a lag of a part does).
+    """
     for share in (1.0, LITTLE):
         trial = _begun_at(ranked.best, share * ranked.best_amount, present, sessions, noise)
         if trial.cost < present.cost:
@@ -100,8 +105,9 @@ def _in_form(present: Fit, ranked: Ranked, sessions: list[Session], noise: White
 
 
 def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session], noise: Whitener) -> Iterator[Fit]:
-    """Where damping gives back what it took, which a delay looks like: the cause begun at the delay that is as much, beside damping as it
-    may be. Step by step a fit does not come there, for on all the way the one takes the place of the other."""
+    """For a cause whose size is a time, where the fitted damping gives back energy, which looks like a delay: the fit begun at damping that
+    does not, and a delay that makes up for it. Step by step a fit does not get there, because all the way one takes the place of the
+    other."""
     amplitude = next(p for p in parameters_of(ranked.best.effect) if p.name == ranked.best.parameter)
     if amplitude.unit != "s" or sessions[0].drive is not None:
         return
@@ -114,8 +120,11 @@ def _beside_sound_damping(present: Fit, ranked: Ranked, sessions: list[Session],
 
 
 def sound_damping(skin: Dispersion) -> tuple[Dispersion, float]:
-    """The skin with damping that takes all round, and the delay, s, that looks like what it had: of everything, where it had none in all;
-    of the taxels alone, which are late where b1 < 0, or of the load cell, where b2 < 0: then both springs are damped alike."""
+    """The skin with damping that gives back no energy anywhere, and the delay, s, that looks like the damping it had.
+
+    - Total damping is negative: both b1 and b2 are made non-negative, and everything is late.
+    - b1 < 0: the taxels are late. b2 < 0: the load cell is late. In both cases the springs get damping in proportion to their stiffness.
+    """
     whole, damping = skin.k1 + skin.k2, skin.b1 + skin.b2
     if whole <= 0.0:
         return skin, 0.0
@@ -139,7 +148,8 @@ def _begun_at(d: Direction, amount: float, present: Fit, sessions: list[Session]
 
 
 def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit, list[Session]]:
-    """The fit with the sessions' own shares settled under it, in turn: what bends the reading of a taxel acts on its share of the force."""
+    """The fit with the sessions' own shares settled under it, both in turn: an effect on a taxel's reading acts on that taxel's share of
+    the force."""
     if sessions[0].spread is None or not trial.model.effects[-1].where.startswith("taxel"):
         return trial, sessions
     for _ in range(IN_TURN):
@@ -149,8 +159,8 @@ def _settled(trial: Fit, sessions: list[Session], noise: Whitener) -> tuple[Fit,
 
 
 def determined(trial: Fit, std: dict[str, float] | None = None) -> bool:
-    """Whether the instance that came last has a size of its own by its standard errors, or by others: two that all but cancel have none,
-    nor has what the model's own numbers may as well do."""
+    """Whether the last instance has a size that is clearly not zero, by its standard errors or by those in `std`. Two instances that all
+    but cancel have none, nor has an instance that the model's own unknowns can imitate."""
     last = len(trial.model.effects) - 1
     sizes = [p for p in parameters_of(trial.model.effects[last]) if p.role == AMPLITUDE]
     std = trial.std if std is None else std
@@ -158,14 +168,14 @@ def determined(trial: Fit, std: dict[str, float] | None = None) -> bool:
 
 
 def felt(model: Model, key: Key, sessions: list[Session]) -> np.ndarray:
-    """What a cause at a place changes in every channel of the sessions, (C,): the root of the sum of squares, N."""
+    """What a cause at a place changes in every channel of the sessions, (C,) N: root of the sum of squares."""
     without = lacking(model, *key)
     return np.sqrt(sum(np.sum((simulated(model, s) - simulated(without, s)) ** 2, axis=1) for s in sessions))
 
 
 def unlike_skin(model: Model) -> bool:
-    """Whether the skin would be a filter, or a brake: an arm of half its own stiffness or more that relaxes at once is the lag of a sensor,
-    and what slips or flows at once, or is stiffer than all the skin until it slips, is friction or play."""
+    """Whether the skin of a model acts as a filter or a brake. An arm of half the skin's stiffness or more that relaxes at once is the lag
+    of a sensor. An element that slips or flows at once, or that is stiffer than the whole skin until it slips, is friction or play."""
     whole, own = model.dispersion.k1 + model.dispersion.k2, [e for e in model.effects if e.where == "skin"]
 
     def unlike(e: Effect) -> bool:
@@ -179,7 +189,8 @@ def unlike_skin(model: Model) -> bool:
 
 
 def _refined(present: Fit, gained: float, sessions: list[Session], noise: Whitener) -> Fit:
-    """The same, the effect that came last in the form that equals it when it is small, where one explains more."""
+    """The fit with the last effect in a finer form (one that equals it when it is small), where such a form explains clearly more; else as
+    it is."""
     *others, last = present.model.effects
     trials = [fit(replace(present.model, effects=(*others, e)), sessions, noise) for e in _finer(last)]
     best = min(trials, key=lambda trial: trial.cost, default=present)
@@ -192,7 +203,8 @@ def _finer(effect: Effect) -> list[Effect]:
 
 
 def _ready(d: Direction, amount: float) -> Effect:
-    """The effect at the amount that the ranking found, its other amplitudes at a tenth of that, so that every unknown can move."""
+    """The effect at the ranked amount. Its other amplitudes begin at a tenth of that where they cannot be negative, else at zero, so that
+    every unknown can move."""
     values, usual = {}, next(abs(p.typical) for p in parameters_of(d.effect) if p.name == d.parameter)
     for p in parameters_of(d.effect):
         if p.role != AMPLITUDE or p.typical != p.typical:
@@ -203,7 +215,7 @@ def _ready(d: Direction, amount: float) -> Effect:
 
 
 def _adds(d: Direction, model: Model) -> bool:
-    """Whether another instance could be anything new: two delays are one delay, two relaxation times are two."""
+    """Whether another instance could add anything new: two delays are one delay, but two relaxation times are two."""
     shaped = any(p.role == SHAPE for p in parameters_of(d.effect))
     return shaped or not any(type(d.effect) in (type(e), e.refines) and e.where == d.where for e in model.effects)
 

@@ -1,4 +1,6 @@
-"""What held-out data support and is no finding, since good hardware does as much by itself: it is said, with what would tell."""
+"""What held-out data support and is still no finding, because good hardware does as much by itself. It is reported, with what would
+tell.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -21,12 +23,12 @@ from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
 FINER = "an encoder, and converters, with finer steps and less noise"
-CROSSES = 3.0  # standard deviations of a force that rests
+CROSSES = 3.0  # standard deviations of a resting force that count as the reach of its noise
 TRUER = "a stage that is known to be truer, and touches that begin and end in free air"
 
 
 def converter_does(claim: Claim) -> NotNamed | None:
-    """Why a cause that gains is no finding, where the converter may do it by itself."""
+    """Why a cause that gains is no finding, where the converter may do as much by itself; else None."""
     if not (claim.gain.passed and of_the_converter(claim)):
         return None
     step = converter_step(claim.train, claim.channel)
@@ -35,7 +37,7 @@ def converter_does(claim: Claim) -> NotNamed | None:
 
 
 def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
-    """Why effects that gain, and are no larger than good hardware has them anyway, are no finding."""
+    """Why effects that gain are no finding, where they are no larger than good hardware has them anyway; else None."""
     lengths = [p for e in effects for p in parameters_of(e) if p.role == AMPLITUDE and 0.0 < abs(p.value) <= p.negligible]
     if not (lengths and gain.passed):
         return None
@@ -44,8 +46,8 @@ def stage_is_off(effects: list[Effect], gain: Gain) -> NotNamed | None:
 
 
 def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed | None:
-    """Why a cause that gains is no finding, where noise of what drives the test does as much, the encoder could not tell, or steps leave as
-    much open."""
+    """Why a cause that gains is no finding, where noise of the driving signal does as much, where the encoder could not tell the size of
+    the cause, or where steps leave as much open; else None."""
     if of_the_drive(claim):
         worth = f"it would {_worth(claim.gain)}, mostly while the driving force rests or little of what there is"
         return _usual(f"{worth}: the noise of that force may do it", "a depth beside the force, or a load cell with less noise")
@@ -53,7 +55,7 @@ def encoder_does(claim: Claim, noise: Whitener, encoder_step: float) -> NotNamed
 
 
 def _drive_crosses(claim: Claim) -> NotNamed | None:
-    """Why a threshold that gains is no finding, where noise or the zero of the force that drives the test reaches across it."""
+    """Why a threshold that gains is no finding, where noise or the zero of the driving force reaches across it; else None."""
     if not claim.driven or claim.cause != SWALLOWS:
         return None
     model = claim.after
@@ -66,14 +68,14 @@ def _drive_crosses(claim: Claim) -> NotNamed | None:
 
 
 def too_short(key: Key, after: Model, encoder_step: float) -> NotNamed | None:
-    """Why a cause that is a length is no finding, where the encoder does not read so finely."""
+    """Why a cause that is a length is no finding, where the encoder does not read so finely; else None."""
     length = unreadable(instances(after, *key), encoder_step)
     why = f"it would be {_micrometres(length)}, but the encoder reads no finer than {_micrometres(encoder_step)}"
     return _usual(why, FINER) if length else None
 
 
 def steps_do(claim: Claim, noise: Whitener | None, encoder_step: float) -> NotNamed | None:
-    """Why a cause that gains is no finding, where steps of encoder and converters may leave as much open."""
+    """Why a cause that gains is no finding, where steps of encoder and converters may account for as much; else None."""
     if resolved(claim, noise, encoder_step):
         return None
     worth = f"it would {_worth(claim.gain)}"
@@ -84,7 +86,7 @@ def steps_do(claim: Claim, noise: Whitener | None, encoder_step: float) -> NotNa
 
 
 def stage_does(run: Run, encoder_step: float) -> NotNamed:
-    """Why what sessions have of their own is no finding, where it is less than a good stage or clock does, or an encoder tells."""
+    """Why a course is no finding that is smaller than what a good stage or clock does, or than what an encoder reads."""
     if run.course.carrier == DEPTH:
         return zeros_do(run.largest, encoder_step)
     found, least = (f"{1e3 * x:.3g} ms" for x in (run.largest, run.least(encoder_step)))
@@ -92,7 +94,7 @@ def stage_does(run: Run, encoder_step: float) -> NotNamed:
 
 
 def zeros_do(largest: float, encoder_step: float) -> NotNamed:
-    """Why zeros of depth that sessions have of their own, the `largest` of them in m, are no finding, where stage or encoder do as much."""
+    """Why zeros of depth of sessions' own, the `largest` of them in m, are no finding: stage or encoder do as much."""
     why, least = f"within single sessions the zero of depth would step by {_micrometres(largest)}", _micrometres(least_depth(encoder_step))
     if encoder_step >= AT_REST:
         return _usual(f"{why}, but the encoder reads no finer than {least}", FINER, own_zero=True)
@@ -100,22 +102,21 @@ def zeros_do(largest: float, encoder_step: float) -> NotNamed:
 
 
 def tare_does(largest: float, tare: Tare) -> NotNamed:
-    """Why zeros that sessions have of their own, the `largest` of them in N, are no finding, where a `tare` sets them no better."""
+    """Why zeros of sessions' own, the `largest` of them in N, are no finding: a `tare` sets them no better."""
     off = f"the zeros of single sessions are off by up to {largest:.2g} N"
     needs = "a converter with finer steps, and tares of many seconds in free air"
     return _usual(f"{off}, as {tare.said} may leave them", needs, own_zero=True)
 
 
 def specimens_do(largest: Mapping[str, float]) -> NotNamed:
-    """Why numbers that each session has of its own, the `largest` departure of each by name, are no finding."""
+    """Why skin parameters of sessions' own are no finding; `largest` is the largest relative departure of each by name."""
     off = ", ".join(f"{name} by up to {100.0 * share:.2g} %" for name, share in largest.items())
     needs = "sessions of one specimen in one place and at one temperature, or the numbers of each"
     return _usual(f"the skin of single sessions is another ({off}), as that of specimens, temperatures and places is", needs)
 
 
 def skin_does(run: Run) -> NotNamed:
-    """Why a gain, or a zero of depth, that sessions have of their own is no finding, where a skin that is another in each of them explains
-    as much or more."""
+    """Why a gain, or a zero of depth, of sessions' own is no finding: a skin that is another in each of them explains as much or more."""
     depth = run.course.carrier == DEPTH
     what, off = ("zeros of depth", _micrometres(run.largest)) if depth else ("gains", f"{100.0 * run.largest:.2g} %")
     why = f"the {what} of single sessions would be off by up to {off}, as a skin that is another in each of them may feign"
@@ -123,7 +124,7 @@ def skin_does(run: Run) -> NotNamed:
 
 
 def no_other_does(key: Key, why: NotNamed) -> NotNamed:
-    """Why what cannot be told from a cause and place is no finding, where that is none for hardware does as much."""
+    """Why what cannot be told from the cause and place `key` is no finding, where that one is none because of hardware."""
     cause, where = key
     return replace(why, because=f"it cannot be told from {cause} in the {where}: {why.because}")
 
@@ -137,5 +138,5 @@ def _micrometres(length: float) -> str:
 
 
 def _usual(why: str, needs: str = "", own_zero: bool = False) -> NotNamed:
-    """What may be of any size and is no finding, for hardware does as much."""
+    """Something of any size that is no finding because hardware does as much."""
     return NotNamed(np.inf, why, needs, hardware=True, own_zero=own_zero)

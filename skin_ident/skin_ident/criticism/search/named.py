@@ -1,4 +1,4 @@
-"""What the search for causes has named, and everything else that it found out on the way."""
+"""What the search for causes has named, and everything else that it found on the way."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -15,7 +15,8 @@ from skin_models.model import Model
 
 @dataclass(frozen=True)
 class Named:
-    """One cause in the extended model, with its evidence, and the models fitted without it (`before`) and with it, when it was named."""
+    """One cause in the extended model, with its evidence, and the models fitted without it (`before`) and with it (`model`) when it was
+    named."""
 
     cause: str
     where: str
@@ -24,9 +25,9 @@ class Named:
     alternatives: tuple[Rival, ...]
     before: Model | None = None
     model: Model | None = None
-    courses: dict[str, Said] = field(default_factory=dict)  # what belongs to one session alone, in words by session
-    only: tuple[str, ...] = ()  # the sessions that have it, by name, where others are
-    free: tuple[str, ...] = ()  # free of it
+    courses: dict[str, Said] = field(default_factory=dict)  # for what each session has of its own: that in words, by session
+    only: tuple[str, ...] = ()  # names of the sessions that have it, where others do not
+    free: tuple[str, ...] = ()  # names of the sessions that do not have it
 
     @property
     def key(self) -> Key:
@@ -35,11 +36,11 @@ class Named:
 
     @property
     def is_another_skin(self) -> bool:
-        """Whether it says that the skin is another from session to session, and not that numbers of a given model are wrong."""
+        """Whether it says that the skin differs from session to session, and not that numbers of a given model are wrong."""
         return self.key == PARAMETERS and bool(self.courses)
 
     def with_rivals(self, rivals: Iterable[Rival]) -> "Named":
-        """The finding with those of the `rivals` behind its alternatives that it has not yet, each once."""
+        """The finding with those of the `rivals` appended to its alternatives that it does not have yet, each once."""
         had = {self.key, *(a.key for a in self.alternatives)}
         more = {r.key: r for r in rivals if r.key not in had}
         return replace(self, alternatives=(*self.alternatives, *more.values()))
@@ -47,9 +48,12 @@ class Named:
 
 @dataclass(frozen=True)
 class NotNamed:
-    """What is in the record and no finding: its size in the unit of its cause's directions (inf: nothing of it is ruled out), why it is
-    none, what would tell, by default what its cause needs, whether it may be there all the same, whether hardware that is no worse than
-    it should be does as much, and whether it is a zero that every session was let have of its own."""
+    """Something that is in the record and is no finding.
+
+    `size` is in the unit of its cause's directions (inf: no amount of it is ruled out). `because` says why it is no finding, and `needs`
+    what would tell, by default what its cause needs. `doubt`: it may be there all the same. `hardware`: sound hardware does as much.
+    `own_zero`: it is a zero that every session was allowed to have of its own.
+    """
 
     size: float
     because: str
@@ -73,10 +77,10 @@ class Criticism:
     not_named: dict[Key, NotNamed] = field(default_factory=dict)  # by cause and place
 
     def skin_before(self, own: Session) -> Mapping[str, float]:
-        """The skin under which the baseline is held against a session: its `own`, unless that is a finding."""
+        """The skin factors with which the baseline is compared in a session: those of `own`, unless another skin is a finding."""
         return {} if any(n.is_another_skin for n in self.named) else own.skin
 
     def before(self, own: Session, plain: Session) -> Session:
-        """A session as the baseline is held against it: its `own`, but for what it was found to have beyond the model since it was `plain`,
-        and but for its skin where that is a finding."""
+        """A session as the baseline is compared with it: `own`, but without what it was found to have beyond the model since it was
+        `plain`, and without its skin where that is a finding."""
         return replace(own, beyond=plain.beyond, skin=self.skin_before(own))

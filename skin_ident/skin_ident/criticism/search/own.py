@@ -1,4 +1,4 @@
-"""What each session has of its own, as a finding of the search: a zero that steps, a gain that drifts, a clock that slips."""
+"""Courses that sessions have of their own, as findings of the search: a zero that steps, a gain that drifts, a clock that slips."""
 
 from dataclasses import replace
 
@@ -23,20 +23,20 @@ from skin_ident.criticism.search.tared import take_tare_of_held, take_zeros_of_h
 from skin_ident.criticism.search.trial import Trial
 from skin_models.model import Model
 
-ALONE = 0.9  # of the error of held-out sessions, the most that what is wrong in them alone may leave: what bends them a little is the model
-SEARCHED = 1.5  # times what makes a cause worth naming, which one must explain whose moments are searched for
-AT_ONCE_S = 0.3  # within which no more may be explained than what is asked for
-FORM = 0.25  # nor less than that of the largest fall so far: another form of the same cause mends as much where nothing was fitted
-WANDERING = 3.0  # times what such courses explained in training and could not predict, what one in held-out sessions alone must explain,
-PLAIN = 0.5  # if it leaves more than this of the error
-CERTAIN = 30.0  # likelihood gain, in the noise that is left there, of what is wrong in them alone: where much else is left, too
-MOSTLY = 0.8  # of what a course explains, what it does if it is the same in all sessions
-TARES = 20  # that may be taken from held-out sessions on the way: each channel has one, and the depth
-EXTRAORDINARY = 3.0  # times its size in training sessions, which one in held-out sessions alone must have
+ALONE = 0.9  # largest ratio of errors, after to before, of what is wrong in held-out sessions alone: a smaller fall may be due to the model
+SEARCHED = 1.5  # times the least gain worth naming, which a course must explain whose moments are searched for
+AT_ONCE_S = 0.3  # s; the most that is explained within one window so long does not count for a searched course
+FORM = 0.25  # share of the largest fall so far that it must exceed: another form of a named cause mends as much where nothing was fitted
+WANDERING = 3.0  # times what unpredictive courses explained in training, which one in held-out sessions alone must explain,
+PLAIN = 0.5  # if it leaves more than this share of the error
+CERTAIN = 30.0  # likelihood gain in the noise of held-out sessions that is enough for a course of theirs, where much else is left as well
+MOSTLY = 0.8  # share of a course's score above which what is the same in all sessions counts as most of it
+TARES = 20  # zeros that may be taken from held-out sessions on the way: each channel has one, and the depth
+EXTRAORDINARY = 3.0  # times its size in training sessions, which a course in held-out sessions alone must have
 
 
 def fit_beside(search: Search, run: Run) -> tuple[Fit, float]:
-    """The model fitted again beside a course, and the score of the course with that, as a trial's is."""
+    """The model fitted again beside a course, and the course's score with that fit, measured as a trial's is."""
     after = fit(search.present.model, added(search.train, run.values), search.noise)
     return after, search.present.cost - after.cost - run.charge
 
@@ -51,7 +51,7 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
     near = reach(_alike_in_all(run, trials, score))
     rivals = tuple(Rival(*t.key, score - t.score) for t in trials if t.score > near and t.key[0] != run.course.cause)
     rivals += own_rivals(runs, run.score, {run.course.key, *(r.key for r in rivals)})
-    searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and found in any noise
+    searched = run.course.shape == STEPS or run.course.carrier == SLOPE  # moments are searched for, and some are found in any noise
     least = SEARCHED * search.least(after.count)
     told = score - _at_once(run, search) > least if searched else score > _of_wandering(run, search.least(after.count))
     told = told and score > search.form_of_others(*run.course.key) and not search.shadows(gain)
@@ -67,19 +67,21 @@ def own_course(search: Search, run: Run, runs: list[Run], trials: list[Trial]) -
 
 
 def _gain_of(search: Search, run: Run, before: Model, after: Model) -> Gain:
-    """What a course gains beside `after` over `before`, in the noise that is left with it: that of the search holds the course as well."""
+    """Gain of a course beside `after` over `before`, under noise that is fitted beside the course: the search's own noise model has taken
+    the course for noise as well."""
     noise = grown_noise_of(after, added(search.train, run.values))
     return course_gain(run.course, before, after, search.train, search.held, noise)
 
 
 def _of_wandering(run: Run, least: float) -> float:
-    """What noise that wanders from session to session may give to a course of a zero: no more than what makes a cause worth naming."""
+    """Score that a course of a zero may owe to noise that wanders from session to session: the `least` that is worth naming. 0 for
+    others."""
     return least if run.course.carrier == ZERO else 0.0
 
 
 def _at_once(run: Run, search: Search) -> float:
-    """The most that a course of one channel explains within one short while, of the squared whitened error: noise that wanders and has
-    heavy tails jumps for good, now and then, and that is a step of nothing. What jumps in all channels at once is no noise of theirs."""
+    """The most that a course of one channel explains within one short window, of the squared whitened error. Noise that wanders and has
+    heavy tails jumps for good now and then, which looks like a step. A jump in all channels at once is no noise of theirs."""
     most = 0.0
     if run.course.carrier not in (SLOPE, ZERO):
         return most
@@ -93,15 +95,15 @@ def _at_once(run: Run, search: Search) -> float:
 
 
 def _alike_in_all(run: Run, trials: list[Trial], score: float) -> float:
-    """What the course explains if it is the same in all sessions, where that is most of its `score`, else that: rivals, which sessions
-    share, are held against what they share. What it explains beyond that may be of another cause."""
+    """Score of the shared cause with the same name as the course, where that is most of the course's `score`; else `score`. Rivals are
+    shared by all sessions, so they are compared with what sessions share of the course. The rest of it may belong to another cause."""
     shared = max((t.score for t in trials if t.key == run.course.key), default=0.0)
     return shared if shared > MOSTLY * score else score
 
 
 def take_alone(search: Search) -> bool:
-    """Name one thing that is wrong in held-out sessions alone: an own course of theirs, where the blocks between support it. Zeros as their
-    tares leave them are taken on the way, and what is left is asked again."""
+    """Name one thing that is wrong in held-out sessions alone: a course of theirs, where the blocks between support it. Return whether
+    there was one. Zeros as their tares leave them are taken on the way, and the rest is tested again."""
     if search.alone or not search.held:
         return False
     for _ in range(TARES):
@@ -121,15 +123,16 @@ def take_alone(search: Search) -> bool:
 
 
 def courses_alone(search: Search) -> list[Run]:
-    """What held-out sessions may have of their own and have not yet, the plainest first."""
+    """Courses that held-out sessions may have and that have not been taken yet, the simplest first."""
     had = {r.course for r in search.runs}
     runs = beside_the_rest(search.present.model, search.train, search.held, search.noise, search.encoder_step)
     return [r for r in plainest_first([r for r in runs if r.worth(search.encoder_step)]) if r.course not in had]
 
 
 def _take_zero_alone(search: Search, run: Run) -> bool:
-    """Whether a zero of held-out sessions alone is a tare's and was taken: that of one channel, where they come nearer with it. Where zeros
-    of several channels look like one of them, in noise of a quiet mixture of theirs, all are taken."""
+    """Take a zero of held-out sessions alone that is a tare's; return whether it was taken. Where the sessions come nearer with it, it is
+    the zero of one channel. Else zeros of several channels, in the noise of a quiet mixture of them, may look like that one, and all of
+    them are taken."""
     if not nearer(run, search.present.model, search.held):
         return take_zeros_of_held(search, run.score)
     search.held = added(search.held, run.values)
@@ -138,8 +141,8 @@ def _take_zero_alone(search: Search, run: Run) -> bool:
 
 
 def _gain_alone(search: Search, run: Run) -> Gain | None:
-    """What a course of held-out sessions alone gains there, where it is believed: it mends most of their error, is far larger than anything
-    like it in what was fitted, and no hardware does it."""
+    """Gain of a course of held-out sessions alone, if it is believed, else None. It must lower their error clearly, be far larger than the
+    same course in training, and be more than hardware does."""
     model = search.present.model
     least = search.least(sum(np.count_nonzero(s.weight) for s in search.held))
     if run.score < least or _in_their_noise(search, run) < min(least, CERTAIN):
@@ -163,16 +166,17 @@ def _name_alone(search: Search, run: Run, gain: Gain, runs: list[Run]) -> None:
 
 
 def _in_their_noise(search: Search, run: Run) -> float:
-    """What a course of held-out sessions explains in the noise that is left there with it: theirs may wander further than the others'."""
+    """Score of a course of held-out sessions in the noise that is left there with it: their noise may wander further than that of the
+    others."""
     model = search.present.model
     noise = grown_noise_of(model, added(search.held, run.values))
     return fitted(run.course, model, search.held, noise, left_open(model, search.train, search.held, noise)).score
 
 
 def take_course(search: Search, run: Run, finding: Named) -> None:
-    """Give every session its course, and name it, unless it is no more than a tare leaves; the rest of the search goes on with what is
-    left. The course was found in noise that held it, too, and its moments may be off: so it is fitted once more in what is left with it,
-    there and in held-out sessions."""
+    """Give every session its course, and name it unless it is no more than a tare leaves; the search goes on with what is left. The course
+    was found in noise that held it as well, and its moments may be off. So it is fitted once more in the noise that is left with it, there
+    and in held-out sessions."""
     run, finding = _in_place_of_drift(search, run, finding)
     search.runs.append(run)
     train = added(search.train, run.values)
@@ -194,8 +198,8 @@ def take_course(search: Search, run: Run, finding: Named) -> None:
 
 
 def _in_place_of_drift(search: Search, run: Run, finding: Named) -> tuple[Run, Named]:
-    """The course of a zero and its finding; where a drift of the same zero was named that explains next to nothing beside a course fitted
-    without it, those without, and the drift is gone: of jumps a drift is what all sessions share."""
+    """The course of a zero, and its finding. If a drift of the same zero was named, and it explains next to nothing beside a course fitted
+    without it, the drift is taken out and that course is returned: the drift was what jumps of all sessions have in common."""
     drift = next((n for n in search.named if n.key == ("drift", run.course.where) and not n.courses), None)
     if run.course.carrier != ZERO or drift is None:
         return run, finding

@@ -1,9 +1,9 @@
-"""The skin as each session had it: a specimen is a hundredth stiffer where it lies today, or how warm it is.
+"""Skin parameters of each session's own: a specimen is a hundredth stiffer or softer by where it lies today, or how warm it is.
 
-k1, b1, k2 and b2 of a session are those that all share, times 1 + theta. What theta explains, by the marginal likelihood of
-`gates.another_skin`, with residual and tangents of all sessions beside what the shared numbers may do, is held against what any cause does.
-Where that is more, sessions keep numbers of their own, which belong to the baseline as the zeros of their tares do; held-out sessions have
-theirs by themselves. Where a stiffness differs by more than that of specimens does (`NATURAL`), the finding is `parameters` of the skin,
+k1, b1, k2 and b2 of a session are the shared ones times 1 + theta. What theta explains is the marginal likelihood of `gates.another_skin`,
+with the shared parameters projected out of the residual and tangents of all sessions; it is compared with what any cause explains. Where it
+is more, sessions keep parameters of their own. These belong to the baseline, as the zeros of tares do, and held-out sessions have theirs
+fitted by themselves. Where a stiffness differs by more than that of specimens does (`NATURAL`), the finding is `parameters` of the skin,
 with the numbers of every session.
 """
 
@@ -32,19 +32,19 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS
 from skin_models.model import Model
 
-FARTHEST = 0.1  # that any number may be off: what changes by more has a cause
-AHEAD = 1.1  # times what a course explains, which other numbers must to go before it
-NEARLY = 0.85  # of what one does that may as well be such numbers
-MUCH = 0.5  # of what other numbers explain, which a gain or a zero must that is said to be in doubt
-PATTERN = 4  # sessions in which a gain that steps differs from skin that strays
-NATURAL = 0.045  # that a stiffness may be off where specimens differ by a hundredth; what differs by more is told
-TIMES, SETTLED = 4, 1e-4  # that numbers of all and of each are fitted in turn, until they move by less
-WORTH_SAYING = 0.002  # of a number
+FARTHEST = 0.1  # largest relative deviation of any parameter: what changes by more has a cause
+AHEAD = 1.1  # times the score of a course that skin parameters must explain to go before it
+NEARLY = 0.85  # share of that score which is enough where the course may as well be such parameters
+MUCH = 0.5  # share of what skin parameters explain, above which a gain or a zero of depth is reported as in doubt
+PATTERN = 4  # sessions from which on a gain that steps looks different from skin that strays
+NATURAL = 0.045  # relative deviation of a stiffness that may occur where specimens differ by a hundredth; a larger one is named
+TIMES, SETTLED = 4, 1e-4  # rounds of fitting shared parameters and those of each session in turn, and the change below which they stop
+WORTH_SAYING = 0.002  # relative deviation of a parameter from which it is reported
 
 
 def explained_by_own_skin(search: Search) -> float:
-    """What numbers of each session's own explain of what was fitted: nothing where some would be farther off than specimens are, or where
-    they are not asked of these data."""
+    """What skin parameters of each session's own explain of training, twice nats. 0 where one would be off by more than specimens are, or
+    where they are not considered for these data."""
     if not _asked(search) or len(search.train) < 2:
         return 0.0
     theta, explained = _of_train(search)
@@ -52,28 +52,29 @@ def explained_by_own_skin(search: Search) -> float:
 
 
 def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]) -> bool:
-    """Whether numbers of each session's own have `explained` as much as the `best` cause of all sessions, and clearly more than the `runs`
-    of one sensor or clock, and were taken: two numbers of a skin may be a gain, or a zero of depth. Whether it is a gain shows in how it
-    goes from session to session beside other channels, and in few sessions, or a lone channel, it does not: what strays there no farther
-    than skin does is left to it where it explains nearly as much. So is a zero of depth anywhere. That it may be one of these is noted."""
+    """Let the skin differ between sessions where this has `explained` as much as the `best` shared cause, and clearly more than the `runs`
+    of one sensor or clock; return whether it was done. Two skin parameters may mimic a gain, or a zero of depth. A gain shows in how it
+    goes from session to session beside other channels; with few sessions or a lone channel it does not. There, a gain that strays no
+    farther than skin does is left to the skin, if the skin explains nearly as much. So is a zero of depth anywhere. That it may be one of
+    these is noted."""
     worth = max((r.score * (NEARLY if _may_be_skin(search, r) else AHEAD) for r in runs), default=0.0)
     if explained <= max(LEAST, reach(best), worth):
         return False
     others = [r for r in runs if r.course.carrier in (SLOPE, DEPTH) and r.score > MUCH * explained]
-    search.tared |= {r.course.key: skin_does(r) for r in reversed(others)}  # of one key the first is said, which explains most
+    search.tared |= {r.course.key: skin_does(r) for r in reversed(others)}  # of one key the run is kept that explains most
     search.progress("letting the skin differ from session to session")
     search.own_skin = True  # they are fitted where the next round begins
     return True
 
 
 def too_few_for_a_pattern(sessions: list[Session]) -> bool:
-    """Whether sessions cannot show how something goes from one to the next, by which a gain is known from a skin that strays."""
+    """Whether there are too few sessions to show a pattern from one to the next, by which a gain is told from a skin that strays."""
     return len(sessions) < PATTERN
 
 
 def _may_be_skin(search: Search, run: Run) -> bool:
-    """Whether a run is a zero of depth, that a slope makes up for; or, where nothing tells a gain from skin, one that differs between
-    sessions by no more than skin does, about its mean, or from one to the next."""
+    """Whether a run may as well be skin: a zero of depth, which another slope makes up for; or, where nothing tells a gain from skin, a
+    gain that differs between sessions by no more than skin does, from the mean or from one to the next."""
     if run.course.carrier == DEPTH:
         return True
     alike = too_few_for_a_pattern(search.train) or search.train[0].channels == ("force",)
@@ -81,8 +82,8 @@ def _may_be_skin(search: Search, run: Run) -> bool:
 
 
 def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> bool:
-    """The same of what is left in held-out sessions alone, unless `runs` of those that were fitted explain more of these than the numbers
-    do, `of_train`."""
+    """The same for held-out sessions alone, unless the `runs` of training sessions explain more of training than skin parameters do
+    (`of_train`)."""
     if not _asked(search) or not search.held or (runs and AHEAD * runs[0].score > of_train):
         return False
     each = [_of_one(search, s) for s in search.held]
@@ -94,8 +95,9 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
         for sessions in (search.held, with_own_skin, *(added(search.held, r.values) for r in best))
     )
     zeros = all(r.course.carrier == DEPTH for r in best)
-    ahead = 1.0 if zeros else AHEAD  # such a zero may be a skin that strays; a gain of held-out sessions alone is told from one
-    worth = max((now - cost - r.charge for cost, r in zip(by_course, best, strict=True)), default=0.0)  # a moment was searched for
+    ahead = 1.0 if zeros else AHEAD  # such a zero may be a skin that strays; a gain of held-out sessions alone can be told from one
+    # Less the charge, because the moments of a course were searched for.
+    worth = max((now - cost - r.charge for cost, r in zip(by_course, best, strict=True)), default=0.0)
     return now - by_skin > ahead * worth and take_own_skin(search, explained, 0.0, [])
 
 
@@ -104,7 +106,7 @@ def _asked(search: Search) -> bool:
 
 
 def settle_skin(search: Search) -> None:
-    """Fit the numbers that every session has of its own once more, and those that all share beside them, where they were taken."""
+    """Where sessions have skin parameters of their own, fit these once more, and the shared ones beside them."""
     if not search.own_skin:
         return
     if len(search.train) > 1:
@@ -113,8 +115,8 @@ def settle_skin(search: Search) -> None:
 
 
 def tell_of_skin(search: Search) -> None:
-    """Say how far the skin of sessions differs, where it was let, or name it where a stiffness differs by more than that of any specimen
-    does, or than an encoder reads."""
+    """Where the skin may differ between sessions, report by how much; name it where a stiffness differs by more than specimens do and than
+    the encoder reads."""
     sessions = [s for s in (*search.train, *search.held) if s.skin]
     if not sessions:
         return
@@ -131,13 +133,13 @@ def tell_of_skin(search: Search) -> None:
 
 
 def _off(model: Model, s: Session) -> float:
-    """By how much the load cell or the taxels are stiffer or softer in a session than in all, as a share."""
+    """Largest relative deviation of the stiffness of any channel in a session from the shared one."""
     own = placed(model, replace(s, spread=None))
     return max(abs(stiffness(own, c) / stiffness(model, c) - 1.0) for c in s.channels if stiffness(model, c) > 0.0)
 
 
 def _gain(search: Search) -> Gain:
-    """What numbers of their own gain in held-out sessions, or in those that were fitted where none are."""
+    """Gain of the sessions' own skin parameters in held-out sessions, or in training where none are held out."""
     tested = search.held or search.train
     before, after = ([residual(search.present.model, s) for s in sessions] for sessions in (_bare(tested), tested))
     return gain_of_residuals(before, after, tested, search.noise, f"{', '.join(s.name for s in tested)}, with numbers of their own")
@@ -152,7 +154,7 @@ def _said(s: Session) -> Said:
 
 
 def _settle_train(search: Search) -> None:
-    """The numbers of sessions that were fitted, in turn with those that all share."""
+    """Fit the skin parameters of training sessions and the shared ones in turn."""
     for _ in range(TIMES):
         before = np.array([_present(search, s) for s in search.train])
         theta, _ = _of_train(search)
@@ -167,7 +169,7 @@ def _which(search: Search) -> tuple[Unknown, ...]:
 
 
 def _rows(search: Search, s: Session) -> np.ndarray:
-    """What a unit of each theta changes in a session, whitened, (R, U)."""
+    """Whitened change of a session per unit of each theta, (R, U)."""
     return stack([changes(search.present.model, s)], [s], search.noise)
 
 
@@ -176,7 +178,7 @@ def _present(search: Search, s: Session) -> np.ndarray:
 
 
 def _of_train(search: Search) -> tuple[np.ndarray, float]:
-    """theta (S, U) of the sessions that were fitted, and what it explains: twice a log likelihood ratio."""
+    """theta (S, U) of the training sessions, and its log-likelihood ratio, in twice nats."""
     sessions, noise, model = search.train, search.noise, search.present.model
     Q = basis(stack(tangents(model, sessions, unknowns(model, sessions[0])), sessions, noise))
     J, now = block_diag(*(_rows(search, s) for s in sessions)), np.concatenate([_present(search, s) for s in sessions])
@@ -187,7 +189,7 @@ def _of_train(search: Search) -> tuple[np.ndarray, float]:
 
 
 def _of_one(search: Search, s: Session) -> tuple[np.ndarray, float]:
-    """theta (U,) of a session that was held out, and what it explains."""
+    """theta (U,) of a held-out session, and its log-likelihood ratio, in twice nats."""
     J = _rows(search, s)
     return solved(J, whitened(search.present.model, [s], search.noise) + J @ _present(search, s))
 

@@ -1,19 +1,20 @@
 """A cause that some sessions have and others lack: since a screw came loose, until a filter was taken out, in the cold of one day.
 
-Taken as what all sessions share it is too small for the one half of them and too large for the other, and another cause may look more
-like it. So before a shared cause is believed it is asked whether one would explain clearly more of which some sessions are free. Each
-session s would have an amount of its own of a direction of the catalogue,
+Fitted as a shared cause it is too small for some sessions and too large for the others, and another cause may fit better. So before a
+shared cause is taken, the search asks whether a cause that some sessions lack would explain clearly more. Each session s is given an amount
+of its own of a direction of the catalogue,
 
     amounts = G^-1 b,    b_s = d_s' P r,    G_st = [s = t] d_s' d_s - (Q' d_s)' (Q' d_t)
 
-with whitened directions d, what is left r, and P = I - Q Q' what projects off the model's own unknowns. In the order of these amounts the
-sessions are parted in two where the one part, having one amount, explains most; who has it is chosen, and charged as so many coins. With
-the cause fitted to these, every session is asked once more whether it is nearer with or without it, and so is each that was held out.
+with whitened directions d, the whitened residual r, and P = I - Q Q', which projects off the model's own unknowns. Sorted by these amounts,
+the sessions are split in two where a common amount in one part explains most. Which sessions have the cause is a choice, charged as one
+coin per session. The cause is then fitted to these sessions, and every session, also a held-out one, is asked again whether it is nearer
+with or without it.
 
-Zeros, gains, clocks and drifts of each session's own are courses (see `courses.course`), whatever their amounts; what one of them explains
-as well in the same sensor, were its amount the same in those sessions, is that course. Where the skin itself is another in those sessions,
-any cause may seem to come and go with it: other numbers of the plain model for them are a rival, and where they explain clearly more, or
-most of what is as slight as another day's skin, nothing is named.
+Zeros, gains, clocks and drifts of each session's own are courses (see `courses.course`), whatever their amounts. A cause is such a course
+where a constant one in the same sensor explains as much, charged as if those sessions shared one amount. Where the skin itself is another
+in those sessions, any cause may seem to come and go with it. So other parameters of the plain model for these sessions are a rival. Nothing
+is named where they explain clearly more, or most of a cause as slight as another day's skin.
 """
 
 from collections.abc import Iterable
@@ -44,19 +45,19 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import PARAMETERS, SENSORS, Key
 
 ELSEWHERE = {AT_FULL_RATE, *COURSES.values()}  # causes that are looked for in every session by itself
-FEWEST = 3  # training sessions, of which some may have what others lack
-MOST = 3  # causes that are fitted
-UNFELT = 1e-3  # of what other sessions feel, and of what is felt before the model imitates it, below which a session tells nothing
-COIN = 2.0 * np.log(2.0)  # twice nats, of having or lacking it
-TIMES = 3  # that sessions are asked whether they have it
-TELLS = 6.0  # twice nats, by which a session must be nearer without a cause to lack it
-SLIGHT = 0.013  # of a force, that a skin may differ by from day to day
-AS_WELL = 0.7  # of what a cause explains, which other numbers must to stand for one so slight, and what a good stage does for any
+FEWEST = 3  # training sessions, from which on some may have what others lack
+MOST = 3  # causes that are fitted, at most
+UNFELT = 1e-3  # ratio to what other sessions feel, and to what is felt before the model imitates it, below which a session tells nothing
+COIN = 2.0 * np.log(2.0)  # twice nats, charge per session for having the cause or lacking it
+TIMES = 3  # rounds in which sessions are asked whether they have it
+TELLS = 6.0  # twice nats by which a session must be nearer without a cause to lack it
+SLIGHT = 0.013  # share of a force by which skin may differ from day to day
+AS_WELL = 0.7  # share of a cause's score above which other parameters stand for a slight cause, and a good stage for any
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """What a cause seems to explain at first glance, charged, and the names of the sessions that seem to lack it."""
+    """What a cause seems to explain to first order, less charges, and the names of the sessions that seem to lack it."""
 
     key: Key
     score: float
@@ -73,8 +74,8 @@ class _Tried:
 
 
 def take_partly(search: Search, last: Survey, best: float, runs: list[Run]) -> bool:
-    """Name the cause that explains clearly more than the `best` of all others, and than `runs` of its sensor, where some sessions lack it,
-    if it is believed; return whether to look again."""
+    """Name the best cause that some sessions lack, if it is believed and explains clearly more than the `best` of all others and than
+    `runs` of its sensor. Return whether to look again."""
     if len(search.train) < FEWEST:
         return False
     least = max(best, search.least(search.present.count))
@@ -107,8 +108,11 @@ def take_partly(search: Search, last: Survey, best: float, runs: list[Run]) -> b
 
 @dataclass(frozen=True)
 class _Ground:
-    """By session: the squares of whitened directions (S, M), their products with what is left (S, M), and with the orthonormal `Q` (R, U)
-    that the model's `own` unknowns (R, U) span (S, U, M); what is `left` (R,) beside these, and where each session begins in R."""
+    """Inner products of the whitened directions and the residual, by session.
+
+    `squares` (S, M) of the directions, `products` (S, M) with the residual, `along` (S, U, M) with `Q` (R, U), the orthonormal basis of the
+    tangents of the model's `own` unknowns (R, U). `left` (R,) is the residual beside these, and `begins` is where each session begins in R.
+    """
 
     keys: tuple[Key, ...]
     names: tuple[str, ...]
@@ -123,8 +127,8 @@ class _Ground:
 
     @classmethod
     def of(cls, search: Search, last: Survey) -> "_Ground":
-        """What the survey knows, session by session. It is whitened once more: kept from the survey, it would take as much memory as the
-        directions themselves for a fiftieth of the time of a search."""
+        """From a survey's directions, session by session. They are whitened once more: to keep them from the survey would take as much
+        memory as the directions themselves, and save a fiftieth of a search's time."""
         sessions, noise, which = search.train, search.noise, last.projected.which
         every, own = zip(*(last.directions_of(s) for s in sessions), strict=True)
         white = [stack([rows], [s], noise) for rows, s in zip(every, sessions, strict=True)]
@@ -144,7 +148,7 @@ class _Ground:
         )
 
     def of_other_numbers(self, having: set[str]) -> float:
-        """What other numbers of the plain model for these sessions explain, charged."""
+        """What other parameters of the plain model for these sessions explain, less charges."""
         parts = zip(np.split(self.own, self.begins), self.names, strict=True)
         J = np.concatenate([part * (name in having) for part, name in parts])
         apart = basis(J - self.Q @ (self.Q.T @ J))
@@ -152,11 +156,11 @@ class _Ground:
 
     @property
     def charge(self) -> float:
-        """What every number more costs, twice nats."""
+        """Charge for one more parameter, twice nats."""
         return float(np.log(max(np.count_nonzero(self.left), 2)))
 
     def seen(self) -> list[_Seen]:
-        """Of every cause that direction which explains most where some sessions lack it; the best first."""
+        """For every cause, the direction that explains most where some sessions lack it; the best first."""
         best: dict[Key, _Seen] = {}
         for m, (key, sign) in enumerate(zip(self.keys, self.signs, strict=True)):
             one = self._of(m, int(sign)) if key[0] not in ELSEWHERE else None
@@ -165,7 +169,8 @@ class _Ground:
         return sorted(best.values(), key=lambda s: -s.score)
 
     def _of(self, m: int, sign: int) -> _Seen | None:
-        """What the direction `m`, of one `sign` or of either (0), explains where those sessions have it that seem to have most of it."""
+        """What the direction `m`, of one `sign` or of either (0), explains in the best split of sessions by their amounts; None where a
+        session hardly feels it."""
         along = self.along[:, :, m]
         gram, size = np.diag(self.squares[:, m]) - along @ along.T, np.sqrt(self.squares[:, m])
         if size.min() <= UNFELT * size.max():
@@ -184,8 +189,8 @@ class _Ground:
 
 
 def _tried(search: Search, seen: _Seen) -> _Tried | None:
-    """The cause fitted where sessions have it; None where all or none of them do, where they share it just as well, or physics rules it
-    out."""
+    """The cause fitted where sessions have it. None where all or none of them do, where they share it just as well, or where physics rules
+    it out."""
     key, lacking = seen.key, seen.lacking
     own = tuple(d for d in search.which if d.key == key)
     trial = None
@@ -214,20 +219,20 @@ def _without(sessions: list[Session], key: Key, lacking: Iterable[str]) -> list[
 
 
 def _lacks(search: Search, after: Fit, s: Session, key: Key) -> bool:
-    """Whether a session is nearer to a fit without a cause, as far as it tells."""
+    """Whether a session is clearly nearer to a fit without the cause."""
     having, lacking = (cost_of(after.model, [replace(s, lacks=lacks)], search.noise) for lacks in (s.lacks - {key}, s.lacks | {key}))
     return lacking < having - TELLS
 
 
 def _is_course(tried: _Tried, runs: list[Run], charge: float) -> bool:
-    """Whether one number of each session explains as much in the same sensor, charged as what so many sessions have alike."""
+    """Whether a constant course in the same sensor explains as much, charged as one amount that those sessions share."""
     key, coins = tried.trial.key, COIN * len(tried.ahead.train)
     alike = [r for r in runs if r.course.where == key[1] and r.course.shape == CONSTANT]
     return any(r.score + r.charge - charge - coins > reach(tried.score) for r in alike)
 
 
 def _too_slight_to_tell(tried: _Tried) -> bool:
-    """Whether a cause of skin or rig changes so little that nobody knows it from another day's skin."""
+    """Whether a cause of skin or rig changes so little that it cannot be told from another day's skin."""
     key, model = tried.trial.key, tried.trial.fit.model
     if key[1].startswith(SENSORS):
         return False
@@ -237,8 +242,8 @@ def _too_slight_to_tell(tried: _Tried) -> bool:
 
 
 def _gain(search: Search, tried: _Tried) -> Gain:
-    """What the cause gains in held-out sessions that have it; where none does, in the others of those that do, each in turn, or of one that
-    is alone in each half."""
+    """Gain of the cause in held-out sessions that have it. Where none does: in the training sessions that have it, each held out in turn,
+    or, if only one has it, in each half of that one."""
     ahead, before, after, key = tried.ahead, search.present.model, tried.trial.fit.model, tried.trial.key
     held, train = ([s for s in sessions if key not in s.lacks] for sessions in (ahead.held, ahead.train))
     if held:

@@ -1,4 +1,4 @@
-"""What physics rules out of the causes tried, whatever it explains."""
+"""What physics rules out among the trials, whatever they explain. Every rule returns whether a trial breaks it."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ from skin_ident.criticism.telemetry.pull import is_pulled
 from skin_ident.criticism.vocabulary import ADHESION, DAMPING, HYSTERESIS
 from skin_models.effects.hysteresis import SkinHysteresis
 
-FELT = 0.4  # of what a taxel feels of an effect of the skin, the least that the load cell must feel of it
+FELT = 0.4  # least ratio of what the load cell feels of an effect of the skin to what a taxel feels of it
 
 
 def plausible(trial: Trial, sessions: list[Session]) -> bool:
@@ -22,7 +22,7 @@ def plausible(trial: Trial, sessions: list[Session]) -> bool:
 
 
 def _leaks_less_than_nothing(trial: Trial, sessions: list[Session]) -> bool:
-    """What leaks from one taxel into another is of one sign with it."""
+    """Crosstalk is not negative: what leaks into a taxel has the sign of where it comes from."""
     return trial.ranked.cause == "crosstalk" and any(getattr(e, "share", 0.0) < 0.0 for e in instances(trial.fit.model, *trial.key))
 
 
@@ -32,20 +32,21 @@ def _spreads_both_ways(trial: Trial, sessions: list[Session]) -> bool:
 
 
 def _is_no_skin(trial: Trial, sessions: list[Session]) -> bool:
-    """Skin is no filter and no brake."""
+    """Skin is no filter and no brake (see `unlike_skin`)."""
     return unlike_skin(trial.fit.model)
 
 
 def _never_yields(trial: Trial, sessions: list[Session]) -> bool:
-    """An element that no motion is long enough to make yield is a stiffness; other forms of a loop yield little by little."""
+    """An element of a loop that no motion is long enough to make yield is only a stiffness; other forms of a loop yield little by
+    little."""
     farthest = max((float(s.motion.x.max()) for s in sessions if s.drive is None), default=np.inf)
     loops = instances(trial.fit.model, *HYSTERESIS)
     return trial.key == HYSTERESIS and all(type(e) is SkinHysteresis and e.threshold >= farthest for e in loops)
 
 
 def _drives(trial: Trial, sessions: list[Session]) -> bool:
-    """Skin is no motor: damping that depends on speed gives back no more than it takes, under the taxels and in all; what a late reading
-    makes of it is allowed."""
+    """Skin is no motor: damping that depends on speed returns no more energy than it takes, neither under the taxels nor in all, but for
+    what a late reading may make it seem to return."""
     model = trial.fit.model
     if not instances(model, *DAMPING):
         return False
@@ -63,20 +64,20 @@ def _drives(trial: Trial, sessions: list[Session]) -> bool:
 
 
 def _pulls_unseen(trial: Trial, sessions: list[Session]) -> bool:
-    """Skin that pulls is seen to."""
+    """Skin that pulls on the plunger shows in the record."""
     return trial.key == ADHESION and not is_pulled(trial.fit.model, lacking(trial.fit.model, *trial.key), sessions)
 
 
 def _passes_by_the_load_cell(trial: Trial, sessions: list[Session]) -> bool:
-    """What reaches a taxel has passed the load cell, which therefore feels an effect of the skin as the taxels do, but for what the skin
-    hands round the taxels."""
+    """What reaches a taxel has passed the load cell. So the load cell feels an effect of the skin as the taxels do, unless the skin only
+    hands the force round the taxels."""
     channels = sessions[0].channels
     if trial.ranked.where != "skin" or trial.ranked.cause.startswith(("spread", "dead_zone")):
         return False
     if "force" not in channels or len(channels) == 1:
         return False
     changed = felt(trial.fit.model, trial.key, sessions)
-    return not changed[0] > FELT * changed[1:].max()  # nor where nothing of it is a number
+    return not changed[0] > FELT * changed[1:].max()  # NaN breaks the rule, too
 
 
 RULES: tuple[Callable[[Trial, list[Session]], bool], ...] = (

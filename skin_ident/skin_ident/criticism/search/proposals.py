@@ -22,12 +22,12 @@ from skin_models.effects.time_shift import Scanning
 from skin_models.model import Model, Response
 from skin_models.parameter import AMPLITUDE, clipped, parameters_of, scan_of
 
-PROBE = 0.1  # of an effect's typical size: how far a direction is probed, unless the effect says how far
+PROBE = 0.1  # share of an effect's typical size at which a direction is probed, unless the effect gives its own amounts
 CLIPS = "saturation"
-SCANNED = 3  # taxels, of which so many must be read in turn: of two, one is late, or lags
-FULL = 24.0  # N that a sensor reads at most, for which the catalogue's grid of the forces at which it clips is laid out
-SMALL = 5.0  # N that a sensor reads at most, below which its other forces of the catalogue are too large
-LEAST_READING = 0.024  # N: a sensor that reads nothing is bent by nothing
+SCANNED = 3  # least number of taxels for which reading in turn is tried: of two, one is simply late, or lags
+FULL = 24.0  # N, full scale of the sensor for which the catalogue's grid of clipping forces is laid out
+SMALL = 5.0  # N, greatest reading below which the catalogue's other forces are too large for a sensor
+LEAST_READING = 0.024  # N, least value taken for a greatest reading: a sensor that reads nothing is bent by nothing
 
 
 @dataclass(frozen=True)
@@ -38,11 +38,11 @@ class Direction:
     parameter: str
     size: float
     sign: int
-    probe: float = PROBE  # of `size`: by how much the model is bent
+    probe: float = PROBE  # share of `size` by which the model is changed
 
     @property
     def cause(self) -> str:
-        """Of the effect, as CAUSES names it."""
+        """The cause of the effect, as CAUSES names it."""
         return self.effect.cause
 
     @property
@@ -57,12 +57,12 @@ class Direction:
 
     @cached_property
     def probed(self) -> Effect:
-        """The effect at the amount by which the model is bent."""
+        """The effect at the amount by which the model is changed."""
         return self.switched_on(self.amount)
 
     @property
     def amount(self) -> float:
-        """By how much the model is bent, of the typical size, to the side that physics allows."""
+        """By how much the model is changed, in typical sizes, to the side that physics allows."""
         return self.probe if self.sign >= 0 else -self.probe
 
     def switched_on(self, amount: float) -> Effect:
@@ -76,15 +76,15 @@ def directions(session: Session) -> tuple[Direction, ...]:
 
 
 def places_of(cls: type[Effect], session: Session) -> Iterator[str]:
-    """Every place at which an effect could show in the channels of a session, as findings call it; a ceiling at which the record itself
-    has shown a channel to stand is not looked for once more."""
+    """Every place at which an effect could show in the channels of a session, by the names that findings use. A ceiling is not looked for
+    again in a channel where the record itself has shown one."""
     for word in _places(cls, session):
         if cls.cause != "saturation" or not session.clipped & set(own_channels(word, session.channels)):
             yield word
 
 
 def _places(cls: type[Effect], session: Session) -> Iterator[str]:
-    """Every place of an effect of which some channel would say something; of several taxels each, and all of them."""
+    """Every place of an effect that some channel could show; where there are several taxels, each of them and all of them."""
     for word in cls.places:
         if _unseen(cls.places[word], session) or (cls is Scanning and session.n_taxels < SCANNED):
             continue
@@ -102,7 +102,7 @@ def _unseen(place: Place, session: Session) -> bool:
 
 
 def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Direction]:
-    """One for every amplitude of an effect at a place, at every shape that is profiled."""
+    """One direction for every amplitude of an effect at a place, and every shape that is profiled."""
     amplitudes = [p for p in parameters_of(cls) if p.role == AMPLITUDE and not np.isnan(p.typical) and p.typical != 0.0]
     times = _times(cls, where, session)
     for shape in _shapes(cls, session, times):
@@ -116,16 +116,16 @@ def _directions(cls: type[Effect], where: str, session: Session) -> Iterator[Dir
 
 
 def _shapes(cls: type[Effect], session: Session, times: float) -> Iterator[dict[str, float]]:
-    """The shapes of an effect that are profiled, with forces so many `times` those of the catalogue."""
+    """The shapes of an effect that are profiled, with the catalogue's forces multiplied by `times`."""
     forces = {p.name for p in parameters_of(cls) if p.unit == "N"}
     for shape in cls.shapes(session.motion):
         yield clipped(cls, **{name: value * (times if name in forces else 1.0) for name, value in shape.items()})
 
 
 def _times(cls: type[Effect], where: str, session: Session) -> float:
-    """What the forces of the catalogue are multiplied by, which bend the reading of a sensor. Where it clips is a share of what it reads at
-    most; other thresholds are, where it reads little. A test without depth asks at the catalogue's own."""
-    where = "taxel" if cls.cause == SWALLOWS else where  # the skin keeps a force from the taxels
+    """Factor on the catalogue's forces for effects that bend the reading of a sensor. The force at which it clips is a share of its
+    greatest reading; other thresholds are scaled only where it reads little. A test without depth uses the catalogue's own forces."""
+    where = "taxel" if cls.cause == SWALLOWS else where  # a dead zone of the skin acts on the taxels
     if session.drive is not None or not where.startswith(("load_cell", "taxel")):
         return 1.0
     own = [session.channels.index(c) for c in own_channels(where, session.channels)]
@@ -138,13 +138,13 @@ def _sign(p) -> int:
 
 
 def bank(model: Model, which: tuple[Direction, ...], sessions: list[Session]) -> list[np.ndarray]:
-    """The change of every channel per unit of typical size, (directions, C, n) for each session, in the common band, beside what shares of
-    the session's own can follow."""
+    """The change of every channel per unit of typical size, (directions, C, n) for each session, in the common band, less what the
+    session's own shares can follow."""
     return [between(np.zeros((0, *s.measured.shape)), model, which, s, np.zeros((0, *s.measured.shape))) for s in sessions]
 
 
 def between(before: np.ndarray, model: Model, which: tuple[Direction, ...], session: Session, after: np.ndarray) -> np.ndarray:
-    """The same of one session, laid out between other rows (M, C, n): all of them are large, and laid out once."""
+    """`bank` of one session, laid out between the rows `before` and `after` (M, C, n): all of these are large, and allocated only once."""
     out = np.zeros((len(before) + len(which) + len(after), *session.measured.shape))
     out[: len(before)], out[len(before) + len(which) :] = before, after
     _lay_out(out[len(before) : len(before) + len(which)], model, which, session)
@@ -152,14 +152,14 @@ def between(before: np.ndarray, model: Model, which: tuple[Direction, ...], sess
 
 
 def _felt(bent: Response, plain: Response, session: Session) -> slice:
-    """The channels in which there may be a change: not those of which the very array is the same."""
+    """The channels that may have changed: not those whose response is the very same array."""
     if bent.force is plain.force:
         return session.taxel_rows
     return slice(0, session.taxel_rows.start) if bent.taxels is plain.taxels else slice(None)
 
 
 def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], session: Session) -> None:
-    """The changes themselves, into `out` (directions, C, n): of causes that a session lacks, nothing."""
+    """Write the changes of one session into `out` (directions, C, n): zeros for causes that the session lacks."""
     model = placed(model, session)
     run = model.trace(motion_under(session, model.dispersion))
     base = rows(run.response, session)
@@ -169,6 +169,6 @@ def _lay_out(out: np.ndarray, model: Model, which: tuple[Direction, ...], sessio
         bent = model.bent(run, at_place(d.probed, session))
         felt = _felt(bent, run.response, session)
         change = rows(bent, session)[felt] - base[felt]
-        changed = np.einsum("cn,cn->c", change, change) > 0.0  # five times as fast as to ask for any
+        changed = np.einsum("cn,cn->c", change, change) > 0.0  # five times as fast as `np.any`
         out[i, felt][changed] = session.band.thin(change[changed]) / d.amount
     take_shares(out, base, session)

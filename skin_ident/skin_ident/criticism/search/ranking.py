@@ -1,11 +1,11 @@
-"""How much of the residual each cause explains, once the model's own unknowns have had their say.
+"""How much of the residual each cause explains, once the model's own unknowns are projected out.
 
-With whitened residual r, base Jacobian J and a cause's directions A, both A and r are projected off J; the gain of the cause is the fall
-of |r|^2 by least squares on A with the signs that its physics allows,
+With whitened residual r, base Jacobian J and a cause's directions A, both A and r are projected off J; the gain of the cause is the fall of
+|r|^2 by least squares on A with the signs that its physics allows,
 
     gain = min |P r|^2 - |P (r - A z)|^2,        z_i >= 0 where the amplitude cannot be negative.
 
-It is twice a log likelihood ratio; `score` charges each direction used as in the Bayesian information criterion.
+It is twice a log-likelihood ratio; `score` charges each direction used as in the Bayesian information criterion.
 """
 
 from dataclasses import dataclass
@@ -16,16 +16,18 @@ from scipy.optimize import nnls
 from skin_ident.criticism.search.proposals import Direction
 from skin_ident.criticism.vocabulary import Key
 
-MOST_USED = 5
-LEADING = 6
-UNEXCITED = 1e-6  # of a direction's own size: what is left after projection when the model can imitate it entirely
-AT_FULL_RATE = "interference"  # a tone may be part of what is no noise, but is looked for at full rate (`telemetry.lines`) and not named
-# here: of one above the common band its alias is left, a slow wave or a constant
+MOST_USED = 5  # directions of one cause
+LEADING = 6  # causes and places, beside whose best directions all others are bounded
+UNEXCITED = 1e-6  # share of a direction's energy left after projection, below which the model can imitate it entirely
+# A tone may explain part of the residual, but it is looked for at full rate (`telemetry.lines`) and not named here: of one above the common
+# band only its alias is left, a slow wave or a constant.
+AT_FULL_RATE = "interference"
 
 
 @dataclass(frozen=True)
 class Ranked:
-    """One cause at one place: its gain in squared whitened units, the directions it used and how much of each."""
+    """One cause at one place: its gain in squared whitened units, the score (gain less charge), the directions it used and how much of
+    each. `best` is the direction that explains most by itself."""
 
     cause: str
     where: str
@@ -45,10 +47,10 @@ class Ranked:
 
 @dataclass(frozen=True)
 class Projected:
-    """Directions and residual after the model's own unknowns are projected out: all that ranking needs, as inner products.
+    """Directions and residual after the model's own unknowns are projected out, as inner products, which are all that ranking needs.
 
-    `grams` holds the inner products of the directions of one cause at one place, in the order of `which`; `beside` those of every direction
-    with the `leading` ones, the best of each cause and place that explain most.
+    `grams` holds the inner products among the directions of one cause at one place, in the order of `which`. `beside` holds those of every
+    direction with the `leading` ones: the best direction of each cause and place, for those that explain most.
     """
 
     which: tuple[Direction, ...]
@@ -65,7 +67,8 @@ class Projected:
 def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.ndarray) -> Projected:
     """Project `A` (rows, directions) and `r` (rows,) off the columns of `J` (rows, unknowns).
 
-    Of projected directions only inner products are asked for, (a - Q Q'a)'(b - Q Q'b) = a'b - (Q'a)'(Q'b): they are never laid out.
+    Only inner products of projected directions are formed, (a - Q Q'a)'(b - Q Q'b) = a'b - (Q'a)'(Q'b): the projected directions themselves
+    are never stored.
     """
     Q, _ = np.linalg.qr(J) if J.size else (np.zeros((r.size, 0)), None)
     imitated = Q.T @ A
@@ -87,7 +90,7 @@ def project(which: tuple[Direction, ...], A: np.ndarray, J: np.ndarray, r: np.nd
 
 
 def _leading(causes: dict[Key, np.ndarray], gains: np.ndarray) -> np.ndarray:
-    """The best direction of every cause at every place, of those the `LEADING` best."""
+    """The best direction of every cause at every place, for the `LEADING` of these that explain most."""
     best = np.array([index[np.argmax(gains[index])] for index in causes.values()], int)
     return best[np.argsort(-gains[best])][:LEADING]
 
@@ -119,7 +122,7 @@ def _ranked(p: Projected, cause: str, where: str, index: np.ndarray) -> Ranked:
 
 
 def _single(p: Projected, able: np.ndarray, signs: np.ndarray) -> tuple[int, float, float]:
-    """The one direction that explains most by itself."""
+    """Index, amount and gain of the direction that explains most by itself."""
     z = p.product[able] / p.energies[able]
     z = np.where((signs != 0) & (np.sign(z) != signs), 0.0, z)
     gains = z * p.product[able]
@@ -128,10 +131,10 @@ def _single(p: Projected, able: np.ndarray, signs: np.ndarray) -> tuple[int, flo
 
 
 def signed_pursuit(gram: np.ndarray, product: np.ndarray, signs: np.ndarray) -> tuple[np.ndarray, float]:
-    """Orthogonal matching pursuit in terms of A'A (M, M) and A'r (M,), with sign constraints (M,); returns the amounts (M,) and the fall
-    of the squared error.
+    """Orthogonal matching pursuit from A'A (M, M) and A'r (M,), with sign constraints (M,); returns the amounts (M,) and the fall of the
+    squared error.
 
-    At most `MOST_USED` directions: enough for a spectrum of relaxation times, too few to let a cause bend into anything.
+    It uses at most `MOST_USED` directions: enough for a spectrum of relaxation times, too few to let a cause bend into anything.
     """
     scale = np.sqrt(np.diag(gram))
     G, b = gram / np.outer(scale, scale) + 1e-8 * np.eye(scale.size), product / scale

@@ -1,4 +1,4 @@
-"""What passes for a named cause: shared causes and courses of a session's own that explain almost as much."""
+"""Rivals of a named cause: shared causes and courses that explain almost as much."""
 
 from dataclasses import dataclass
 
@@ -7,10 +7,10 @@ from skin_ident.criticism.courses.run import Run
 from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 
-EQUAL = 0.003  # of the best course's score: what a zero may explain less and still go before a drift
-TARED = 0.1  # what one may that is no larger than a step of the converter
-CHANCE = 10.0  # twice nats, within which two causes explain as much
-PROMISING = 0.8  # of what an account explains, what another one must seem to explain at first glance to be fitted, too
+EQUAL = 0.003  # share of the best course's score by which a constant course may be worse and still go before it
+TARED = 0.1  # the same for a zero no larger than a step of the converter
+CHANCE = 10.0  # twice nats within which two causes explain as much
+PROMISING = 0.8  # share of what one account explains that another must promise in the survey to be fitted, too
 REACH = 0.05  # a rival explaining all but this share of the best cause's gain cannot be told from it
 
 
@@ -35,8 +35,7 @@ def reach(score: float) -> float:
 
 
 def own_rivals(runs: list[Run], score: float, said: set[Key]) -> tuple[Rival, ...]:
-    """Courses of a session's own that explain as much as what scores `score`, and what is the same as they, by names not `said` yet; the
-    best first."""
+    """Courses that explain as much as the score `score`, and other names of the same courses, unless in `said` already; the best first."""
     near = sorted((r for r in runs if r.score > reach(score)), key=lambda r: -r.score)
     short: dict[Key, float] = {}
     for r in near:
@@ -47,8 +46,8 @@ def own_rivals(runs: list[Run], score: float, said: set[Key]) -> tuple[Rival, ..
 
 
 def plainest_first(runs: list[Run]) -> list[Run]:
-    """The courses, what lasts before all others that explain no more; a zero within a converter's step, as every tare leaves one, before
-    what explains little more."""
+    """The courses, simplest first. A zero within a converter's step, as every tare leaves one, goes before what explains little more; then
+    constant courses go before others that explain no more; the rest follows by score."""
     best = runs[0].score if runs else 0.0
     tared, lasting = (1.0 - TARED) * best, best - max(CHANCE, EQUAL * best)
     return sorted(runs, key=lambda r: (not r.within_a_step or r.score < tared, r.course.shape != CONSTANT or r.score < lasting, -r.score))

@@ -1,4 +1,4 @@
-"""The loop of a search for causes: survey, try the best few, let held-out sessions decide, repeat."""
+"""The loop of a search for causes: survey all, try the best few, let held-out sessions decide, repeat."""
 
 from dataclasses import dataclass
 
@@ -21,11 +21,11 @@ from skin_ident.criticism.search.unstuck import unstuck
 from skin_ident.criticism.search.wandering import take_wave
 from skin_ident.criticism.search.weighing import may_wait, weigh, weighs, with_mass
 
-PASSES = 40  # looks at what is left, of which some name nothing and only mend the baseline: they settle long before
+PASSES = 40  # rounds at most; some name nothing and only mend the baseline, and searches settle long before
 
 
 def run(search: Search, fitted: Fit) -> None:
-    """Name one cause after the other, beginning with the fitted baseline, until held-out data refuse."""
+    """Name one cause after the other, beginning with the fitted baseline, until held-out data support no more."""
     search.present = fitted
     for _ in range(PASSES):
         if len(search.rounds) >= search.most or not _round(search):
@@ -34,9 +34,12 @@ def run(search: Search, fitted: Fit) -> None:
 
 @dataclass(frozen=True)
 class _Look:
-    """What a look at the residual has shown: the survey of all causes, those that were tried and what sessions may have of their own, the
-    best first; what the `best` of both explains of what was fitted, and what numbers of a skin of each session's own do (`of_skin`); and
-    the fit with another `mass` that may be taken where no cause is found."""
+    """What a look at the residual has shown.
+
+    `survey` ranks all causes; `trials` are those that were fitted and `runs` the courses of sessions, each with the best first. `best` is
+    the highest score of both, and `of_skin` that of skin parameters of each session's own. `mass` is a fit with another mass, to be taken
+    where no cause is found.
+    """
 
     survey: Survey
     trials: list[Trial]
@@ -47,7 +50,7 @@ class _Look:
 
 
 def _round(search: Search) -> bool:
-    """Take what explains most of what the present model leaves, and is believed; return whether to look again."""
+    """Take what explains most of the present model's residual, if it is believed; return whether to look again."""
     search.begin_round()
     settle_skin(search)
     last = search.look()
@@ -62,7 +65,7 @@ def _round(search: Search) -> bool:
     look = _Look(last, trials, runs, best, of_skin, mass if mass and may_wait(search, mass) else None)
     if take_partly(search, last, max(best, of_skin), runs):
         return True
-    if of_skin > best and take_zeros(search, of_skin):  # one number of a session is plainer than four
+    if of_skin > best and take_zeros(search, of_skin):  # a zero is one number per session, a skin four: the simpler account goes first
         return True
     if take_own_skin(search, of_skin, of_trials, runs):
         return True
@@ -70,8 +73,8 @@ def _round(search: Search) -> bool:
 
 
 def _take_believed(search: Search, look: _Look) -> bool:
-    """Take the cause that is believed, of all sessions or of each its own, or the zeros that explain what it would; return whether there
-    was any."""
+    """Take the cause that is believed, a shared one or a course; or, in its place, zeros that explain as much, or the better minimum to
+    which it led. Return whether any cause was believed."""
     own, shared = choose(search, look.trials, look.runs)
     if own and not take_tare(search, own[1]):
         search.end_round(look.survey, own[1].cause)
@@ -84,9 +87,15 @@ def _take_believed(search: Search, look: _Look) -> bool:
 
 
 def _believing_none(search: Search, look: _Look) -> bool:
-    """Take what else may be there where no cause is believed, the plainest first: zeros as tares leave them, if it is not hardware or doubt
-    that keeps a cause from being named; skin that is another in every session, or in held-out ones; what else is wrong in these alone;
-    another mass; two causes that hide each other; a wave. Return whether to look again."""
+    """Where no cause is believed, take what else may be there, the simplest first. Return whether to look again.
+
+    - zeros as tares leave them, unless a cause is kept from being named by hardware or doubt;
+    - skin parameters of each session's own, in all sessions or in held-out ones;
+    - what else is wrong in held-out sessions alone;
+    - another mass, if nothing has been named;
+    - two causes that hide each other, if nothing has been named and hardware does as much as none of the best trials;
+    - a wave.
+    """
     if not (search.doubts or search.hardware) and take_zeros(search):
         return True
     if take_own_skin(search, look.of_skin, look.best, []) or take_own_skin_of_held(search, look.of_skin, look.runs):
@@ -112,15 +121,16 @@ def _believing_none(search: Search, look: _Look) -> bool:
 
 
 def _beside_dropped(search: Search, last: Survey, finding: Named) -> Named:
-    """The finding, with what was taken out again among its alternatives where that would explain as much of what was left `last`."""
+    """The finding, with causes among its alternatives that were taken out again but would explain as much of the residual in the survey
+    `last`."""
     score = {p.key: p.score for p in last.ranked}
     mine = score.get(finding.key, 0.0)
     return finding.with_rivals(Rival(*key, mine - score[key]) for key in sorted(search.dropped) if score.get(key, 0.0) > reach(mine))
 
 
 def eliminate(search: Search) -> bool:
-    """Take out causes, last found first, without which the rest predicts as well, and say whether there were any. The last was just asked,
-    if nothing came after it."""
+    """Take out causes, last found first, without which the rest predicts as well; return whether there were any. The last one was tested
+    just before if nothing came after it, and is then not tested again."""
     named = search.named
     asked = named[:-1] if named and named[-1].model is search.present.model else named
     for finding in reversed([n for n in asked if not (n.courses or n.only)]):

@@ -1,21 +1,22 @@
 """A cause that explains most only by several instances of it may stand for several causes.
 
-A load cell that lags and skin that stiffens are both explained, nearly, by skin that relaxes twice, once within milliseconds and once over
-hours; either one of those explains less than the lag does. So where with one instance each another cause explains more, or nearly as much,
-it is taken for granted, and the search looks one step further: if what comes next beside it makes the better account of the two, it is
-asked first. Clearly the better one, or, where the several instances are of several laws and hardly one cause, any.
+Skin that relaxes twice, once within milliseconds and once over hours, explains nearly as much as a load cell that lags and skin that
+stiffens; with one instance it explains less than the lag. So where, with one instance each, another cause explains more or nearly as much,
+that cause is taken for granted, and the search looks one step further. If the cause that comes next beside it makes the better account of
+the two, the other cause is tried first. It must be clearly better; any amount will do where the several instances follow several laws, and
+so are hardly one cause.
 """
 
 from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.state import Search
 from skin_ident.criticism.search.trial import Trial
 
-NEARLY = 0.9  # of what the first instance explains, from which another cause alone is asked what comes beside it
+NEARLY = 0.9  # share of the first instance's score, above which another cause is tried with what comes beside it
 
 
 def single_before_several(search: Search, trials: list[Trial]) -> list[Trial]:
-    """The trials, the best first; before one of several instances that other which explains nearly as much alone, and more than it with the
-    next; not before one that the record itself has shown."""
+    """The trials, the best first. Before a best one of several instances goes another cause that explains nearly as much with one instance
+    and, with the next cause, more than all of those. Not before a cause that the record itself has shown."""
     if not (trials and trials[0].plainer and search.lasts) or trials[0].key in search.suspected:
         return trials
     best = trials[0]
@@ -26,13 +27,13 @@ def single_before_several(search: Search, trials: list[Trial]) -> list[Trial]:
 
 
 def _alone(trial: Trial) -> float:
-    """What the first instance explains."""
+    """Score of the first instance."""
     return trial.forms[-1].score
 
 
 def _leads_further(search: Search, first: Trial, best: Trial) -> bool:
-    """Whether `first` and the cause that explains most beside it, which is not that of the `best`, are better than its several instances;
-    clearly so where these are of one law."""
+    """Whether `first` and the cause that explains most beside it explain more than the `best` with its several instances; clearly more
+    where these are of one law. That other cause must not be the one of the `best`."""
     search.progress(f"asking what is beside {first.key[0]} in the {first.key[1]}")
     ahead = search.ahead(first.fit)
     following = ahead.trials(ahead.look())

@@ -9,18 +9,22 @@ from skin_ident.criticism.search.rivals import reach
 from skin_ident.criticism.search.trial import Trial
 from skin_ident.criticism.vocabulary import CAUSES, Key
 
-SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen, and with those that physics then rules out
-TIED = 4.0  # twice nats: a ratio of likelihoods of seven
+SHORTLIST, LONGEST = 4, 7  # causes that are refitted before one is chosen; and the same with those that physics rules out
+TIED = 4.0  # twice nats: a likelihood ratio of seven
 ORDER = {cause.name: i for i, cause in enumerate(CAUSES)}
-WITHIN = 0.35  # of the best score: further down, no refit makes up for it
+WITHIN = 0.35  # share of the best score, below which no refit makes up for the difference
 
 
 def shortlisted(
     ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key], suspected: set[Key]
 ) -> list[Trial]:
-    """The most promising causes as `tried`, which leaves out what physics rules out; the best first, and of equals the commoner. One that
-    is `known` already is tried wherever it ranks, and goes before rivals it equals, a likelier place before another, and one that is
-    `suspected`, for the record itself has shown it, before all that explain little more."""
+    """The most promising causes as trials, the best first, and of equals the commoner. `tried` fits them and leaves out what physics rules
+    out.
+
+    - A cause that is `known` already is tried wherever it ranks, and goes before rivals that it equals.
+    - A likelier place of the same cause goes before another.
+    - A cause that is `suspected`, because the record itself has shown it, goes first if it reaches `WITHIN` of the best score.
+    """
     shown = [r for r in ranked if r.key in suspected - known and r.score > 0.0]
     others = [r for r in ranked if r.score > 0.0 and r not in shown]
     trials = [*tried(shown), *_best(others, tried, known)]
@@ -33,7 +37,7 @@ def shortlisted(
 
 
 def _commoner_first(trials: list[Trial]) -> list[Trial]:
-    """Of causes that explain as much as the best to within what nobody would bet on, that which comes first in the vocabulary: skins are
+    """The trials; of those that explain practically as much as the best, the one that comes first in the vocabulary goes first: skins are
     nonlinear more often than joints are loose."""
     tied = [t for t in trials if t.score > trials[0].score - TIED]
     first = min(tied, key=lambda t: ORDER.get(t.key[0], len(ORDER)), default=None)
@@ -41,8 +45,8 @@ def _commoner_first(trials: list[Trial]) -> list[Trial]:
 
 
 def _best(ranked: Sequence[Ranked], tried: Callable[[Iterable[Ranked]], Iterator[Trial]], known: set[Key]) -> list[Trial]:
-    """The best few, and those near them that are known. What physics rules out is no measure of the others: where it rules out the best,
-    those near the next that it leaves; where all of them, those that rank next."""
+    """Trials of the best few causes, and of those near them that are known. Causes that physics rules out are no measure for the others:
+    where the best is ruled out, those near the next best are tried; where all are, those that rank next."""
     near = [r for r in ranked if r.score > WITHIN * ranked[0].score]
     queue, after = iter(near[:LONGEST]), ranked[len(near) :]
     trials = list(islice(tried(queue), SHORTLIST))

@@ -1,4 +1,6 @@
-"""How many taxels can be searched together: every cause at every taxel bends every channel, so a search grows with their square."""
+"""How many taxels can be searched together. Every cause at every taxel changes every channel, so memory grows with the square of their
+number.
+"""
 
 from dataclasses import replace
 
@@ -6,9 +8,9 @@ from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.search.proposals import directions
 from skin_ident.criticism.sessions.session import prepare
 
-WANTED_BYTES, MOST_BYTES = 1.8e9, 6e9  # of a search; and of that of the fewest taxels, beyond which it is refused
-COPIES = 7  # of the bank of directions, all told, at the height of a search
-FEWEST = 3  # taxels
+WANTED_BYTES, MOST_BYTES = 1.8e9, 6e9  # memory wanted for a search; and the most for one with the fewest taxels, beyond which it is refused
+COPIES = 7  # copies of all directions that exist at the peak of a search
+FEWEST = 3  # taxels that are searched together at least
 
 
 def affordable(recordings: list, most: int) -> int:
@@ -30,6 +32,6 @@ def affordable(recordings: list, most: int) -> int:
 
 
 def _directions(session, taxels: int) -> int:
-    """How many directions there are for so many taxels."""
+    """The number of directions for so many taxels."""
     names = tuple(c for c in session.channels if not c.startswith("taxel"))
     return len(directions(replace(session, channels=(*names, *(f"taxel_{i}" for i in range(taxels))))))

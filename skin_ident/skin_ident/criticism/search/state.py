@@ -1,4 +1,4 @@
-"""What a search for causes knows at any moment, and what it can ask of it: surveys, trials, gains, and what makes a cause worth naming."""
+"""The state of a search for causes, and what can be asked of it: surveys, trials, gains, and what makes a cause worth naming."""
 
 from collections.abc import Callable, Iterable, Iterator
 from copy import copy
@@ -29,10 +29,10 @@ from skin_ident.criticism.vocabulary import SENSORS, Key
 from skin_models.effect import Effect
 from skin_models.model import Model
 
-MOST_FINDINGS = 5  # or rounds, before it is asked what stands for what
-SHADOW = 0.08  # of the largest fall of a mean square so far in a channel, below which no further cause is named there
-FORM = 0.06  # of the likelihood gain of what was named in a sensor, below which another cause there may be its imperfect form
-LASTS_S = 30.0  # of training together: of less, two bent causes fit whatever is there
+MOST_FINDINGS = 5  # findings or rounds, after which findings are compared with each other again
+SHADOW = 0.08  # share of the largest fall of a mean square so far in a channel, below which no further cause is named there
+FORM = 0.06  # share of the score of what was named in a sensor, below which another cause there may be its imperfect form
+LASTS_S = 30.0  # s of training in all: in less, two bent causes fit any record
 
 Progress = Callable[[str], None]
 
@@ -41,8 +41,8 @@ Progress = Callable[[str], None]
 class Search:
     """The present fit, what was named, what held-out data refused, and the surveys of all rounds.
 
-    `which` are the directions that are ranked, `encoder_step` is the step of the depth, m; the mass may be another than was assumed or
-    declared where it is `weighable`, and somebody `declared` it.
+    `which` are the directions that are ranked, `encoder_step` is the step of the depth, m. Where the mass is `weighable`, it may differ
+    from what was assumed, or from what somebody `declared`.
     """
 
     train: list[Session]
@@ -53,39 +53,39 @@ class Search:
     weighable: bool = False
     declared: bool = False
 
-    # What is known by now: the model so far, fitted, the noise that was seen with it, and what was fitted without any cause.
+    # What is known by now: the present model as fitted, the noise found with it, and the fit without any cause.
     present: Fit = field(init=False)
     noise: Whitener = field(init=False)
     baseline: Fit = field(init=False)
     named: list[Named] = field(default_factory=list)
-    befores: dict[Key, Model] = field(default_factory=dict)  # of every cause that was named, the model before its first instance
-    runs: list[Run] = field(default_factory=list)  # courses of each session's own that were taken
+    befores: dict[Key, Model] = field(default_factory=dict)  # of every named cause, the model before its first instance
+    runs: list[Run] = field(default_factory=list)  # courses that were taken
     rounds: list[tuple[Survey, str | None]] = field(default_factory=list)
-    most: int = MOST_FINDINGS  # rounds
+    most: int = MOST_FINDINGS  # rounds at most
 
-    # Why something that is in the record was not named, of the last round but for the zeros.
-    doubts: dict[Key, NotNamed] = field(default_factory=dict)  # training speaks for it, and others leave it in doubt
-    stage: dict[Key, NotNamed] = field(default_factory=dict)  # courses that explain something, and are such as a good stage does
-    hardware: dict[Key, NotNamed] = field(default_factory=dict)  # it would have been named, and is such as good hardware does
-    tared: dict[Key, NotNamed] = field(default_factory=dict)  # zeros of sessions that were taken into the baseline
-    of_stage: float = 0.0  # the most that such courses explain of the last round
-    # The same of earlier rounds since the last cause was named: skin, zeros or a mass that were taken then may hide it now.
+    # Why something that is in the record was not named: of the last round alone, except for the zeros.
+    doubts: dict[Key, NotNamed] = field(default_factory=dict)  # training speaks for it, and something else leaves it in doubt
+    stage: dict[Key, NotNamed] = field(default_factory=dict)  # courses that explain something, but no more than a good stage does
+    hardware: dict[Key, NotNamed] = field(default_factory=dict)  # it would have been named, but good hardware does as much
+    tared: dict[Key, NotNamed] = field(default_factory=dict)  # zeros, or skin parameters, of sessions that were taken into the baseline
+    of_stage: float = 0.0  # the highest score of such courses in the last round
+    # The same from earlier rounds since the last cause was named: skin, zeros or a mass taken then may hide it now.
     set_aside: dict[Key, NotNamed] = field(default_factory=dict)
 
     yielded: list[Named] = field(default_factory=list)  # findings in whose place zeros were taken
 
-    # What is not asked again, or otherwise from now on.
+    # What is not tested again, or is tested differently from now on.
     suspected: set[Key] = field(default_factory=set)  # causes that the record itself has shown
-    led: set[Key] = field(default_factory=set)  # that only led out of a false minimum
-    put_out: set[Key] = field(default_factory=set)  # in whose place another was put: they do not come back into its
-    dropped: set[Key] = field(default_factory=set)  # without which the rest predicted as well: what they took is asked of others
-    doubting: bool = False  # held-out sessions alone decide, for a cause was taken for granted
-    alone: bool = False  # what is wrong in the held-out sessions alone was looked for, and found
+    led: set[Key] = field(default_factory=set)  # causes that only led out of a false minimum
+    put_out: set[Key] = field(default_factory=set)  # findings that another replaced: they do not come back in its place
+    dropped: set[Key] = field(default_factory=set)  # causes without which the rest predicted as well: what they explained is left to others
+    doubting: bool = False  # held-out sessions alone decide, because a cause was taken for granted
+    alone: bool = False  # something that is wrong in held-out sessions alone was found
     own_skin: bool = False  # the skin may differ from session to session
-    zeroed: bool = False  # zeros as good hardware leaves them were taken: they are taken once
+    zeroed: bool = False  # zeros as good hardware leaves them were taken, which is done once
     refused: float = 0.0  # what the best cause would explain that was not believed in the last round
-    wandering: float = 0.0  # the most that a course explained of training which then predicted nothing
-    hanging: tuple[Effect, ...] = ()  # of a mass that was declared, what is felt of it without its weight
+    wandering: float = 0.0  # the highest score in training of a course that then predicted nothing
+    hanging: tuple[Effect, ...] = ()  # of a declared mass, the inertia that is felt without its weight
 
     _surveyed: tuple[Model, list[Session], Survey] | None = None
 
@@ -96,14 +96,14 @@ class Search:
         return yielded | self.set_aside | self.doubts | self.stage | self.hardware | self.tared
 
     def ahead(self, present: Fit) -> "Search":
-        """The same state with another fit, from which to look further; what is found there is not found here."""
+        """A copy of the state with another fit, from which to look further; what is found there does not enter this one."""
         other = copy(self)
         vars(other).update({name: copy(v) for name, v in vars(self).items() if isinstance(v, (list, dict, set))})
         other.present, other.doubts, other.doubting, other._surveyed = present, {}, True, None
         return other
 
     def begin_round(self) -> None:
-        """Ask anew why nothing else is named, and set aside why that was in the last one."""
+        """Collect anew the reasons why nothing else is named, and set those of the last round aside."""
         self.set_aside |= self.doubts | self.hardware
         self.stage, self.hardware, self.doubts = {}, {}, {}
 
@@ -113,11 +113,11 @@ class Search:
         self.refused = refused
 
     def go_on(self) -> None:
-        """From here on as many rounds again."""
+        """Allow as many rounds again from here on."""
         self.most = len(self.rounds) + MOST_FINDINGS
 
     def look(self) -> Survey:
-        """Survey what the present model leaves, in the noise that the survey finds."""
+        """Survey the residual of the present model, and use the noise that the survey finds from now on."""
         self.progress("surveying every cause")
         last = self.survey()
         self.noise = last.noise
@@ -125,7 +125,7 @@ class Search:
         return last
 
     def survey(self) -> Survey:
-        """Every cause ranked against the present model; that of last time where neither model nor sessions have changed since."""
+        """Every cause ranked against the present model. The last survey is returned where neither model nor sessions have changed since."""
         if self._surveyed is None or self._surveyed[0] is not self.present.model or self._surveyed[1] is not self.train:
             if self._surveyed:
                 self._surveyed[2].kept.clear()
@@ -142,18 +142,18 @@ class Search:
         return shortlisted(ranked, tried, {n.key for n in self.named}, self.suspected)
 
     def _possible(self, r: Ranked) -> Trial | None:
-        """One cause as tried, or its first instance alone where physics rules out all of them together."""
+        """One cause as a trial, or its first instance alone where physics rules out all instances together; else None."""
         return next((t for t in self.tried(r).forms if plausible(t, self.train)), None)
 
     def tried(self, r: Ranked) -> Trial:
-        """One cause, grown and refitted beside everything else."""
+        """One cause as a trial: grown and refitted beside everything else."""
         self.progress(f"trying {r.cause} in the {r.where}")
         fits = grow(self.present, r, self.train, self.which, self.noise)
         grown, *plainer = (Trial(r, after, after.gain_over(self.present)) for after in fits)
         return replace(grown, plainer=next(iter(plainer), None))
 
     def own_courses(self) -> list[Run]:
-        """What each session may have of its own and has not yet, the plainest first; what a good stage does is noted."""
+        """Courses that sessions may have and that were not taken yet, the simplest first; those that a good stage does are noted."""
         had = {r.course for r in self.runs}
         runs = worthwhile(self.present.model, self.train, self.noise, self.encoder_step)
         good = [r for r in runs if not r.worth(self.encoder_step) and r.score > self.least(self.present.count)]
@@ -163,52 +163,52 @@ class Search:
 
     @property
     def lasts(self) -> bool:
-        """Whether training sessions are long enough to speak of several causes beside each other."""
+        """Whether training sessions are long enough to tell several causes from each other."""
         return sum(s.seconds for s in self.train) >= LASTS_S
 
     def least(self, count: int) -> float:
-        """The likelihood gain below which a cause is not worth naming, where so many whitened samples count; slow causes gain as much of a
-        band that was narrowed, and its noise no less."""
+        """The likelihood gain below which a cause is not worth naming, for `count` whitened samples. A narrowed band, which holds fewer
+        samples, does not lower it: slow causes gain as much there, and the noise in it is no less."""
         return MATERIAL * count * self.train[0].band.narrowed
 
     def form_of_others(self, cause: str, where: str) -> float:
-        """The likelihood gain that imperfect forms of other causes, named in the same sensor, may leave to this one."""
+        """The likelihood gain that imperfect forms of other causes, named in the same sensor, may leave for this one to explain."""
         if not where.startswith(SENSORS):  # skin and rig have many causes, each in its own right
             return 0.0
         return max((FORM * n.explained for n in self.named if n.where == where and n.cause != cause), default=0.0)
 
     def fallen(self, channel: str) -> float:
-        """The largest fall of the mean square, N^2, by what has been named and is carried by a channel."""
+        """The largest fall of the mean square, N^2, by a named cause that a channel carries."""
         return max((n.gain.squares for n in self.named if channel in n.gain.carried), default=0.0)
 
     def shadows(self, gain: Gain) -> bool:
-        """Whether what has been named explains so much more that what gains so may be its imperfect form."""
+        """Whether a named cause explains so much more that this gain may be due to its imperfect form."""
         most = self.fallen(gain.channel)
         return most > 0.0 and gain.squares <= SHADOW * most
 
     def claim(self, key: Key, gain: Gain, after: Model) -> Claim:
-        """That `after` gains so over the present model by a cause and place."""
+        """The claim that `after` gains so over the present model by a cause and place."""
         return Claim(key, gain, self.present.model, after, self.train)
 
     def steps_do(self, key: Key, gain: Gain, after: Model) -> bool:
-        """Whether steps of encoder and converters may leave as much open as `after` gains beside a course of sessions, which is noted: all
-        else speaks for it."""
+        """Whether steps of encoder and converters may account for what `after` gains beside a course of sessions. If so it is noted, since
+        everything else speaks for the cause."""
         why = steps_do(self.claim(key, gain, after), None, self.encoder_step)
         self.hardware |= {key: why} if why else {}
         return why is not None
 
     def gain(self, before: Model, after: Model, where: str, refit_before: Callable = fit) -> Gain:
-        """What `after` gains over `before` in held-out data; in training sessions by turns where what is held out cannot show it."""
+        """Gain of `after` over `before` in held-out data, or in each training session in turn where held-out data cannot show it."""
         held = [] if self.deaf(before, after, where) else self.held
         return held_out_gain(before, after, self.train, held, self.noise, refit_before)
 
     def deaf(self, before: Model, after: Model, where: str) -> bool:
-        """Whether what is held out cannot show what `after` changes."""
+        """Whether held-out sessions cannot show what `after` changes."""
         return bool(self.held) and deaf(before, after, self.train, self.held, where)
 
     def second_opinion(self, before: Model, after: Model, where: str, first: Gain) -> Gain:
-        """The gain by other sessions, too, or by halves where held-out ones cannot be asked; not where these speak against it, where a lone
-        session was fitted, nor of short records, in which a bent cause fits whatever is there."""
+        """The gain by other sessions as well, or by halves of sessions where held-out ones cannot show it. `first` stands where held-out
+        sessions speak against the cause, where only one session was fitted, and for short records, in which a bent cause fits anything."""
         if not (self.held and len(self.train) > 1 and self.lasts):
             return first
         models, cannot = (before, after, self.train), self.deaf(before, after, where)
@@ -219,7 +219,8 @@ class Search:
         return next((other for other in others if other.passed), first)
 
     def accept(self, after: Fit, finding: Named) -> None:
-        """Take a finding. More of a cause that is there already joins it, and its gain then counts from before the first."""
+        """Take a finding. More of a cause that was named already joins that finding, whose gain then counts from before its first
+        instance."""
         start = self.befores.setdefault(finding.key, self.present.model)
         same = next((n for n in self.named if n.key == finding.key and not n.courses), None)
         if same is None:
@@ -231,5 +232,5 @@ class Search:
         compared = sum(s.seconds for s in self.train)
         self.train, self.held = ([at_rest(settled(after.model, s), after.model) for s in sessions] for sessions in (self.train, self.held))
         shorter = sum(s.seconds for s in self.train) < compared
-        self.present = fit(after.model, self.train, self.noise) if shorter else after  # what is compared no more may have bent it
+        self.present = fit(after.model, self.train, self.noise) if shorter else after  # what is no longer compared may have biased it
         self.progress(f"named {finding.cause} in the {finding.where}")

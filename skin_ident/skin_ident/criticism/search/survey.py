@@ -1,4 +1,4 @@
-"""One look at everything the catalogue offers, on top of the present model."""
+"""One survey: everything that the catalogue offers, ranked on top of the present model."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -19,14 +19,14 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 
-FORMS = 5  # directions of a cause that may mend its form, of either sign: a form may have too much of something, too
+FORMS = 5  # directions per cause that may mend its form, of either sign, since a form may have too much of something as well
 
 
 @dataclass(frozen=True)
 class Survey:
     """Every cause ranked against the residual of `model` in `sessions`, under the noise model that the survey itself found.
 
-    `kept` are the directions of sessions by name, as long as this is the latest survey: they are large, and dear to compute.
+    `kept` holds the directions of sessions by name while this is the latest survey: they are large, and expensive to compute.
     """
 
     model: Model
@@ -37,7 +37,8 @@ class Survey:
     kept: dict[str, tuple[Session, np.ndarray]] = field(default_factory=dict, compare=False, repr=False)
 
     def directions_of(self, session: Session) -> tuple[np.ndarray, int]:
-        """All that may change a session as simulated, (M, C, n): first the model's own unknowns, whose number is returned too."""
+        """All directions in which the simulation of a session may change, (M, C, n): first the model's own unknowns, whose number is
+        returned too."""
         mine = unknowns(self.model, session)
         of, rows = self.kept.get(session.name, (None, np.zeros(0)))
         if of is not session:
@@ -48,19 +49,19 @@ class Survey:
 
     @cached_property
     def explained_by_everything(self) -> float:
-        """What the richest set of directions explains beside the model's own unknowns, less the charge for each of them."""
+        """What the richest set of directions explains beside the model's own unknowns, less the charge for each direction used."""
         A, r, z, own = self.richest(list(self.sessions))
         return float(r @ r - np.sum((r - A @ z) ** 2) - np.log(max(np.count_nonzero(r), 2)) * np.count_nonzero(z[own:]))
 
     def richest(self, sessions: list[Session]) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-        """All that may change sessions, whitened, (rows, M), what is left of them, (rows,), the coefficients (M,) of the richest set of
-        directions that explain that, and how many of the M are the model's own unknowns."""
+        """Of some sessions: all directions, whitened, (rows, M); the whitened residual (rows,); the coefficients (M,) of the richest set of
+        directions that explains it; and how many of the M are the model's own unknowns."""
         A, r, own = self._whitened(sessions)
         return A, r, pursue(A, r, own + RICHEST, own), own
 
     def of_its_own(self, cause: Key, others: Collection[Key]) -> float:
-        """The share of what a cause explains that more of `others` in the model would not: near 0 where it may stand for what their forms
-        lack. 1 where small amounts of it explain nothing."""
+        """Share of what `cause` explains that more of the `others` would not explain: near 0 where it may stand for what their forms lack,
+        and 1 where small amounts of it explain nothing."""
         A, r, own = self._whitened(list(self.sessions))
 
         def explained(causes: Collection[Key]) -> float:
@@ -72,20 +73,21 @@ class Survey:
         return (both - theirs) / (its - without) if its > without else 1.0
 
     def _whitened(self, sessions: list[Session]) -> tuple[np.ndarray, np.ndarray, int]:
-        """All that may change sessions, whitened, (rows, M), what is left of them, (rows,), and how many of the M are the model's own."""
+        """Of some sessions: all directions, whitened, (rows, M), the whitened residual (rows,), and how many of the M are the model's own
+        unknowns."""
         every = [self.directions_of(s) for s in sessions]
         A = stack([rows for rows, _ in every], sessions, self.noise)
         r = stack([residual(self.model, s) for s in sessions], sessions, self.noise)
         return A, r, every[0][1]
 
     def left_by_everything(self, session: Session) -> np.ndarray:
-        """What is left (C, n) N of a session when the model's own unknowns and the richest set of directions have had their say."""
+        """Residual (C, n) N of a session after the model's own unknowns and the richest set of directions are fitted to it."""
         every, own = self.directions_of(session)
         return less([residual(self.model, session)], Stacked([every], [session]), own, self.noise)[0]
 
 
 def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], noise: Whitener | None = None) -> Survey:
-    """Rank all causes. `noise` is fitted to what the richest set of directions leaves unless it is given."""
+    """Rank all causes. `noise` is fitted to the residual of the richest set of directions unless it is given."""
     mine = unknowns(model, sessions[0])
     own, known = len(mine), len(mine) + len(which)
     residuals, every = [residual(model, s) for s in sessions], _everything(model, sessions, which)
@@ -93,20 +95,21 @@ def survey(model: Model, sessions: list[Session], which: tuple[Direction, ...], 
     A, r = every.under(noise), stack(residuals, sessions, noise)
     J = A[:, :own]
     free = unpressed(values(model, mine), mine, J.T @ r)
-    J = (J @ sliding(mine, scales(model, mine), free))[:, free]  # a mass that cannot fall below nothing explains nothing
+    # An unknown that is pressed against its bound, such as a mass of zero, explains nothing.
+    J = (J @ sliding(mine, scales(model, mine), free))[:, free]
     projected = project(which, A[:, own:known], J, r)
     kept = {s.name: (s, rows[:known]) for s, rows in zip(sessions, every.rows, strict=True)}
     return Survey(model, noise, projected, tuple(r for r in rank(projected) if r.cause != AT_FULL_RATE), tuple(sessions), kept)
 
 
 def noise_beside(model: Model, sessions: list[Session], which: tuple[Direction, ...]) -> Whitener:
-    """The noise that a survey finds, without ranking anything."""
+    """The noise model that a survey finds, without the ranking."""
     residuals = [residual(model, s) for s in sessions]
     return _beside(_everything(model, sessions, which), residuals, len(unknowns(model, sessions[0])), which)
 
 
 def _everything(model: Model, sessions: list[Session], which: tuple[Direction, ...]) -> Stacked:
-    """All that may bend the model: its own unknowns, every direction, and what belongs to one session alone."""
+    """All directions: the model's own unknowns, those of the catalogue, and bends that belong to one session alone."""
     own, bends = tangents(model, sessions, unknowns(model, sessions[0])), bends_of_each_session(model, sessions)
     rows = [between(before, model, which, s, after) for before, s, after in zip(own, sessions, bends, strict=True)]
     return Stacked(rows, sessions)
@@ -117,13 +120,13 @@ def _beside(every: Stacked, residuals: list[np.ndarray], own: int, which: tuple[
 
 
 def _richest(which: tuple[Direction, ...], own: int, rows: int) -> np.ndarray:
-    """Which of all rows (M,) may explain more than noise: the model's own, small amounts of every cause, and the courses of each session's
-    own. Large ones of the same would be asked twice."""
+    """Mask (M,) of the directions that may explain more than noise: the model's own, small amounts of every cause, and bends of each
+    session's own. Large amounts of the same causes would be counted twice."""
     offered = np.ones(rows, bool)
     offered[own : own + len(which)] = [d.probe < 1.0 for d in which]
     return offered
 
 
 def detectable(p: Projected, z: float) -> np.ndarray:
-    """Amount (M,) of each direction, in typical sizes, that would stand out by `z` standard errors; inf where the data do not excite it."""
+    """Amount (M,) of each direction, in typical sizes, that would reach `z` standard errors; inf where the data do not excite it."""
     return np.where(p.energies > 0.0, z / np.sqrt(np.where(p.energies > 0.0, p.energies, 1.0)), np.inf)

@@ -20,13 +20,13 @@ from skin_ident.criticism.telemetry.symptom import sensor_of
 from skin_ident.criticism.vocabulary import SENSORS
 from skin_models.model import Model
 
-WORTH_SAYING = 0.2  # of what a tare leaves
+WORTH_SAYING = 0.2  # of what a tare leaves, from which a zero is reported
 OFFSET, SHIFT = CAUSES[ZERO, CONSTANT], CAUSES[DEPTH, STEPS]
 
 
 def take_tare(search: Search, finding: Named) -> bool:
-    """Whether zeros as tares leave them explain in training what a `finding` has, and were taken for that, in all sessions. A zero of
-    each session is judged by its own size; one that all share may be a tare's, as it may of a session that is alone."""
+    """Take zeros as tares leave them, in all sessions, where they explain as much of training as a `finding`; return whether they were
+    taken. A finding of zeros per session is judged by its own size. One zero that all sessions, or a lone one, have may be a tare's."""
     if finding.courses and _is_zero(finding.cause):
         return False
     shared = _shared(search, finding)
@@ -38,14 +38,15 @@ def take_tare(search: Search, finding: Named) -> bool:
 
 
 def beside_zeros(search: Search, finding: Named) -> Named:
-    """The finding, with what zeros were taken for in the same sensor among its alternatives: what they left of that may pass for it."""
+    """The finding, with causes among its alternatives in whose place zeros were taken in the same sensor: what the zeros left of these may
+    pass for it."""
     same = [y for y in search.yielded if y.where == finding.where and y.where.startswith(SENSORS) and y.explained > finding.explained]
     return finding.with_rivals(Rival(*y.key, 0.0) for y in same if not _is_zero(y.cause))
 
 
 def take_zeros(search: Search, least: float = 0.0) -> bool:
-    """Whether zeros as good hardware leaves them explain more than the `least`, and were taken: where no cause is believed they would be a
-    riddle. They are taken once."""
+    """Take zeros as good hardware leaves them, where they explain more than `least`; return whether they were taken. Where no cause is
+    believed they would otherwise remain unexplained. They are taken once."""
     if search.zeroed:
         return False
     found, fall = zeros(search.present.model, search.train, search.noise, search.encoder_step, free=True)
@@ -58,7 +59,7 @@ def take_zeros(search: Search, least: float = 0.0) -> bool:
 
 
 def _take(search: Search, found: Zeros, shared: Zeros) -> None:
-    """Put zeros into the sessions that were fitted, and into the held-out ones their own, or those that all have."""
+    """Put zeros into the training sessions, and into held-out ones their own zeros, or those that all sessions share."""
     model = search.present.model
     search.train = added(search.train, added_by(found, model, search.train))
     search.present = fit(model, search.train, search.noise)
@@ -69,8 +70,8 @@ def _take(search: Search, found: Zeros, shared: Zeros) -> None:
 
 
 def _shared(search: Search, finding: Named) -> Zeros:
-    """The zero that a finding gives to all sessions alike, where it is no larger than tares leave it: sessions that are tared each do not
-    share more."""
+    """The zero that a finding gives to all sessions alike, where it is no larger than tares may leave it. Sessions that are each tared
+    share only a small one."""
     if finding.cause != OFFSET or finding.model is None:
         return {}
     offset = _offset_of(finding.model, finding) - _offset_of(finding.before, finding)
@@ -89,13 +90,13 @@ def _offset_of(model: Model, finding: Named) -> float:
 
 
 def take_tare_of_held(search: Search, cause: str, explained: float) -> bool:
-    """The same of what a `cause` has `explained` in held-out sessions alone."""
+    """The same in held-out sessions alone, of what a `cause` has `explained` there."""
     return not _is_zero(cause) and take_zeros_of_held(search, explained)
 
 
 def take_zeros_of_held(search: Search, explained: float) -> bool:
-    """Whether zeros of all channels, as the tares of held-out sessions leave them, explain as much there as was `explained` otherwise, and
-    were taken."""
+    """Take zeros of all channels, as the tares of held-out sessions leave them, where they explain as much there as was `explained`
+    otherwise; return whether they were taken."""
     found = _instead(search, search.held, explained, free=False)
     if not found:
         return False
@@ -109,7 +110,7 @@ def _is_zero(cause: str) -> bool:
 
 
 def _instead(search: Search, sessions: list[Session], explained: float, *, free: bool) -> Zeros:
-    """The zeros that explain as much as was explained otherwise."""
+    """The zeros that explain as much as was `explained` otherwise; empty where none do."""
     found, fall = zeros(search.present.model, sessions, search.noise, search.encoder_step, free=free)
     return found if fall >= explained else {}
 

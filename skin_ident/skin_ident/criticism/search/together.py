@@ -1,8 +1,8 @@
 """Two causes that hide each other: a worn nut that takes load away where a stiffening skin adds it.
 
-Neither predicts held-out data alone, for the fit bends it to stand for the other as well. So where no single cause is believed, the best
-are taken for granted one after the other, and the search looks one step further: beside which of them is a second one believed, and is the
-first one then believed beside the second?
+Neither predicts held-out data alone, because the fit bends it to stand for the other as well. So where no single cause is believed, each of
+the best is taken for granted in turn, and the search looks one step further: is a second cause believed beside it, and is the first one
+then believed beside the second?
 """
 
 from dataclasses import replace
@@ -22,15 +22,15 @@ from skin_ident.criticism.search.trial import Trial, sized
 from skin_ident.criticism.vocabulary import Key
 from skin_models.model import Model
 
-FILTERS = ("time_shift", "lag", "mount_compliance", "rate_dependence")  # of which two make of the depth what smooths its steps
-ASKED = 3  # causes that are taken for granted
+FILTERS = ("time_shift", "lag", "mount_compliance", "rate_dependence")  # causes of which two together smooth the steps of the depth
+ASKED = 3  # causes that are taken for granted in turn
 
 Pair = tuple[tuple[Fit, Named], tuple[Fit, Named]]
 
 
 def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | tuple[()]:
-    """The two findings that explain most together, the first with its fit alone; `search` is the state of `criticise`. Nothing where the
-    record is short, or what belongs to each session alone explains more than the causes, or no two are believed beside each other."""
+    """The two findings that explain most together, the first one with its fit alone; `search` is the state of `criticise`. Empty where the
+    record is short, where courses explain more than the causes, or where no two causes are believed beside each other."""
     promising = [t.forms[-1] for t in trials[:ASKED] if t.score > MATERIAL * t.fit.count and sized(t.forms[-1])]
     if not promising or not search.lasts or (runs and runs[0].score > promising[0].score):
         return ()
@@ -44,7 +44,7 @@ def two_at_once(search: Search, trials: list[Trial], runs: list[Run]) -> Pair | 
 
 
 def _no_steps(search: Search, after: Model, both: Gain, keys: tuple[Key, Key]) -> bool:
-    """Whether two causes gain more than the steps of an encoder leave open, and much where one of them may smooth those."""
+    """Whether two causes gain more than the steps of an encoder may account for, and much more where one of them may smooth these steps."""
     steps = search.encoder_step
     much = both.relative > MUCH or not (steps and any(cause in FILTERS for cause, _ in keys))
     return much and all(resolved(search.claim(key, both, after), search.noise, steps, strict=True) for key in keys)
@@ -55,7 +55,7 @@ def _explained(pair: Pair) -> float:
 
 
 def _beside(search: Search, first: Trial) -> Pair | None:
-    """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together."""
+    """`first` and the cause that is believed beside it, if `first` is believed beside that one, and both together are."""
     ahead = search.ahead(first.fit)
     second = first_believed(ahead, ahead.trials(ahead.look()), [])
     if second is None or second[1].key == first.key:
@@ -73,7 +73,8 @@ def _beside(search: Search, first: Trial) -> Pair | None:
 
 
 def beside(ahead: Search, key: Key, after: Model) -> tuple[Model, Gain | None]:
-    """The model `after` refitted without one cause and place `key`, and what that gains beside the rest; None where it is not believed."""
+    """The model `after` refitted without one cause and place `key`, and what that cause gains beside the rest; None where it is not
+    believed."""
     without = fit(lacking(after, *key), ahead.train, ahead.noise).model
     gain = ahead.gain(without, after, key[1])
     told = gain.passed and gain.shows_at(key[1])

@@ -1,4 +1,4 @@
-"""One cause tried: grown and refitted beside everything else, and what can be said of it before held-out data are asked."""
+"""One cause on trial: grown and refitted with everything else, with what can be said of it before held-out data are used."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from skin_models.parameter import AMPLITUDE, parameters_of
 
 @dataclass(frozen=True)
 class Trial:
-    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters; `plainer` is the same with its
+    """One cause, grown and refitted: `score` is its likelihood gain less the charge for its parameters. `plainer` is the same with the
     first instance alone, where it has several."""
 
     ranked: Ranked
@@ -26,13 +26,14 @@ class Trial:
 
     @property
     def forms(self) -> tuple["Trial", ...]:
-        """What may be believed of the cause: several instances may go wrong beyond what they were fitted to where the first does not."""
+        """The forms that may be believed: several instances may predict worse than the first alone beyond what they were fitted to."""
         return (self, self.plainer) if self.plainer else (self,)
 
 
 def sized(t: Trial) -> bool:
-    """Whether a cause that has one size is surely not of none in its shape: where only the product of both is known, either may be
-    anything. Several sizes of one cause may stand for each other."""
+    """Whether the one amplitude of a cause is surely not zero at the fitted shape. Where only the product of amplitude and shape is
+    determined, either may be anything, so the shape is held. A cause with several amplitudes always passes, since these may stand in for
+    each other."""
     mine = instances(t.fit.model, *t.key)
     several = len(mine) > 1 or any(sum(p.role == AMPLITUDE for p in parameters_of(e)) > 1 for e in mine)
     return several or t.fit.model.effects[-1] not in mine or determined(t.fit, t.fit.std_in_shape)

@@ -1,8 +1,8 @@
-"""What a simulated twin holds beyond the plain model: the effects that a criticism of the twin itself finds.
+"""The effects that a simulated twin holds beyond the plain model, found by a criticism of the twin itself.
 
-Many effects have one sign: no friction is less than none. So a twin with too much of one is told by another name, unless what stands in
-for it holds that effect, with a number that may turn out to be too large. A twin is read without noise; as much is added as the recording
-has, for what would drown in that is no matter.
+Many effects have one sign: there is no negative friction. So a twin with too much friction would be reported under another name, unless the
+model that stands in for it has that effect with a size that may turn out to be too large. The output of a twin has no noise. As much is
+added as the recording has, since what would drown in that does not matter.
 """
 
 from collections.abc import Callable
@@ -17,17 +17,17 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.estimators.scale import white_noise
 from skin_models.model import Model
 
-BEYOND = 1.0  # times the recording's noise in the common band (RMS), from which what a twin says beyond its surrogate is asked
+BEYOND = 1.0  # times the recording's noise in the common band (RMS), above which what a twin has beyond its surrogate is looked for
 MOST = 2  # causes that are looked for in a twin
-LEAST = 1e-4  # of the range of a channel, the least that its noise is taken for,
-FINEST = 1e-6  # N, of one that never changes
+LEAST = 1e-4  # of the range of a channel, the least that its noise is taken to be,
+FINEST = 1e-6  # N, the same for a channel that never changes
 
 Split = Callable[[list[Session]], tuple[list[Session], list[Session]]]
 
 
 def with_effects_of(surrogate: Model, said: list[Session], recordings: list, split: Split, mass: float, progress: Progress) -> Model:
-    """The surrogate with the effects that a twin holds, which has `said` so in sessions of these recordings; `split` tells those that
-    are fitted from those that are held out."""
+    """The surrogate with the effects that a twin holds. `said` is the twin's output as sessions of these recordings; `split` divides them
+    into fitted and held-out ones."""
     noise = [_noise_of(r, s) for r, s in zip(recordings, said, strict=True)]
     if not any(_is_beyond(surrogate, s, n) for s, n in zip(said, noise, strict=True)):
         return surrogate
@@ -38,7 +38,7 @@ def with_effects_of(surrogate: Model, said: list[Session], recordings: list, spl
 
 
 def _noise_of(recording, said: Session) -> np.ndarray:
-    """The white noise of every force that was measured, N rms (C, 1)."""
+    """White noise of every measured force, N RMS (C, 1)."""
     both = [(recording.channels[c], y) for c, y in zip(said.channels, said.raw, strict=True)]
     return np.array([[max(white_noise(y), LEAST * float(np.ptp(y)), LEAST * float(np.ptp(twin)), FINEST)] for y, twin in both])
 

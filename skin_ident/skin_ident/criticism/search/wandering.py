@@ -1,4 +1,6 @@
-"""What wanders smoothly through every session, asked for where no other cause is believed: the noise model takes it for noise."""
+"""A signal that wanders smoothly through every session. It is tested where no other cause is believed, because the noise model takes it for
+noise.
+"""
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.courses.course import added
@@ -11,7 +13,7 @@ from skin_ident.criticism.sessions.session import Session
 
 
 def take_wave(search: Search) -> bool:
-    """Name one wave and give every session its own; `search` is the state of `criticise`."""
+    """Name one wave and give every session its own; return whether there was one. `search` is the state of `criticise`."""
     model = search.present.model
     found = find_wave(model, search.train, search.held, search.noise)
     if found is None or any(r.course == found[0].course for r in search.runs):
@@ -31,5 +33,6 @@ def take_wave(search: Search) -> bool:
 
 
 def _also(session: Session) -> tuple[Rival, ...]:
-    """What the same wave in the only channel may be, where depth drives it: of the zero of depth (see `driving` for a load cell's)."""
+    """What the same wave in the only channel may be, where depth drives it: a wave of the zero of depth (see `driving` for a load
+    cell's)."""
     return (Rival("position_offset", "rig", 0.0),) if len(session.channels) == 1 and session.drive is None else ()

@@ -1,12 +1,17 @@
 """The mass of the dispersion model, where it is not that of the skin.
 
-A mass m under the plunger takes m g from the force while they touch, and nothing in the air. The skin's own weighs next to nothing (0.4 g,
-thesis 4.3.1), so it is set; but fits with a free mass, as those of Tables 4-1 to 4-4, find some 0.2 kg, which is 2 N. A record of such a
-model, or of a plunger that really leans on the skin, would be told as three faults of sensors; a declared mass that hangs on a load cell
-tared with it, as well; and of a skin that weighs less than the 4 mN that were set, a good load cell would tell a curvature. So when
-something is wrong the mass is tried beside all causes, and where it accounts for the record better than any of them it belongs to the
-baseline; of a mass that hangs its inertia does. What was assumed, for nobody declared a mass, is a bound and no more: where less tells
-enough, whatever else is wrong, the mass is fitted between nothing and that, and held again at the end if it need not have been.
+A mass m under the plunger takes m g from the force while they touch, and nothing in the air. The skin's own mass weighs next to nothing
+(0.4 g, thesis 4.3.1), so it is set. But fits with a free mass, as those of Tables 4-1 to 4-4, find some 0.2 kg, which is 2 N. Three kinds
+of record would be misread with the mass that was set:
+
+- that of such a model, or of a plunger that really leans on the skin, as three faults of sensors;
+- one whose declared mass hangs on a load cell tared with it, likewise;
+- one of a skin that weighs less than the 4 mN that were set: a good load cell would show it as a curvature.
+
+So when something is wrong the mass is tried beside all causes. Where it accounts for the record better than any of them it belongs to the
+baseline; of a mass that hangs, its inertia does. A mass that was assumed, because nobody declared one, is only an upper bound. Where a
+smaller one explains enough, whatever else is wrong, the mass is fitted between zero and that bound. It is held again at the end if it need
+not have been fitted.
 """
 
 from collections.abc import Iterator
@@ -24,24 +29,24 @@ from skin_models.effects.inertia import Inertia
 from skin_models.model import Model
 from skin_models.signals import GRAVITY
 
-LIGHTER = 0.5  # of the mass that was set, from which a fitted one contradicts it,
-COUNTS = 0.25  # of what the best of all causes explains, below which such a mass waits,
-HANGS = 0.01  # kg, where so much or more was set: the skin's own does not hang on the load cell
-OF_SKIN = 0.005  # kg, of a few square centimetres as thick as a finger's width: what the skin under a plunger may weigh
+LIGHTER = 0.5  # of the mass that was set; a fitted one below this contradicts it
+COUNTS = 0.25  # of what the best of all causes explains; a mass that explains less waits
+HANGS = 0.01  # kg; a mass set to this or more may hang on the load cell, while the skin's own does not
+OF_SKIN = 0.005  # kg, of a few square centimetres as thick as a finger's width: the most that skin under a plunger may weigh
 
 
 def weighed(sessions: list[Session], heaviest: float = np.inf) -> list[Session]:
-    """The sessions with the mass among their model's unknowns, up to the `heaviest` that it may be, kg; with 0 it is held."""
+    """The sessions with the mass among their model's unknowns, at most `heaviest`, kg; with 0 it is held."""
     return [replace(s, heaviest=heaviest) for s in sessions]
 
 
 def having_all(sessions: list[Session]) -> list[Session]:
-    """The sessions, none of which lacks a cause any more."""
+    """The sessions, all of which have every cause again."""
     return [replace(s, lacks=frozenset()) for s in sessions]
 
 
 def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
-    """The fit with the mass free, where it is set and that explains enough to matter; of one that hangs, with its inertia."""
+    """The fit with the mass free, where it was set and that explains enough to matter; of a mass that hangs, with its inertia."""
     if sessions[0].free_mass or sessions[0].drive is not None or "force" not in sessions[0].channels:
         return None
     sessions = weighed(sessions)
@@ -53,12 +58,12 @@ def with_mass(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | N
 
 
 def heaviest_of(present: Model, free: Model) -> float:
-    """What the mass is to be fitted up to, kg: one that takes from what was set does not add to it."""
+    """The mass up to which it is to be fitted, kg: one that came out lighter than what was set does not become heavier than that."""
     return present.dispersion.m if lighter(present, free) else np.inf
 
 
 def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | None:
-    """The fit with the mass at the heaviest that it might have been, where that is as good."""
+    """The fit with the mass held at its upper bound, where that is as good; else None."""
     m = sessions[0].heaviest
     if not 0.0 < m < np.inf:
         return None
@@ -67,7 +72,7 @@ def held_again(present: Fit, sessions: list[Session], noise: Whitener) -> Fit | 
 
 
 def weighs(search: Search, free: Fit, best: float) -> bool:
-    """Whether the mass is taken as it was fitted, `free`, beside the `best` that any cause explains."""
+    """Whether the mass is taken as it was fitted, `free`, where `best` is the most that any cause explains."""
     present = search.present
     if lighter(present.model, free.model) and not search.declared and counts_beside(search, free, best):
         return True
@@ -75,18 +80,18 @@ def weighs(search: Search, free: Fit, best: float) -> bool:
 
 
 def may_wait(search: Search, free: Fit) -> bool:
-    """Whether the `free` mass is taken where no cause is found, for it takes from what was set or may be the skin's."""
+    """Whether the `free` mass may be taken where no cause is found: it is lighter than what was set, or may be the skin's."""
     return lighter(search.present.model, free.model) or may_be_skin(search, free)
 
 
 def may_be_skin(search: Search, free: Fit) -> bool:
-    """Whether the `free` mass, which nobody declared, is one that skin may have, and several channels know it from a cause."""
+    """Whether the `free` mass, where none was declared, is one that skin may have, with several channels to tell it from a cause."""
     return not search.declared and len(search.train[0].channels) > 1 and free.model.dispersion.m < OF_SKIN
 
 
 def tells_more(free: Fit, present: Fit, best: float, may_be: bool = False) -> bool:
-    """Whether the `free` mass explains clearly more than the `best` of all causes does (squared whitened units); where it takes from the
-    mass that was set, or `may_be` the skin's, as much."""
+    """Whether the `free` mass explains clearly more than the `best` of all causes does (squared whitened units). As much is enough where it
+    is lighter than the mass that was set, or `may_be` the skin's."""
     gained, m = free.gain_over(present), free.model.dispersion.m
     if lighter(present.model, free.model) or may_be:
         return gained > reach(best)
@@ -94,14 +99,15 @@ def tells_more(free: Fit, present: Fit, best: float, may_be: bool = False) -> bo
 
 
 def counts_beside(search: Search, free: Fit, best: float) -> bool:
-    """Whether the `free` mass explains enough to matter beside the `best` of all causes, and by itself, not by fitting once more: while
-    newtons are unexplained, millinewtons of weight can wait."""
+    """Whether the `free` mass explains enough to matter beside the `best` of all causes, and by itself rather than because the model was
+    fitted once more. While newtons are unexplained, millinewtons of weight can wait."""
     again = fit(search.present.model, search.train, search.noise)
     return free.gain_over(again) > max(COUNTS * best, _least(free, search.train))
 
 
 def settles(search: Search, free: Fit, best: float) -> bool:
-    """Whether the `free` mass explains more than the `best` of all causes does, though not clearly, and leaves none of them anything."""
+    """Whether the `free` mass explains more than the `best` of all causes, though not clearly, and leaves nothing worth naming for any of
+    them."""
     if free.gain_over(search.present) <= best:
         return False
     ahead = search.ahead(free)
@@ -110,15 +116,15 @@ def settles(search: Search, free: Fit, best: float) -> bool:
 
 
 def weigh(search: Search, free: Fit) -> None:
-    """Take the fit with another mass: from now on it is fitted, and what has been named without it must be found again, unless it is no
-    more than what was assumed of the skin's own."""
+    """Take the fit with another mass, which is fitted from now on. What has been named without it must be found again, unless the mass is
+    no more than what was assumed of the skin's own."""
     search.progress("fitting the mass, too")
     before, noise = search.present.model, search.noise
     heaviest, kept = heaviest_of(before, free.model), lighter(before, free.model) and not search.declared
     search.train, search.held = weighed(search.train, heaviest), weighed(search.held, heaviest)
     search.hanging = hanging(before, free.model)
     search.present = fit(free.model if kept else replace(free.model, effects=search.hanging), search.train, noise)
-    # That of the other mass was the noise of a wrong model.
+    # The noise with the other mass was that of a wrong model.
     search.present = fit(search.present.model, search.train, search.survey().noise)
     if not kept:
         search.train, search.held = having_all(search.train), having_all(search.held)
@@ -127,31 +133,31 @@ def weigh(search: Search, free: Fit) -> None:
 
 
 def unweigh(search: Search) -> None:
-    """Hold the mass again where that which was assumed does as well, now that causes are named."""
+    """Hold the mass at what was assumed again where that does as well, now that causes are named."""
     held = None if search.declared else held_again(search.present, search.train, search.noise)
     if held:
         search.present, search.train, search.held = held, weighed(search.train, 0.0), weighed(search.held, 0.0)
 
 
 def _least(free: Fit, sessions: list[Session]) -> float:
-    """What the mass must explain to matter. The force alone shows it; as of every cause that few channels carry, less is enough then."""
+    """What the mass must explain to matter. Only the force shows it; as for every cause that few channels carry, less is enough then."""
     return MATERIAL * free.count * breadth_of(1, len(sessions[0].channels))
 
 
 def hanging(before: Model, after: Model) -> tuple[Inertia, ...]:
-    """What is left of a mass that was set and does not lean on the skin: its inertia."""
+    """What remains of a mass that was set but does not lean on the skin: its inertia."""
     m = before.dispersion.m - after.dispersion.m
     return (Inertia("rig", mass=m),) if before.dispersion.m >= HANGS and lighter(before, after) else ()
 
 
 def lighter(before: Model, after: Model) -> bool:
-    """Whether the mass that was set leans on the skin no more."""
+    """Whether the fitted mass is so much smaller that the mass that was set does not lean on the skin."""
     return after.dispersion.m < LIGHTER * before.dispersion.m
 
 
 def mass_warnings(mass: float, before: float, declared: bool) -> Iterator[str]:
-    """A warning that the mass was fitted, where it had been set to that of the skin, or as `declared`; none where skin is lighter than
-    was assumed of it: that the load cell reads no weight of millinewtons in contact is common, after a tare for one, and no fault."""
+    """A warning that the mass was fitted, where it had been set to that of the skin, or as `declared`. None where skin is lighter than was
+    assumed: that the load cell reads no weight of millinewtons in contact is common, for one after a tare, and no fault."""
     force = abs(mass - before) * GRAVITY
     if declared and mass < before and before >= HANGS:
         yield (
