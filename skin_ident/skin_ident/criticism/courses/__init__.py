@@ -1,1 +1,3 @@
-"""What belongs to one session alone: zeros, slopes, delays and depths that changed before or during it, and what they must predict."""
+"""Courses: what belongs to one session alone (zeros, slopes, delays and depths that changed before or during it), and the gate they must
+pass.
+"""

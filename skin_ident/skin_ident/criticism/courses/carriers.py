@@ -1,4 +1,6 @@
-"""What a session alone may have otherwise, and what a unit of it changes in every channel: the D of `course`, (C, N)."""
+"""Carriers of courses: the change of every simulated channel, (C, N), per unit of a zero, slope, delay or zero of depth. This is the D(t)
+of the equation in `course`.
+"""
 
 from dataclasses import replace
 
@@ -12,13 +14,14 @@ from skin_models.signals import Motion
 
 ZERO, SLOPE, DELAY, DEPTH = "zero", "slope", "delay", "zero of depth"
 DRIVE, DRIVEN = "zero of the driving force", "slope of the driving force"
-LOADED = 0.2  # of what the taxel under the plunger feels
-PROBE, PUSH = 1e-6, 1e-3  # m, N
+LOADED = 0.2  # share of what the most loaded taxel feels, from which a taxel is loaded enough to show its slope
+PROBE, PUSH = 1e-6, 1e-3  # steps of finite differences in depth, m, and in driving force, N
 
 
 def carried(carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain: np.ndarray, late: np.ndarray | float = 0.0) -> np.ndarray:
-    """D in newtons for each unit of the carrier, where the session is simulated as `plain` (C, N); zero, slope (1) and delay (s) are those
-    of the channels `rows` alone. What a delay changes is in proportion to small ones only: D is exact for `late` s, (N,)."""
+    """D (C, N), newtons per unit of the carrier, in a session whose simulation is `plain` (C, N). Zero (N), slope (1) and delay (s) act on
+    the channels `rows` alone. The effect of a delay is proportional to the delay only while it is small, so D is the secant at `late` s,
+    (N,)."""
     if carrier == DEPTH:
         return _deeper(model, s, plain)
     if carrier in (DRIVE, DRIVEN):
@@ -31,7 +34,7 @@ def carried(carrier: str, rows: tuple[int, ...], model: Model, s: Session, plain
 
 
 def _later(rows: np.ndarray, m: Motion, late: np.ndarray | float) -> np.ndarray:
-    """(y(t - d) - y(t)) / d of each row y, and its limit -dy/dt where d is less than a tenth of a sample."""
+    """(y(t - d) - y(t)) / d for each row y, or its limit -dy/dt where d is less than a tenth of a sample."""
     slope = -np.gradient(rows, m.dt, axis=1)
     if not np.any(late):
         return slope
@@ -40,7 +43,7 @@ def _later(rows: np.ndarray, m: Motion, late: np.ndarray | float) -> np.ndarray:
 
 
 def _loads(s: Session, row: int) -> bool:
-    """Whether the session loads a channel well enough to know its slope; not so a taxel far from where it presses."""
+    """Whether the session loads a channel enough to show its slope; a taxel far from the contact is not loaded enough."""
     taxel = row - (len(s.channels) - s.n_taxels)
     return s.spread is None or taxel < 0 or s.spread[taxel] > LOADED * s.spread.max()
 
@@ -51,14 +54,15 @@ def _deeper(model: Model, s: Session, plain: np.ndarray) -> np.ndarray:
 
 
 def _pushed(model: Model, s: Session, plain: np.ndarray, by: np.ndarray | float = 1.0) -> np.ndarray:
-    """What a unit more of `by` (N) in the driving force changes, (C, N): by the smaller of a push and a pull, of which one may make or lose
-    a contact, and that is a jump and no derivative."""
+    """Change of the channels, (C, N), per unit of `by` (N) added to the driving force. Of the forward and the backward difference the
+    smaller is taken at each sample: one of them may make or break a contact, and that is a jump, not a derivative."""
     push, pull = ((simulated(model, replace(s, drive=s.drive + of * by)) - plain) / of for of in (PUSH, -PUSH))
     return np.where(np.abs(push) < np.abs(pull), push, pull)
 
 
 def after_jump(model: Model, s: Session, plain: np.ndarray, moment: float) -> np.ndarray:
-    """Newtons (C, N) per metre by which the depth read is too small from `moment` on, as the session's filters have smoothed the jump."""
+    """Change of the channels, N per metre (C, N), if the recorded depth is too small from `moment` on. The jump is smoothed by the same
+    filters as the session's depth."""
     step, m = (s.motion.t >= moment).astype(float), s.motion
     speed = s.band.speed(step)
     jumped = Motion(m.t, m.x + PROBE * s.band.smooth(step), m.v + PROBE * speed, m.a + PROBE * np.gradient(speed, m.dt), m.dt)

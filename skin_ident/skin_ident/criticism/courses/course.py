@@ -1,16 +1,16 @@
-"""What belongs to one session alone: a zero taken anew before it, a slope that changed on the way, counts of the encoder that got lost.
+"""Courses: what one session has of its own, such as a zero set anew before it, a gain that changed part-way, or lost counts of the encoder.
 
-No parameter that sessions share can carry these; left out, they are named by whatever bends most like them. So each session is offered a
-course of its own,
+No parameter that all sessions share can describe these. If they are left out, the search names whatever cause resembles them most. So each
+session may have a course of its own,
 
-    y(t) = simulated(t) + D(t) sum_k z_k phi_k(t),
+    y(t) = simulated(t) + D(t) sum_k z_k phi_k(t).
 
-where D is what a zero (1 in one channel), a slope (one simulated channel), a delay (-dy/dt in channels of one clock), a zero of depth
-(dF/dx in all channels), or zero or slope of the force that drives the test (dT/dF in all taxels, times 1 or F) changes, and the phi_k are a
-constant, steps at moments to be found, or straight lines between knots. Courses compete with the catalogue's causes by the same likelihood,
-each amplitude and each moment charged.
+The carrier D is the change of the channels per unit of a zero (1 in one channel), a slope (the simulated channel itself), a delay (-dy/dt
+in all channels of one clock), a zero of depth (dF/dx in all channels), or a zero or slope of the force that drives the test (dT/dF in all
+taxels, times 1 or F). The shapes phi_k are a constant, steps at moments to be found, or hat functions between knots (a piecewise linear
+"bend"). Courses compete with the causes of the catalogue by the same likelihood gain; each amplitude and each moment is charged.
 
-Whether sessions that were held out bear one out is asked in `gate`.
+Whether held-out sessions confirm a course is decided in `gate`.
 """
 
 from dataclasses import dataclass, field, replace
@@ -32,22 +32,22 @@ from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-MOMENTS = 24  # where a step is looked for first, evenly through a session
-SHARPEST = 6  # and where a single one would explain most
-MOST_STEPS = 4  # of one session
-SEEN = 0.01  # of what a step would change if it was there from the start on, the least that must be left to tell of it
-SECANTS = 2  # times that a delay is fitted once more, with what delays of that size change
-SHORT = 0.1  # of a period of the band's edge, the delay below which once more is enough
-LASTING_S, UNDONE = 1.0, 0.5  # for which a step must last, unless as much of it is left
-KNOT_S = {ZERO: 20.0, DELAY: 5.0}  # between the knots of a bend; motion tells of a delay wherever it is, of a zero only what noise leaves
-ALIKE = 0.95  # of the likelihood gain of a slope in one channel, which the same in all must reach to go before it
+MOMENTS = 24  # intervals of the even grid of a session on which steps are first searched for,
+SHARPEST = 6  # and further candidates, where a single step would explain most
+MOST_STEPS = 4  # steps per session, on average
+SEEN = 0.01  # share of the energy of a step from the start on that the last possible step must still have
+SECANTS = 2  # times at most that a delay is refitted, linearised about the delay found before
+SHORT = 0.1  # share of a period at the band's edge, below which a delay needs one refit only
+LASTING_S, UNDONE = 1.0, 0.5  # s that a step must last, unless more than this share of it remains afterwards
+KNOT_S = {ZERO: 20.0, DELAY: 5.0}  # s between the knots of a bend; a delay shows in all motion, a zero only above slow noise
+ALIKE = 0.95  # share of the score of a slope in one channel that a slope common to all must reach to replace it
 
-Solution = tuple[dict[str, np.ndarray], float, float]  # amplitudes by session, what they explain less their charge, and that charge
+Solution = tuple[dict[str, np.ndarray], float, float]  # amplitudes by session, their gain less their charge, and that charge
 
 
 def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndarray]:
-    """Every bend of every channel's zero, and another zero of depth, (K, C, n) by session; what bends one session's is nothing in the
-    others."""
+    """Rows (K, C, n) for each session: the hat functions of every channel's zero, and the zero of what drives the test, of every session.
+    Rows of one session are zero in the others."""
     every = [Course(ZERO, BEND, (c,), "") for c in range(len(sessions[0].channels))]
 
     def of(s: Session) -> np.ndarray:
@@ -62,15 +62,15 @@ def bends_of_each_session(model: Model, sessions: list[Session]) -> list[np.ndar
 
 
 def worthwhile(model: Model, sessions: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
-    """Courses that explain something of what `model` leaves of `sessions`, its own unknowns projected out; the best first. Where what good
-    hardware does explains most, it is the only one, and not `worth` a name."""
+    """Courses that explain part of what `model` leaves of `sessions`, the best first, with the model's own unknowns projected out. If the
+    best one is of a size that good hardware has, it is returned alone, and its `worth` is false."""
     Q = basis(stack(own_rows(model, sessions, sessions), sessions, noise))
     return _worthwhile(_ground(model, sessions, noise, Q), encoder_step)
 
 
 def beside_the_rest(model: Model, train: list[Session], held: list[Session], noise: Whitener, encoder_step: float = 0.0) -> list[Run]:
-    """Courses that explain something of sessions `held` which `model` was not fitted to: what is wrong in them alone. The model is free
-    there as far as `train` leaves it: a taxel that nothing loaded so far may read anything."""
+    """Courses that explain part of the residual of `held` sessions, to which `model` was not fitted: what is wrong in them alone. The model
+    may change there as far as `train` leaves it uncertain: a taxel that no training session loads may read anything."""
     return _worthwhile(_held_ground(model, held, noise, Open.to(model, train, held, noise)), encoder_step)
 
 
@@ -84,7 +84,8 @@ def _worthwhile(ground: "_Ground", encoder_step: float) -> list[Run]:
 
 
 def _shows_in_the_air(run: Run, g: "_Ground") -> bool:
-    """Whether jumps of a zero show where nothing is pressed, too: what only loads bring is none. True of all other courses."""
+    """Whether a zero that jumps also lowers the error in the air. One that only appears under load is no jump of a zero. True for all other
+    courses."""
     if not run.course.jumps:
         return True
     (row,), before, after = run.course.rows, 0.0, 0.0
@@ -96,7 +97,8 @@ def _shows_in_the_air(run: Run, g: "_Ground") -> bool:
 
 
 def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
-    """The runs but for slopes of one channel that are explained as well where all channels have them alike: that is no sensor's."""
+    """The runs without the slopes of one channel where a slope common to all channels explains nearly as much: that is no fault of one
+    sensor."""
     sloped = max((r.score for r in runs if r.course.carrier == SLOPE), default=0.0)
     if sloped <= LEAST or len(ground.sessions[0].channels) == 1:
         return runs
@@ -105,24 +107,25 @@ def _of_sensors(runs: list[Run], ground: "_Ground") -> list[Run]:
 
 
 def added(sessions: list[Session], values: dict[str, np.ndarray]) -> list[Session]:
-    """The sessions with a course beyond the model: by name of a session what it adds there, (C, N), N."""
+    """The sessions with a course added to their simulation; `values` (C, N) N by name of the session."""
     return [replace(s, beyond=values[s.name] + (0.0 if s.beyond is None else s.beyond)) for s in sessions]
 
 
 def fitted(
     course: Course, model: Model, sessions: list[Session], noise: Whitener, free: Open | None = None, at: Moments | None = None
 ) -> Run:
-    """The course fitted to what `model` leaves, beside what is `free` to change of it. Steps are looked for, or are `at` given moments."""
+    """The course fitted to the residual of `model`, with what is `free` to change of the model. Steps are searched for, or placed `at`
+    given moments."""
     ground = _held_ground(model, sessions, noise, free) if free else _ground(model, sessions, noise)
     return _run(course, ground, at)
 
 
 @dataclass(frozen=True)
 class _Ground:
-    """What every course begins from: the sessions as simulated, (C, N) by name, and the whitened residual (R,) less what `Q` (R, U) spans,
-    which the model may change by itself (None: nothing). Rows of `Q` beyond those of the sessions are what others know of the model. Where
-    courses of these sessions are looked for `alone`, others say what the slopes are. Delays are exact where they are about `late`, (N,) s
-    by name."""
+    """What all courses are fitted to: the simulated sessions, `plain` (C, N) by name, and the whitened residual `left` (R,) after
+    projection off `Q` (R, U), the span of what the model may change by itself (None: nothing). Rows of `Q` beyond those of the sessions are
+    what other sessions know of the model. `alone`: only these sessions are asked for courses, and other sessions determine the slopes.
+    Delays are linearised about `late`, (N,) s by name."""
 
     model: Model
     sessions: list[Session]
@@ -140,14 +143,14 @@ class _Ground:
         return self.left[sum(sizes[:i]) : sum(sizes[: i + 1])].reshape(session.measured.shape)
 
     def tare(self, course: Course) -> Tare | None:
-        """What tares leave of a zero that lasts as long as the session; of no other course."""
+        """The zero error that a tare leaves, for a course that is a constant zero; None for all others."""
         if not course.tares:
             return None
         return tare_of_drive(self.sessions) if course.carrier == DRIVE else self._tared[course.rows[0]]
 
     @cached_property
     def _tared(self) -> list[Tare]:
-        """The same of every channel: worked out from the noise's spectrum once for all zeros."""
+        """The same for every channel, computed from the noise spectrum once for all zeros."""
         return tares(self.sessions, self.noise)
 
     @cached_property
@@ -155,22 +158,23 @@ class _Ground:
         return {}
 
     def carrier(self, course: Course, s: Session) -> np.ndarray:
-        """D of the module's equation, (C, N), newtons for each unit of z; worked out once for all shapes."""
+        """D of the module's equation, (C, N), newtons per unit of z; computed once for all shapes."""
         key = course.carrier, course.rows, s.name
         if key not in self._carriers:
             self._carriers[key] = carried(course.carrier, course.rows, self.model, s, self.plain[s.name], self.late.get(s.name, 0.0))
         return self._carriers[key]
 
     def beside(self, rows: np.ndarray) -> np.ndarray:
-        """Whitened rows (R, …) less what `Q` spans."""
+        """Whitened rows (R, …) projected off `Q`."""
         if self.Q is None:
             return rows
         rows = np.concatenate([rows, np.zeros((len(self.Q) - len(rows), *rows.shape[1:]))])
         return rows - self.Q @ (self.Q.T @ rows)
 
     def span(self, course: Course, s: Session) -> tuple[float, float]:
-        """The moments (s) from which on a course may step, and after which too little is compared to tell of it. A slope that is wrong from
-        the start on is the skin's own in a lone session, and the place's where sessions press at several."""
+        """First and last moment (s) at which a course may step; after the last one too little is compared to see the step. A slope step at
+        the very start of a lone session is the skin's stiffness, and where sessions press at several places it is the place's: there the
+        span begins later."""
         t = s.motion.t
         own = course.carrier == SLOPE and self.Q is not None and not self.alone and (len(self.sessions) == 1 or s.spread is not None)
         first = float(t[0] + own * (t[-1] - t[0]) / (MOMENTS + 1))
@@ -191,13 +195,12 @@ def _held_ground(model: Model, held: list[Session], noise: Whitener, free: Open)
 
 
 def basis(A: np.ndarray) -> np.ndarray:
-    """An orthonormal basis (R, U) of the span of the columns of `A` (R, M) that are not nothing: for one that is, QR would invent a
-    direction."""
+    """An orthonormal basis (R, U) of the span of the non-zero columns of `A` (R, M). For a zero column QR would invent a direction."""
     return np.linalg.qr(A[:, np.any(A != 0.0, axis=0)])[0]
 
 
 def _run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
-    """The course fitted; of a delay several times, each time with what delays of the size found so far change."""
+    """The course fitted. A delay is fitted repeatedly, each time linearised about the delay found before."""
     run = _linear_run(course, g, at)
     if course.carrier != DELAY or run.score <= 0.0:
         return run
@@ -210,12 +213,12 @@ def _run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
 
 
 def _total(course: Course, run: Run, s: Session) -> np.ndarray:
-    """The amplitudes of a run added up, (N,)."""
+    """The sum of the terms z_k phi_k of a run in one session, (N,)."""
     return run.amplitudes[s.name] @ _on(run.moments[s.name], course, s)
 
 
 def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
-    """The course fitted, where what its carrier changes is in proportion to its amplitudes."""
+    """The course fitted by linear least squares, as if its effect were proportional to its amplitudes."""
     moments, (z, score, charge) = _solved_steps(course, g, at) if course.shape == STEPS else _solved(course, g, at)
     values = {s.name: _value(course, g, s, moments[s.name], z[s.name]) for s in g.sessions}
     said = {s.name: said_of(course, s.motion.t[0], moments[s.name], z[s.name]) for s in g.sessions}
@@ -224,14 +227,14 @@ def _linear_run(course: Course, g: _Ground, at: Moments | None = None) -> Run:
 
 
 def _solved(course: Course, g: _Ground, at: Moments | None) -> tuple[Moments, Solution]:
-    """The moments between which the course is drawn, `at` given ones or evenly, and its amplitudes there."""
+    """Moments (given by `at`, or on an even grid) and the amplitudes there."""
     moments = at or {s.name: _moments(course, g, s) for s in g.sessions}
     return moments, _solve(course, g, moments, exactly=at is not None)
 
 
 def _solved_steps(course: Course, g: _Ground, at: Moments | None) -> tuple[Moments, Solution]:
-    """The moments of the steps that are taken, and their amplitudes: looked for first roughly, then about those that were found, and once
-    more without what does not last, unless they are `at` given ones."""
+    """The moments of the steps that are used, and their amplitudes. Unless they are given by `at`, moments are searched for on a coarse
+    grid, then on a fine one around those found, and the fit is repeated without steps that do not last."""
     moments, (z, score, charge) = _solved(course, g, at)
     if at is None and score > 0.0:
         moments = {s.name: _around(moments[s.name], z[s.name], s, g.span(course, s)) for s in g.sessions}
@@ -245,8 +248,8 @@ def _solved_steps(course: Course, g: _Ground, at: Moments | None) -> tuple[Momen
 
 
 def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """The moments of steps that last; the first of all where none does. A single step that is undone soon after is an accident, or noise;
-    several are a loose contact."""
+    """The moments of the steps that last, or the first moment where none does. A single step that is undone soon after is an accident or
+    noise and is dropped; several of them are a loose contact and stay."""
     used, z = moments[z != 0.0], z[z != 0.0]
     undone = (np.diff(used) < LASTING_S) & (np.abs(z[1:] + z[:-1]) < UNDONE * np.maximum(np.abs(z[1:]), np.abs(z[:-1])))
     if np.count_nonzero(undone) != 1:
@@ -256,7 +259,8 @@ def _lasting(moments: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """What the amplitudes z (K,) add, (C, N) N. A step of the depth is done exactly, for the speed that it feigns is felt, too."""
+    """What the amplitudes z (K,) add to the channels, (C, N) N. A step of depth is simulated exactly, since the apparent speed at the jump
+    also acts."""
     if course.carrier == DEPTH:
         jumps = (a * after_jump(g.model, s, g.plain[s.name], m) for a, m in zip(z, moments, strict=True))
         return sum(jumps, np.zeros_like(s.raw))
@@ -264,7 +268,7 @@ def _value(course: Course, g: _Ground, s: Session, moments: np.ndarray, z: np.nd
 
 
 def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
-    """Moments of steps: some evenly through the session, and where the residual itself points to."""
+    """Candidate moments of steps: an even grid, and the moments where the residual itself suggests one."""
     t = s.motion.t
     if course.shape != STEPS:
         return _knots(course, s)
@@ -274,7 +278,7 @@ def _moments(course: Course, g: _Ground, s: Session) -> np.ndarray:
 
 
 def _knots(course: Course, s: Session) -> np.ndarray:
-    """Where the straight lines of a bend meet; one for a constant."""
+    """Knots of a bend, s; a single dummy knot for a constant."""
     t = s.motion.t
     return np.linspace(t[0], t[-1], max(2, round((t[-1] - t[0]) / KNOT_S[course.carrier]) + 1)) if course.shape == BEND else np.zeros(1)
 
@@ -290,7 +294,7 @@ def _on(moments: np.ndarray, course: Course, s: Session) -> np.ndarray:
 
 
 def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, float]) -> np.ndarray:
-    """Finer grids about the moments that were used, within a span: one as wide as those were apart, one from sample to sample."""
+    """Finer grids about the moments that were used, within a span: one as wide as the coarse spacing, one from sample to sample."""
     dt, gap = s.motion.dt, (s.motion.t[-1] - s.motion.t[0]) / (MOMENTS + 1)
     around = np.union1d(np.linspace(-gap, gap, 17), dt * s.band.every * np.linspace(-1.0, 1.0, 9))
     used = moments[z != 0.0]
@@ -298,7 +302,8 @@ def _around(moments: np.ndarray, z: np.ndarray, s: Session, span: tuple[float, f
 
 
 def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) -> Solution:
-    """Amplitudes by session, the fall of the squared whitened error less the charge for each of them, and that charge."""
+    """Amplitudes by session, their gain less the charge for each amplitude (twice for steps, whose moment is charged too), and that
+    charge."""
     rows = [_felt(course, g, s, moments[s.name], exactly) for s in g.sessions]
     normal = Normal.by_blocks([stack([own], [s], g.noise) for own, s in zip(rows, g.sessions, strict=True)], g.left, g.Q)
     steps = course.shape == STEPS
@@ -312,7 +317,7 @@ def _solve(course: Course, g: _Ground, moments: Moments, exactly: bool = False) 
 
 
 def _felt(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: bool) -> np.ndarray:
-    """What a unit of every z_k changes in the common band, (K, C, n) N: only the course's own channels feel anything."""
+    """Change of the channels per unit of every z_k in the common band, (K, C, n) N; zero in all channels but the course's own."""
     if exactly and course.carrier == DEPTH:
         return np.array([s.band.thin(after_jump(g.model, s, g.plain[s.name], m)) for m in moments])
     phi, carrier = _on(moments, course, s), g.carrier(course, s)
@@ -323,8 +328,9 @@ def _felt(course: Course, g: _Ground, s: Session, moments: np.ndarray, exactly: 
 
 
 def _free(course: Course, g: _Ground, rows: list[np.ndarray]) -> np.ndarray:
-    """What spans the amplitudes, (K, L). Of slopes that last, and of delays that bend, the mean is the model's own, where it may change:
-    of a delay damping takes it."""
+    """Columns (K, L) that span the admissible amplitudes. Where the model is free, the mean over all amplitudes is removed from
+    session-long slopes and from delays that bend: a common slope is the model's stiffness, and a common delay is taken up by its
+    damping."""
     one = np.eye(sum(map(len, rows)))
     if not (course.slopes or course.wanders) or g.Q is None or g.alone:
         return one
@@ -333,6 +339,6 @@ def _free(course: Course, g: _Ground, rows: list[np.ndarray]) -> np.ndarray:
 
 
 def _as_tared(normal: Normal, z: np.ndarray, most: float) -> np.ndarray:
-    """The zeros within what tares leave, where they explain as much as any others."""
+    """The zeros bounded by what tares leave, if these explain as much as unbounded ones; else `z`."""
     within = lsq_linear(*normal.square(), (-most, most)).x if most > 0.0 else np.zeros(z.size)
     return within if normal.explained(z) - normal.explained(within) < MORE else z

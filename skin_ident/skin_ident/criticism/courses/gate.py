@@ -1,5 +1,5 @@
-"""The gate of courses: in held-out sessions the course is fitted to every other block of a few seconds, and must predict the blocks
-between. A slow drift is told from strongly coloured noise in this way only: knots and blocks are longer than the memory of noise.
+"""The gate for courses. In held-out sessions the course is fitted to every other block of a few seconds and must predict the blocks
+between. Only so is a slow drift told from strongly coloured noise: knots and blocks are longer than the memory of the noise.
 """
 
 from dataclasses import replace
@@ -17,24 +17,25 @@ from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # alternately fitted and predicted
-BRIEF_S = 2.0  # where a delay bends, whose knots are nearer
-FEWEST_BLOCKS = 10  # of a session in which a slope is asked for: each half of them must be loaded
-CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18, WAVE: 0.18}  # least relative fall: noise of long memory bends
-PLAINLY = 0.15  # fall that needs no gain in likelihood
-FAINT = 0.2  # of what is left at full rate, which a course of a zero must exceed
-SURE = 0.25  # of the fall of the error, which its interval must exclude: seven courses are tried every time
+BLOCK_S = {CONSTANT: 4.0, STEPS: 4.0, BEND: 8.0}  # s, length of the blocks that are fitted and predicted in turn
+BRIEF_S = 2.0  # s, the same for a delay that bends, whose knots are closer together
+FEWEST_BLOCKS = 10  # blocks in a session, at least, for a constant slope: both halves of them must be loaded
+# Least relative fall of the RMSE; noise of long memory looks like a bend or a wave.
+CLEARLY = {CONSTANT: MATERIAL_RMSE, STEPS: MATERIAL_RMSE, BEND: 0.18, WAVE: 0.18}
+PLAINLY = 0.15  # relative fall of the RMSE above which no gain in likelihood is required
+FAINT = 0.2  # share of the RMS residual at full rate that a zero, or a constant slope, must exceed
+SURE = 0.25  # share of the fall of the error that its lower bound must exceed: seven courses are tried every time
 
 
 def stands(run: Run, gain: Gain, model: Model, sessions: list[Session]) -> bool:
-    """Whether a course of `sessions` beside `model` is believed, where it shows, and more than faint if it is one of a zero, or a slope
-    from the start on: those of good hardware wander."""
+    """Whether a course of `sessions` beside `model` passes: its gain passes `believed`, the gain is in the channels of the course, and a
+    zero, or a constant slope, is not faint, since those of good hardware wander."""
     faint = (run.course.carrier == ZERO or run.course.slopes) and _share(run, model, sessions) < FAINT
     return believed(gain, run.course) and run.course.shows(gain) and not faint
 
 
 def _share(run: Run, model: Model, sessions: list[Session]) -> float:
-    """A course over what the model leaves at full rate, in its channels (RMS)."""
+    """RMS of a course over the RMS residual of the model without it, at full rate, in the channels of the course."""
     own = list(run.course.rows)
     size = sum(np.sum(run.values[s.name][own] ** 2) for s in sessions)
     left = sum(np.sum((s.raw - simulated(model, s))[own] ** 2) for s in sessions)
@@ -42,21 +43,24 @@ def _share(run: Run, model: Model, sessions: list[Session]) -> float:
 
 
 def believed(gain: Gain, course: Course) -> bool:
-    """Whether the blocks between are predicted better beyond doubt, and enough to matter. The plain error decides: a step that is found a
-    little too early or too late leaves a spike, which whitening would make the most of. But where the plain error falls by little, the
-    likelihood must gain, too, and it may never lose as large a share as the plain error gains. Of one session among others the plain error
-    falls in few blocks: there the likelihood may be what is beyond doubt."""
+    """Whether the blocks between are predicted better, beyond doubt and by enough to matter.
+
+    The plain error decides, since a step placed a little too early or late leaves a spike that whitening would amplify. If the plain error
+    falls by little, the likelihood must gain too; and it must never lose a larger share than the plain error gains. A course of one session
+    among several lowers the plain error in few blocks only: there the certainty may come from the likelihood instead.
+    """
     fall = 1.0 - gain.after / max(gain.before, 1e-300)
     sure = gain.ci95[0] > SURE * (gain.before - gain.after) or (gain.ci95[0] > 0.0 and gain.lower > SURE * gain.relative > 0.0)
     sure = sure and fall > CLEARLY[course.shape]
-    if course.shape == BEND and not course.wanders:  # which leaves no spikes, and is what wandering noise looks like
+    if course.shape == BEND and not course.wanders:  # a bend leaves no spikes, and wandering noise looks like one
         return sure and gain.lower > 0.0
     return sure and (gain.relative > 0.0 or (fall > PLAINLY and gain.relative > -fall))
 
 
 def course_gain(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
-    """What the course gains in `held`, or in `train` where nothing is held out, fitted to every other block and predicting the blocks
-    between; the model is `before` or `after`, each free as far as training leaves it."""
+    """Gain of the course in `held`, or in `train` where nothing is held out: fitted to every other block, it predicts the blocks between.
+    The models are `before` without and `after` with it, each free as far as training leaves it uncertain. For constant slopes and zeros
+    that held-out sessions do not contradict, the gain in `train` counts if it is larger."""
     gain = _gain_in(course, before, after, train, held, noise)
     if not (held and (course.slopes or course.tares) and len(train) > 1 and _agrees(gain)):
         return gain
@@ -64,12 +68,12 @@ def course_gain(course: Course, before: Model, after: Model, train: list[Session
 
 
 def _agrees(gain: Gain) -> bool:
-    """Whether held-out sessions do not speak against a slope or a zero that the others have: it may be near to the mean, or none, there."""
+    """Whether held-out sessions do not contradict a slope or zero of the others; their own may be near the mean, or nothing."""
     return gain.lower > 0.0 and gain.after < gain.before
 
 
 def _gain_in(course: Course, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> Gain:
-    """The same in held-out sessions, or in those that were fitted where none is `held`."""
+    """The gain in held-out sessions, or in the training sessions where `held` is empty."""
     free, sessions = left_open(after, train, held, noise), held or train
     plain = [residual(before, s) for s in sessions]
     predicted = [_predicted(course, after, s, noise, free and free.of(i)) for i, s in enumerate(sessions)]
@@ -81,8 +85,8 @@ def _gain_in(course: Course, before: Model, after: Model, train: list[Session], 
 
 
 def helps(run: Run, before: Model, after: Model, train: list[Session], held: list[Session], noise: Whitener) -> bool:
-    """Whether held-out sessions with such a course of their own are nearer to `after` than without one to `before`, in the plain error of
-    the channels where it shows; else it is what one session had, and nobody can tell that from noise."""
+    """Whether `after` with such a course fitted to the held-out sessions is nearer to them than `before` without one, in the plain error of
+    the course's channels. If not, only one session had it, and that cannot be told from noise."""
     if not held:
         return True
     own = fitted(run.course, after, held, noise, left_open(after, train, held, noise))
@@ -90,7 +94,7 @@ def helps(run: Run, before: Model, after: Model, train: list[Session], held: lis
 
 
 def nearer(run: Run, model: Model, sessions: list[Session]) -> bool:
-    """Whether a model with a course of their own is nearer to sessions, in the plain error of the channels where it shows."""
+    """Whether `model` with the course is nearer to the sessions than without it, in the plain error of the course's channels."""
     return _left(run, model, added(sessions, run.values)) < _left(run, model, sessions)
 
 
@@ -100,9 +104,11 @@ def _left(run: Run, model: Model, sessions: list[Session]) -> float:
 
 
 def _predicted(course: Course, model: Model, s: Session, noise: Whitener, free: Open | None) -> np.ndarray:
-    """Residual (C, n) with each block's course fitted to its neighbours. When the depth or a zero jumped, or a buffer slipped, may be seen
-    in all blocks: jumping a little too early or too late feigns a speed that was not there, or a spike, and of half a session more slips
-    are told than of all of it, each of which is far off in the blocks between."""
+    """Residual (C, n) after subtracting in each block the course that was fitted to the other blocks.
+
+    Jumps of depth or of a zero, and slips of a buffer, take their moments from all blocks. A jump placed a little too early or late would
+    feign a speed or leave a spike; and half a session shows more slips than all of it, each of them far off in the blocks between.
+    """
     e = residual(model, s)
     known = fitted(course, model, [s], noise, free).moments if course.carrier in (DEPTH, DELAY) or course.jumps else None
     at = known if known and known[s.name].size else None

@@ -1,4 +1,4 @@
-"""Which courses sessions can have: what each multiplies, its shape in time, and the cause that it stands for."""
+"""The kinds of course: carrier, shape in time, and the cause of the catalogue that each stands for."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ CAUSES = {
 
 @dataclass(frozen=True)
 class Course:
-    """One kind of course: what it multiplies (`carrier`, in channels `rows`), and its shape in time."""
+    """One kind of course: its `carrier`, the channels `rows` it acts on, its `shape` in time, and its place `where`."""
 
     carrier: str
     shape: str
@@ -45,17 +45,18 @@ class Course:
 
     @property
     def keys(self) -> tuple[Key, ...]:
-        """Its own, and those under which the same signal goes: a force read too small is all taxels reading too much."""
+        """Its own cause and place, and other names of the same signal: a driving force read too small equals all taxels reading too
+        much."""
         return (self.key, (self.cause, "taxel")) if self.carrier == DRIVEN else (self.key,)
 
     @property
     def tares(self) -> bool:
-        """Whether it is a zero that lasts as long as the session, as tares leave one."""
+        """Whether it is a constant zero, such as a tare leaves."""
         return self.carrier in (ZERO, DRIVE) and self.shape == CONSTANT
 
     @property
     def slopes(self) -> bool:
-        """Whether it is a slope that lasts as long as the session."""
+        """Whether it is a slope that is constant over the session."""
         return (self.carrier, self.shape) == (SLOPE, CONSTANT)
 
     @property
@@ -65,22 +66,22 @@ class Course:
 
     @property
     def wanders(self) -> bool:
-        """Whether it is a delay that bends."""
+        """Whether it is a delay that bends, i.e. varies piecewise linearly."""
         return (self.carrier, self.shape) == (DELAY, BEND)
 
     def shows(self, gain: Gain) -> bool:
-        """Whether a gain is where the course is; what is wrong with the force that drives a test shows in the taxels."""
+        """Whether the gain is in the channels of the course; a fault of the force that drives a test shows in the taxels."""
         return self.carrier in (DRIVE, DRIVEN) or gain.shows_at(self.where)
 
 
 def common_slope(session: Session) -> Course:
-    """All channels more or less alike: no sensor, but skin that is stiffer or thinner in one session than in the other."""
+    """A slope that is common to all channels: no fault of a sensor, but skin that is stiffer or thinner in one session than in another."""
     return Course(SLOPE, CONSTANT, tuple(range(len(session.channels))), "skin")
 
 
 def courses(session: Session) -> Iterator[Course]:
-    """Every course that sessions of this kind could have. A channel that answers nothing has none of its own; where sessions press at
-    several places, a slope is the place's."""
+    """Every course that sessions of this kind could have. A stuck channel has none. Where sessions press at several places, constant slopes
+    are left out: they belong to the place."""
     every = tuple(range(len(session.channels)))
     for c, channel in enumerate(session.channels):
         if channel in session.stuck:
@@ -88,7 +89,7 @@ def courses(session: Session) -> Iterator[Course]:
         where = sensor_of(channel, session.n_taxels)
         kinds = [kind for kind in CAUSES if kind[0] in (ZERO, SLOPE) and not (kind == (SLOPE, CONSTANT) and session.spread is not None)]
         if session.drive is not None:
-            kinds.remove((ZERO, STEPS))  # nobody knows when it is in the air
+            kinds.remove((ZERO, STEPS))  # without a depth it is not known when the plunger is in the air
         yield from (Course(*kind, (c,), where) for kind in kinds)
     taxels = every[session.taxel_rows]
     if session.drive is not None:

@@ -1,17 +1,18 @@
-"""Waves: a zero, or a slope, that wanders slowly and smoothly as long as a session lasts, as with the temperature of a room.
+"""Waves: a zero or slope that wanders slowly and smoothly throughout a session, for example with the temperature of the room.
 
-To the noise model a wave is noise of long memory, and to a description of the record in the fewest words hardly more: a filter foretells
-what is smooth from its last samples. What tells them apart is the spectrum over whole sessions. With the cosines of a session, k half
-periods to its length, noise of whatever memory has
+An autoregressive noise model takes a wave for noise of long memory, and the description length hardly objects, since a filter predicts a
+smooth signal from its last samples. The spectrum over whole sessions does tell the two apart. With the cosines of a session of length T, k
+half periods to the session, noise of any memory has
 
     E z_k^2 <= a + b / k^2,    z_k = sum e(t) D(t) cos(pi k t / T),
 
-since a random walk is the roughest that wanders without end, and any other grows less towards k = 0. The line is drawn through the cosines
-k = 8 … 50, as high as these let it be, and what the seven below have beyond it is no noise. It is a wave of a sensor if it is so in
-held-out sessions, too, if it is a good part of what is left of its channel, if no other channel has the same, and if it does not go with
-the motion.
+since a random walk is the roughest process that wanders without end, and every other one grows more slowly towards k = 0. The line a + b /
+k^2 is fitted to the cosines k = 8 … 50, as high as these allow; power of the lowest seven above that line is not noise. It is a wave of one
+sensor if it is also there in held-out sessions, if it is a good part of the channel's error, if no other channel has the same, and if it
+does not follow the motion.
 
-Source: for cosines as the eigenfunctions of what wanders, N. Ahmed, T. Natarajan, K. Rao, IEEE Transactions on Computers C-23 (1974) 90-93.
+Source: for cosines as the eigenfunctions of slow random processes, N. Ahmed, T. Natarajan, K. Rao, IEEE Transactions on Computers C-23
+(1974) 90-93.
 """
 
 from collections.abc import Iterator
@@ -32,25 +33,26 @@ from skin_ident.criticism.telemetry.symptom import sensor_of
 from skin_models.model import Model
 from skin_models.operators.lagging import lagged
 
-LOW, HIGH = 7, 50  # half periods to a session, of waves and of what draws the line
+LOW, HIGH = 7, 50  # half periods per session: the most of a wave, and of the cosines to which the line is fitted
 SHORTEST_S = 2.8  # the shortest period of a wave, s
-LASTS_S = 9.5  # for which a session must last, s: on shorter ones waves were not tried
-FEWEST = 3  # cosines that draw the line, times those of waves
-SLOPES = np.concatenate([[0.0], np.geomspace(1.0, 1e5, 41)])  # b / a
-DOUBT = 2.5  # nats by which a line may be less likely than the best one
-# Times the line. Of 2640 sound records of eleven kinds of noise the most had 1.7 where the doubt was 4 nats; of slopes, whose line the
-# motion bends, one short record in hundreds had 4.5 with the doubt above.
+LASTS_S = 9.5  # s, that a session must last: waves were not tested on shorter ones
+FEWEST = 3  # cosines for the line per cosine of a wave, at least
+SLOPES = np.concatenate([[0.0], np.geomspace(1.0, 1e5, 41)])  # grid of b / a
+DOUBT = 2.5  # nats by which a line may be less likely than the best one and still be allowed
+# Power of a wave over the line, at least. Of 2640 sound records with eleven kinds of noise the largest ratio was 1.7, with a doubt of 4
+# nats. For slopes, whose line the motion bends, one short record in hundreds had 4.5 with the doubt above.
 EXCESS = {ZERO: 4.0, SLOPE: 6.0}
-GOOD_PART = 0.2  # of the plain error of its channel, which a wave must take away
-ALIKE, HALF = 0.7, 0.5  # correlation with another channel's wave, of so much of the excess or the part, from which they are the same
-LOCKED = 0.75  # of a wave's mean square: so much may not go with the motion
-WHOLE = 0.7  # of a session that must be believed
+GOOD_PART = 0.2  # share of the channel's plain RMS error that a wave must remove
+# Correlation with the wave of another channel from which both are the same, if that has this share of the required excess and part.
+ALIKE, HALF = 0.7, 0.5
+LOCKED = 0.75  # share of a wave's mean square that the motion must not explain
+WHOLE = 0.7  # share of a session's samples that must be trusted
 
 
 @dataclass(frozen=True)
 class Wave:
-    """What wanders in one channel: over the line of noise in training sessions and in those held out, what it is, (C, N) N, and the part of
-    the plain error that it takes away, each by session."""
+    """A wave in one channel: its power over the noise line in training and in held-out sessions (`excess`), its `values` (C, N) N, and the
+    share of the plain error that it removes (`parts`), both by session."""
 
     course: Course
     excess: tuple[float, float]
@@ -59,12 +61,12 @@ class Wave:
 
     @property
     def part(self) -> float:
-        """The least part of any session."""
+        """The smallest share over all sessions."""
         return min(self.parts.values())
 
 
 def find_wave(model: Model, train: list[Session], held: list[Session], noise: Whitener) -> tuple[Wave, Gain] | None:
-    """The wave that takes most of a channel's error away, if there is one, and what it gains in held-out sessions."""
+    """The wave that removes most of a channel's error, with its gain in held-out sessions; None if there is none."""
     sessions = [*train, *held]
     if not held or any(np.mean(s.weight > 0.0) < WHOLE or np.ptp(s.motion.t) < LASTS_S for s in sessions):
         return None
@@ -83,7 +85,7 @@ def find_wave(model: Model, train: list[Session], held: list[Session], noise: Wh
 
 
 def run_of(wave: Wave, model: Model, sessions: list[Session], score: float) -> Run:
-    """The same as a course of `sessions`."""
+    """The wave as a course (`Run`) of `sessions`."""
     said = {s.name: _said(wave.course, model, s, wave.values[s.name]) for s in sessions}
     values = {s.name: wave.values[s.name] for s in sessions}
     return Run(wave.course, score, 0.0, max(float(np.abs(v).max()) for v in values.values()), values, said, sessions[0].period)
@@ -96,8 +98,8 @@ def _courses(session: Session) -> Iterator[Course]:
 
 
 def _wave(course: Course, simulations: list[np.ndarray], sessions: list[Session], e: list[np.ndarray], training: int) -> Wave | None:
-    """The wave of a channel, fitted to what is left `e` (C, n) N of sessions of which so many are for `training`; None where they are too
-    short to have one."""
+    """The wave of a channel, fitted to the residuals `e` (C, n) N of all sessions, of which the first `training` are for training; None
+    where they are too short."""
     low = min(LOW, *(int(2.0 * np.ptp(s.motion.t) / SHORTEST_S) for s in sessions))
     high = min(HIGH, *(s.t.size // 5 for s in sessions))
     if high < (FEWEST + 1) * low or low < 2:
@@ -110,8 +112,8 @@ def _wave(course: Course, simulations: list[np.ndarray], sessions: list[Session]
 
 
 def _of_session(course: Course, s: Session, plain: np.ndarray, e: np.ndarray, low: int, high: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """How much of each of the `high` cosines is in what is left of a channel (in units of white noise, of those beyond the first `low`
-    beside these), the wave of these (C, N) N, and the share of the error that it takes away."""
+    """Amounts of the `high` cosines in a channel's residual (in units of white noise; those beyond the first `low` beside these), the wave
+    made of the first `low` (C, N) N, and the share of the error that it removes."""
     row, good = course.rows[0], s.weight[course.rows[0]] > 0.0
     full = plain[row] if course.carrier == SLOPE else np.ones_like(plain[row])
     D, y = s.band.thin(full)[good], e[row][good]
@@ -126,7 +128,7 @@ def _of_session(course: Course, s: Session, plain: np.ndarray, e: np.ndarray, lo
 
 
 def _shapes(t: np.ndarray, s: Session, most: int) -> tuple[np.ndarray, np.ndarray]:
-    """Cosines, from none to `most` half periods to the session, and the line and parabola that bend waves at its ends."""
+    """Cosines with 0 to `most` half periods per session, and the line and parabola that account for slopes at the ends."""
     u = (t - s.motion.t[0]) / np.ptp(s.motion.t)
     return np.cos(np.pi * np.arange(most + 1)[:, None] * u), np.array([u - 0.5, (u - 0.5) ** 2])
 
@@ -136,7 +138,7 @@ def _matched(y: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def _line(squares: np.ndarray, low: int) -> np.ndarray:
-    """The highest a + b / k^2 (low,) that squares (S, K) beyond the first `low` let be."""
+    """The highest line a + b / k^2 (low,) that is compatible with the squares (S, K) beyond the first `low`."""
     k = np.arange(1.0, squares.shape[1] + 1.0)
     shapes = 1.0 + SLOPES[:, None] / k**2
     sizes = np.mean(squares[:, None, low:] / shapes[:, low:], axis=(0, 2))
@@ -146,7 +148,7 @@ def _line(squares: np.ndarray, low: int) -> np.ndarray:
 
 
 def _same(one: Wave, other: Wave, sessions: list[Session]) -> bool:
-    """Whether another channel has the same wave, so that it is not of one sensor."""
+    """Whether another channel has the same wave, so that it does not belong to one sensor."""
     least = EXCESS[other.course.carrier]
     if one.course.rows == other.course.rows or min(other.excess) < HALF * least or other.part < HALF * GOOD_PART:
         return False
@@ -155,7 +157,7 @@ def _same(one: Wave, other: Wave, sessions: list[Session]) -> bool:
 
 
 def _locked(wave: Wave, sessions: list[Session]) -> bool:
-    """Whether the wave goes with depth or speed, with the same amounts in all sessions: that would be the skin's, or the rig's."""
+    """Whether the wave follows depth or speed with the same coefficients in all sessions: then it belongs to skin or rig."""
     row = wave.course.rows[0]
     w = np.concatenate([wave.values[s.name][row] - wave.values[s.name][row].mean() for s in sessions])
     with_motion = np.concatenate([_slow(_moved(s), s) for s in sessions], axis=1)
@@ -164,21 +166,21 @@ def _locked(wave: Wave, sessions: list[Session]) -> bool:
 
 
 def _moved(s: Session) -> np.ndarray:
-    """Depth, its square, speed, the deepest so far and what follows the depth late, (5, N), each of the order of one."""
+    """Depth, its square, speed, the greatest depth so far and the low-passed depth, (5, N), each scaled to order one."""
     x = np.maximum(s.motion.x, 0.0) / max(float(s.motion.x.max()), 1e-12)
     v = s.motion.v * (s.motion.x > 0.0) / max(float(np.abs(s.motion.v).max()), 1e-12)
     return np.array([x, x**2, v, np.maximum.accumulate(x), lagged(x, np.ptp(s.motion.t) / 5.0, s.motion.dt)])
 
 
 def _slow(rows: np.ndarray, s: Session) -> np.ndarray:
-    """What waves have of rows (K, N)."""
+    """Projection of rows (K, N) on the shapes of waves, less their mean."""
     shapes = np.concatenate(_shapes(s.motion.t, s, LOW))
     slow = np.linalg.lstsq(shapes.T, rows.T, rcond=1e-8)[0].T @ shapes
     return slow - slow.mean(axis=1, keepdims=True)
 
 
 def _said(course: Course, model: Model, s: Session, values: np.ndarray) -> Said:
-    """From where to where a session wanders, in words and numbers."""
+    """The range over which a session wanders, in words and numbers."""
     row, of_slope = values[course.rows[0]], course.carrier == SLOPE
     if of_slope:
         own = simulated(model, s)[course.rows[0]]

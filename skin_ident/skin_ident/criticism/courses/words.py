@@ -1,4 +1,4 @@
-"""What belongs to one session alone, in words and numbers."""
+"""Courses in words and numbers."""
 
 import numpy as np
 
@@ -6,18 +6,18 @@ from skin_ident.criticism.courses.carriers import DELAY, DEPTH, DRIVE, DRIVEN, S
 from skin_ident.criticism.courses.kinds import BEND, CONSTANT, STEPS, Course
 from skin_ident.criticism.said import Said
 
-SIZES = {  # of steps, and how many to a unit
+SIZES = {  # format of a step's size, and the factor from SI to its unit
     SLOPE: ("{:+.1f} %", 1e2),
     DEPTH: ("{:+.1f} µm", 1e6),
     DELAY: ("{:+.2f} ms", 1e3),
     ZERO: ("{:+.3g} N", 1.0),
 }
-UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # of values, all others in N
-START_S = 5.0  # s, within which a step is how the session began
+UNITS = {SLOPE: "1", DRIVEN: "1", DEPTH: "m", DELAY: "s"}  # units of the values; all others are in N
+START_S = 5.0  # s, from the start of a session, within which a step counts as how the session began
 
 
 def said_of(course: Course, begin: float, moments: np.ndarray, z: np.ndarray) -> Said:
-    """A session's course in words and numbers: steps are added up, a bend is read between its knots. `begin` of the session, s."""
+    """One session's course in words and numbers: its steps one by one, or the range of a bend. `begin` is the start of the session, s."""
     unit, values = UNITS.get(course.carrier, "N"), -z if course.carrier in (DRIVE, DRIVEN) else z
     under_way = course.shape == STEPS and z.size > 0 and float(moments[-1] - begin) > START_S
     words, at = _words(course, moments, z), None if course.shape == CONSTANT else moments
