@@ -1,5 +1,5 @@
-"""The model that is criticised: where it starts, its unknowns, its joint fit to all sessions, and the residual that it leaves.
+"""The model that is criticised: its starting values, its unknowns, the joint fit to all sessions, and the residual.
 
-`settling` and `own_shares` let sessions that press elsewhere have shares of their own; `twin` takes somebody else's recorded simulation
-in its place.
+`own_shares` and `settling` give each session its own shares of the taxels where sessions press at different places; `twin` criticises
+someone else's recorded simulation instead of a model.
 """

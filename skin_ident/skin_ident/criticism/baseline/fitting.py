@@ -1,7 +1,7 @@
 """Joint output-error fit of a model to several sessions.
 
-Minimises the whitened difference between measured and simulated channels over all unknowns, by Levenberg–Marquardt in scaled unknowns
-with bounds by clipping. Jacobians are forward differences of the simulation itself, so that any composition of effects can be fitted.
+Minimises the sum of squared whitened residuals over all unknowns by Levenberg–Marquardt in scaled unknowns; bounds are imposed by clipping.
+Jacobians are forward differences of the simulation itself, so any composition of effects can be fitted.
 
 Source: L. Ljung, System Identification, 2nd ed., 1999, ch. 7 and 10.
 """
@@ -19,15 +19,16 @@ from skin_models.model import Model
 from skin_models.parameter import SHAPE
 
 ITERATIONS = 12
-STEP = 1e-4  # of a scaled unknown, for the differences
-NEAR = 0.01  # of a bound that depends on other unknowns: pressed against it
-TOLERANCE = 1e-4  # relative fall of the cost at which a fit has converged
+STEP = 1e-4  # of finite differences, in scaled unknowns
+NEAR = 0.01  # relative distance to a bound that depends on another unknown, within which the unknown counts as at its bound
+TOLERANCE = 1e-4  # relative fall of the cost below which a fit has converged
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model: standard errors by label, the whitened cost (sum of squares), the number of whitened samples that count, and standard
-    errors of all that is no shape where the shapes are as they are: what is small in the shape that suits it may be so in many."""
+    """A fitted model: standard errors by label (`std`), `cost` (sum of squared whitened residuals), and the `count` of whitened samples.
+    `std_in_shape` are the standard errors of all unknowns but shape parameters, with the shapes held fixed: where only the product of
+    amplitude and shape is determined, `std` of the amplitude is large although the effect is certain."""
 
     model: Model
     unknowns: tuple[Unknown, ...]
@@ -37,18 +38,18 @@ class Fit:
     std_in_shape: dict[str, float] = field(default_factory=dict)
 
     def gain_over(self, before: "Fit") -> float:
-        """What this explains beyond another fit in the same noise, less what more unknowns cost: dV - dk log n, squared whitened units
+        """Likelihood gain over another fit in the same noise, less the charge for further unknowns: dV - dk log n, squared whitened units
         (G. Schwarz, Annals of Statistics 6 (1978) 461-464)."""
         charge = np.log(self.count) * (len(self.unknowns) - len(before.unknowns))
         return float(before.cost - self.cost - charge)
 
     def under(self, noise: Whitener, sessions: list[Session]) -> "Fit":
-        """The same model, with what it costs of these sessions in another noise."""
+        """The same model with its cost on these sessions under another noise model."""
         return replace(self, cost=cost_of(self.model, sessions, noise))
 
 
 def whitened(model: Model, sessions: list[Session], noise: Whitener) -> np.ndarray:
-    """All whitened residuals of all sessions, in one vector (R,), of unit variance where they are noise."""
+    """The whitened residuals of all sessions as one vector (R,); where they are noise, of unit variance."""
     return np.concatenate([noise.apply(residual(model, s), s).ravel() for s in sessions])
 
 
@@ -71,9 +72,9 @@ def tangents(model: Model, sessions: list[Session], which: tuple[Unknown, ...]) 
 def fit(
     model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS, which: tuple[Unknown, ...] | None = None
 ) -> Fit:
-    """Fit the unknowns `which` of `model` (all of them by default), starting from their present values."""
+    """Fit the unknowns `which` of `model` (by default all of them), starting from their present values."""
     which = unknowns(model, sessions[0]) if which is None else which
-    model = with_values(model, which, values(model, which)) if iterations else model  # within bounds that depend on the others
+    model = with_values(model, which, values(model, which)) if iterations else model  # within its bounds
     r = whitened(model, sessions, noise)
     cost, damping, believed = float(r @ r), 1e-3, int(np.count_nonzero(r))
     if not which:
@@ -83,7 +84,7 @@ def fit(
         accepted, damping, model, r = _descend(model, sessions, noise, which, J, r, damping)
         before, cost = cost, float(r @ r)
         if not accepted or before - cost < TOLERANCE * cost:
-            break  # at a place where the tangents are these
+            break  # J holds at the present values
     else:
         J, scale = stack(tangents(model, sessions, which), sessions, noise), scales(model, which)
     amounts = np.array([u.parameter.role != SHAPE for u in which])
@@ -92,30 +93,30 @@ def fit(
 
 
 def noise_of(model: Model, sessions: list[Session], grows: Growth | None = None, mix: np.ndarray | None = None) -> Whitener:
-    """The noise of sessions where all that a model leaves of them is taken for it, and it `grows` so with the load, or is steady; of
-    uncorrelated mixtures of the channels, or of those of a given `mix`."""
+    """The noise model if the whole residual of `model` is taken for noise. Noise grows with the load as `grows` says, or not at all. The
+    channels are decorrelated by a given `mix`, or by one fitted here."""
     return fit_whitener([residual(model, s) for s in sessions], sessions, given=Given(grows=grows, mix=mix))
 
 
 def grown_noise_of(model: Model, sessions: list[Session]) -> Whitener:
-    """The same of a model that leaves nothing but noise, which may grow with the load."""
+    """The same, with the growth under load fitted too, for a model whose residual is nothing but noise."""
     residuals = [residual(model, s) for s in sessions]
     return with_growth(fit_whitener(residuals, sessions), residuals, sessions)
 
 
 def cost_of(model: Model, sessions: list[Session], noise: Whitener) -> float:
-    """The sum of squared whitened residuals, as of `Fit.cost`, of a model as it is."""
+    """The sum of squared whitened residuals of a model as it is, as in `Fit.cost`."""
     r = whitened(model, sessions, noise)
     return float(r @ r)
 
 
 def fit_effects(model: Model, sessions: list[Session], noise: Whitener, iterations: int = ITERATIONS) -> Fit:
-    """Fit the effects of `model` and leave its dispersion model and shares as they are."""
+    """Fit the effects of `model` and keep its dispersion parameters and shares."""
     return fit(model, sessions, noise, iterations, tuple(effect_unknowns(model)))
 
 
 def _descend(model, sessions, noise, which, J, r, damping):
-    """Try steps of growing damping until the cost r'r falls; returns (accepted, damping, model, r)."""
+    """Try steps with growing damping until the cost r'r falls; returns (accepted, damping, model, r)."""
     theta, scale = values(model, which), scales(model, which)
     free = unpressed(theta, which, J.T @ r)
     along = sliding(which, scale, free)
@@ -133,15 +134,16 @@ def _descend(model, sessions, noise, which, J, r, damping):
 
 
 def unpressed(theta: np.ndarray, which: tuple[Unknown, ...], gradient: np.ndarray) -> np.ndarray:
-    """Mask (U,) of the unknowns not pressed against a bound by the step they would take: `theta` (U,) their values, `gradient` J'r (U,). A
-    bound that depends on the others has moved a little since they were fitted."""
+    """Mask (U,) of the unknowns that are free to move: those not at a bound that their step would cross. `theta` (U,) are the values,
+    `gradient` J'r (U,). A bound that depends on another unknown may have moved a little since, hence the tolerance `NEAR`."""
     lower = lowest(which, theta) + NEAR * np.abs([u.parameter.lower if u.beside else 0.0 for u in which])
     upper = np.array([u.parameter.upper for u in which])
     return ~(((theta <= lower) & (gradient < 0)) | ((theta >= upper) & (gradient > 0)))
 
 
 def sliding(which: tuple[Unknown, ...], scale: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """What moves with what (U, U), in scaled unknowns: one that is pressed against the bound of its sum with another gives way to that."""
+    """Matrix (U, U), in scaled unknowns, that couples an unknown at a bound on its sum with another one to that other one: where the other
+    one moves, it gives way so that the sum stays at the bound."""
     along, labels = np.eye(len(which)), [u.label for u in which]
     for i in np.flatnonzero(~free):
         if which[i].beside:
@@ -151,7 +153,7 @@ def sliding(which: tuple[Unknown, ...], scale: np.ndarray, free: np.ndarray) -> 
 
 
 def _standard_errors(J: np.ndarray, scale: np.ndarray, which: tuple[Unknown, ...], cost: float, free: np.ndarray) -> dict[str, float]:
-    """Of the unknowns that are `free`, a mask (U,), where the others are as they are."""
+    """Standard errors of the unknowns that are `free`, a mask (U,), with all others held fixed."""
     rows, J = max(int(np.count_nonzero(np.any(J != 0.0, axis=1))) - len(which), 1), J[:, free]
     covariance = np.linalg.pinv(J.T @ J) * cost / rows
     labels = [u.label for u, f in zip(which, free, strict=True) if f]

@@ -1,9 +1,9 @@
-"""The shares of taxels that a search did without, for they died on the way: from the samples in which they live.
+"""Shares of taxels that were left out of the search because they died part-way, estimated from the samples at which they lived:
 
     share = sum w p r / sum w p^2
 
-with r what is measured less what is simulated of a taxel without a share, p what one of share 1 reads more, and w 1 where it may be
-believed, over all sessions in their common band.
+with r the residual of the taxel at share 0, p the change of its simulation at share 1, and w 1 for trusted samples, over all sessions in
+their common band.
 """
 
 from collections.abc import Collection
@@ -17,7 +17,7 @@ from skin_models.model import Model
 
 
 def with_living_shares(model: Model, sessions: list[Session], names: Collection[str]) -> Model:
-    """The model with shares for the taxels `names` that have none, as `sessions` read them where they may be believed."""
+    """The model with shares for those taxels of `names` whose share is 0, estimated from the trusted samples of `sessions`."""
     index = {f"taxel_{i}": i for i, share in enumerate(model.shares) if share == 0.0}
     return _with_shares(model, {index[name]: _share(model, sessions, name, index[name]) for name in names if name in index})
 

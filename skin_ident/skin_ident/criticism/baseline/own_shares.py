@@ -1,26 +1,26 @@
-"""Shares of a session's own.
+"""Shares of a session's own (variable projection).
 
-Where sessions press at different places, each has a share of its own for every taxel, a factor of no interest to what goes on in time (the
-array's own criticism asks how shares follow from places). So it is not an unknown of the model: whatever the model, the taxels of such a
-session are scaled to fit it best, in the band and by plain least squares (G. Golub, V. Pereyra, The differentiation of pseudo-inverses and
-nonlinear least squares problems whose variables separate, SIAM Journal on Numerical Analysis 10 (1973) 413-432). One taxel in one training
-session is the reference, and stays as it is: by it the stiffness under the taxels is known.
+Where sessions press at different places, each has its own share for every taxel. This factor says nothing about what happens in time
+(`array` asks how shares depend on places). So it is not an unknown of the model: under any model, the taxels of such a session are scaled
+to fit best, in the common band and by plain least squares (G. Golub, V. Pereyra, The differentiation of pseudo-inverses and nonlinear least
+squares problems whose variables separate, SIAM Journal on Numerical Analysis 10 (1973) 413-432). One taxel of one training session is the
+reference and is not scaled; it determines the stiffness under the taxels.
 """
 
 import numpy as np
 
 from skin_ident.criticism.sessions.session import Session
 
-SHARE = (0.0, 3.0)  # times what was there
+SHARE = (0.0, 3.0)  # bounds of the factor on a simulated taxel
 
 
 def has_own(session: Session) -> bool:
-    """Whether the session has shares of its own, and they are free."""
+    """Whether the session has shares of its own that are fitted."""
     return session.spread is not None and not session.pinned
 
 
 def own_shares(y: np.ndarray, session: Session) -> np.ndarray:
-    """By what the simulated taxels among channels `y` (C, N) are multiplied to fit the session best, (T,), within `SHARE`."""
+    """Factors (T,), within `SHARE`, by which the simulated taxels in `y` (C, N) are multiplied to fit the session best."""
     taxels = session.taxel_rows
     Y = session.band.thin(y[taxels])
     beyond = 0.0 if session.beyond is None else session.band.thin(session.beyond[taxels])
@@ -29,7 +29,8 @@ def own_shares(y: np.ndarray, session: Session) -> np.ndarray:
 
 
 def take_shares(changes: np.ndarray, y: np.ndarray, session: Session) -> None:
-    """From changes (K, C, n) of a simulation `y` (C, N) take what shares of the session's own can follow. In place: they are large."""
+    """Subtract from changes (K, C, n) of a simulation `y` (C, N) the part that the session's own shares can imitate. In place, since they
+    are large."""
     if not has_own(session):
         return
     taxels = session.taxel_rows
@@ -39,11 +40,11 @@ def take_shares(changes: np.ndarray, y: np.ndarray, session: Session) -> None:
 
 
 def regression(rows: np.ndarray, Y: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """Slopes (K, T) of `rows` (K, T, n) on `Y` (T, n) with weights (T, n); zero on what is not there."""
+    """Slopes (K, T) of `rows` (K, T, n) on `Y` (T, n) with weights (T, n); 0 where `Y` has no power."""
     power = np.sum(w * Y**2, axis=1)
     return np.einsum("ktn,tn->kt", rows, w * Y) / np.where(power > 0.0, power, np.inf)
 
 
 def kept(session: Session) -> np.ndarray:
-    """Which taxels (T,) have the share that `spread` says: the reference, and those that answer nothing."""
+    """Mask (T,) of taxels whose share stays as `spread` says: the reference, and stuck ones."""
     return np.array([i == session.reference or f"taxel_{i}" in session.stuck for i in range(session.n_taxels)])

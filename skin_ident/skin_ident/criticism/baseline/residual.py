@@ -12,21 +12,21 @@ from skin_models.model import Model, Response
 
 
 def simulated(model: Model, session: Session) -> np.ndarray:
-    """Simulated channels (C, N) at full rate, rows as in `session.channels`, under the session's own shares where it has some."""
+    """Simulated channels (C, N) at full rate, rows as in `session.channels`, with the session's own shares where it has some."""
     return _told(placed(model, session).simulate(motion_under(session, model.dispersion)), session)
 
 
 def simulated_again(model: Model, changed: list[tuple[Model, Place | None]], session: Session) -> tuple[np.ndarray, Iterator[np.ndarray]]:
-    """`simulated` of a model, and of others that differ from it at one place of the chain each (None: anywhere), these at the cost of what
-    lies behind that place."""
+    """`simulated` of a model, and of variants that each differ from it at one place of the chain (None: anywhere). A variant is recomputed
+    only from that place on."""
     run = placed(model, session).trace(motion_under(session, model.dispersion))
     others = (simulated(m, session) if p is None else _told(placed(m, session).again(run, p), session) for m, p in changed)
     return _told(run.response, session), others
 
 
 def placed(model: Model, session: Session) -> Model:
-    """The model as it is in this session: with its own skin, without what it lacks, and under its contact where sessions press at different
-    places."""
+    """The model as it holds in this session: with the session's own skin, without the effects it lacks, and with shares and effects as seen
+    from its contact where sessions press at different places."""
     if session.skin:
         own = {name: factor * getattr(model.dispersion, name) for name, factor in session.skin.items()}
         model = replace(model, dispersion=replace(model.dispersion, **own))
@@ -40,13 +40,13 @@ def placed(model: Model, session: Session) -> Model:
 
 
 def at_place(effect: Effect, session: Session) -> Effect:
-    """The effect as it is under the contact of this session."""
+    """The effect as seen from the contact of this session."""
     moves = session.spread is not None and hasattr(effect, "seen_from")
     return effect.seen_from(session.contact) if moves else effect
 
 
 def rows(response: Response, session: Session) -> np.ndarray:
-    """The channels of a response that the session measured, (C, N); those that are stuck say what they always say."""
+    """The channels of a response that the session measured, (C, N); stuck ones at their constant reading."""
     out = np.empty((len(session.channels), response.taxels.shape[-1]))
     out[session.taxel_rows] = response.taxels
     if "force" in session.channels:
@@ -57,7 +57,7 @@ def rows(response: Response, session: Session) -> np.ndarray:
 
 
 def _told(response: Response, session: Session) -> np.ndarray:
-    """What a response says of the channels of a session, under its own shares, and beside a twin."""
+    """The simulated channels of a session: with its own shares, and with what it has `beyond` the model (a twin, courses) added."""
     y = rows(response, session)
     if has_own(session):
         y[session.taxel_rows] *= own_shares(y, session)[:, None]
@@ -70,12 +70,12 @@ def residual(model: Model, session: Session) -> np.ndarray:
 
 
 def stiffness(model: Model, channel: str) -> float:
-    """What a quick step of depth makes of a channel, N/m: k1 + k2 of the load cell, its share of k1 of a taxel."""
+    """Stiffness that a channel shows to a quick step of depth, N/m: k1 + k2 for the load cell, its share of k1 for a taxel."""
     return _of_channel(model, channel, model.dispersion.k1, model.dispersion.k2)
 
 
 def damping(model: Model, channel: str) -> float:
-    """What the speed makes of a channel, N*s/m: b1 + b2 of the load cell, its share of b1 of a taxel."""
+    """Damping that a channel shows, N*s/m: b1 + b2 for the load cell, its share of b1 for a taxel."""
     return _of_channel(model, channel, model.dispersion.b1, model.dispersion.b2)
 
 
@@ -84,7 +84,7 @@ def _of_channel(model: Model, channel: str, sensed: float, dispersed: float) -> 
 
 
 def rmse(residuals: list[np.ndarray], sessions: list[Session]) -> dict[str, float]:
-    """Root mean squared error by channel over sessions of which this is left, [(C, n), …], N; samples not believed are left out."""
+    """Root mean squared error by channel, N, of residuals [(C, n), …] over sessions; samples of weight 0 are left out."""
     channels = sessions[0].channels
     square = sum((r**2 * s.weight).sum(axis=1) for r, s in zip(residuals, sessions, strict=True))
     count = sum(s.weight.sum(axis=1) for s in sessions)

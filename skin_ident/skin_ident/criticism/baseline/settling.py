@@ -1,4 +1,6 @@
-"""Shares of a session's own beside a model that bends what taxels read: there a factor on the reading is no share of the force."""
+"""A session's own shares under a model with effects on the taxel readings. There a factor on the reading is not a share of the force, so
+the shares are fitted iteratively.
+"""
 
 from dataclasses import replace
 
@@ -9,8 +11,8 @@ from skin_ident.criticism.baseline.residual import simulated
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-STEPS = 3  # of Gauss and Newton
-PROBE = 0.01  # of the largest share, for the differences
+STEPS = 3  # Gauss-Newton steps
+PROBE = 0.01  # step of finite differences, of the largest share
 
 
 def settled(model: Model, session: Session) -> Session:
@@ -27,7 +29,7 @@ def settled(model: Model, session: Session) -> Session:
 
 
 def share_rows(model: Model, sessions: list[Session]) -> list[np.ndarray]:
-    """d(simulated)/d(share) of every taxel in every session that has shares of its own, (S T, C, n) by session."""
+    """d(simulated)/d(share) for every taxel of every session with shares of its own, (S T, C, n) by session."""
     if sessions[0].spread is None:
         return [np.zeros((0, *s.measured.shape)) for s in sessions]
     count = sessions[0].n_taxels

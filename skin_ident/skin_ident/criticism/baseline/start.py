@@ -7,12 +7,12 @@ from skin_models.dispersion import Dispersion
 from skin_models.model import Model
 from skin_models.parameter import clipped
 
-RECOVERIES = tuple(np.geomspace(1e-3, 1.0, 13))  # s, of silicones and foams
-MOST = 100.0  # of the applied force that a taxel may read: more than one where units or calibrations are not those of the force
+RECOVERIES = tuple(np.geomspace(1e-3, 1.0, 13))  # recovery times, s, of silicones and foams
+MOST = 100.0  # largest ratio of a taxel to the applied force; above 1 where units or calibrations do not agree
 
 
 def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
-    """Regress every channel on depth and speed in contact, over all sessions, in the common band."""
+    """A dispersion model by regression of every channel on depth and speed in contact, over all sessions, in the common band."""
     H = np.concatenate([s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0)) for s in sessions], axis=1).T
     if sessions[0].drive is not None:
         return _ratios(sessions, mass)
@@ -34,12 +34,12 @@ def dispersion_start(sessions: list[Session], mass: float = 0.0) -> Model:
 
 
 def _skin(**values: float) -> Dispersion:
-    """Regression knows no bounds; a start needs to be within them."""
+    """A dispersion model from these values, clipped to the bounds, which the regression does not know."""
     return Dispersion(**clipped(Dispersion, **values))
 
 
 def _under_spread(sessions: list[Session]) -> np.ndarray:
-    """Damping and stiffness (2,) of the sensed branch, where sessions at different places bring the taxels' shares with them."""
+    """Damping and stiffness (2,) of the sensed branch, where each session has known shares of the taxels (`spread`)."""
     rows, loads = [], []
     for s in sessions:
         H = s.band.thin(np.array([s.motion.v, s.motion.x]) * (s.motion.x > 0))
@@ -50,11 +50,13 @@ def _under_spread(sessions: list[Session]) -> np.ndarray:
 
 
 def _ratios(sessions: list[Session], mass: float) -> Model:
-    """For a force-to-force test: what every taxel has of the applied force. At a given recovery tau that is linear in share and damping,
+    """Start for a force-to-force test: the ratio of every taxel to the applied force. For a given recovery time tau the problem is linear
+    in k and b of each taxel,
 
-        taxel = k x + b x' + zero of the session,    tau x' + x = F / K,
+        taxel = k x + b x' + zero of the session,    tau x' + x = F / K.
 
-    and of several tau that one is taken which leaves least: from a far one a fit may not find back."""
+    The tau with the smallest residual is taken, since a fit that starts far from it may not converge.
+    """
     _, tau, slopes = min((_under_recovery(sessions, tau) for tau in RECOVERIES), key=lambda found: found[0])
     k, b = np.maximum(slopes[:, 0], 1e-6 * NOMINAL), slopes[:, 1]
     reference = int(np.argmax(k))
@@ -64,7 +66,7 @@ def _ratios(sessions: list[Session], mass: float) -> Model:
 
 
 def _under_recovery(sessions: list[Session], tau: float) -> tuple[float, float, np.ndarray]:
-    """The squares that a skin of recovery tau (s) leaves of all taxels, N^2; tau; and every taxel's k and b (T, 2)."""
+    """Sum of squared residuals of all taxels with a skin of recovery time tau (s), N^2; tau; and k and b of every taxel (T, 2)."""
     rows: list[list[np.ndarray]] = [[] for _ in sessions[0].channels]
     for s in sessions:
         moved = motion_under(s, of_recovery(tau))

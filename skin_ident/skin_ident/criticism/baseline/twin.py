@@ -1,13 +1,13 @@
-"""A recorded simulated twin: what someone else's simulator said for the same motion, as the simulation that is criticised.
+"""A recorded twin: someone else's simulation of the same motion, criticised in place of a model.
 
-The twin's channels P are the baseline's prediction as they stand. To speak of causes, a surrogate D, the dispersion model fitted to the
-twin's own channels, stands in for it, and what the surrogate does not hold of the twin is carried along unchanged:
+The twin's channels P are the prediction of the baseline, unchanged. To name causes, a surrogate D stands in for the twin: the dispersion
+model fitted to the twin's channels. What the surrogate does not reproduce is added unchanged:
 
     simulated = D'(depth) + (P - D(depth)),        D' = D with corrections.
 
-With no correction that is P, to the last digit. A cause corrects D and so, to first order, the twin; numbers of D that change say by how
-much the twin's stiffness, damping or shares are wrong (`parameters`). A scale of a channel is such a number, and not fitted beforehand:
-a twin whose gain is wrong shall be told so.
+Without correction this is exactly P. A cause corrects D and so, to first order, the twin. Changed parameters of D say by how much the
+twin's stiffness, damping or shares are wrong (`parameters`). The gain of a channel is one of them and is not fitted beforehand, so that a
+wrong gain of the twin is reported.
 """
 
 from dataclasses import dataclass, replace
@@ -27,24 +27,25 @@ from skin_models.words import counted
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """The surrogate of all twins; every session as its twin has `said` it, of weight 0 where it says nothing; warnings by session."""
+    """The surrogate of all twins; the sessions with the twins' channels in place of the measured ones (`said`; weight 0 where a twin has no
+    samples); warnings by session."""
 
     surrogate: Model
     said: list[Session]
     warnings: list[list[str]]
 
     def beyond(self, surrogate: Model) -> list[np.ndarray]:
-        """What each twin says beyond this surrogate, (C, N) N."""
+        """What each twin's channels contain beyond this surrogate, (C, N) N."""
         return [s.raw - simulated(surrogate, s) for s in self.said]
 
     @property
     def known(self) -> list[np.ndarray]:
-        """Where each twin says something, (C, n)."""
+        """Where each twin has samples: weights 1 or 0, (C, n)."""
         return [s.weight for s in self.said]
 
 
 def read_twins(sessions: list[Session], recordings: list, twins: list, mass: float) -> Twins:
-    """What the twins of `sessions` say. `mass` is that of the skin, kg.
+    """Read the twins of `sessions` and fit their surrogate. `mass` is that of the skin, kg.
 
     Raises `DiagnosisError` where a twin does not belong to its recording.
     """
@@ -64,8 +65,8 @@ def _matched(recordings: list, twins: list) -> list:
 
 
 def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
-    """The session with the twin's channels in place of the measured ones, also of those that are stuck, weight 0 where the twin says
-    nothing; and warnings."""
+    """The session with the twin's channels in place of the measured ones, including stuck ones, with weight 0 where the twin has no
+    samples; and warnings."""
     missing = [c for c in session.channels if c not in twin.channels]
     beyond = [c for c in twin.channels if c.startswith("taxel") and c not in recording.channels]
     if missing or beyond:
@@ -83,7 +84,7 @@ def _said(session: Session, recording, twin) -> tuple[Session, list[str]]:
 
 
 def _answers(recording, twin) -> None:
-    """Raise `DiagnosisError` where the depth, the force or all taxels of a twin stand still that move in its recording."""
+    """Raise `DiagnosisError` where the depth, the force or all taxels of a twin are constant although those of the recording are not."""
     rows = {"depth": (recording.depth, twin.depth), "force": (recording.force, twin.force), "taxels": (recording.taxels, twin.taxels)}
     for what, (ours, theirs) in rows.items():
         if ours is None or theirs is None or not ours.size:

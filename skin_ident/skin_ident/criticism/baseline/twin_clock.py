@@ -1,8 +1,8 @@
-"""When a twin says what it says, on the clock of its recording.
+"""The clock of a twin, set to that of its recording.
 
-No two programs begin within a sample of each other, and of a delay of some milliseconds a fit makes another damping. What drives the test
-is the same in both: where both tell it, the twin's clock is set by that. A twin that does not tell it is set by what it answers; damping
-that is wrong hides in that, which is said.
+No two programs start within a sample of each other, and a fit would turn a delay of a few milliseconds into a wrong damping. What drives
+the test is the same in both, so the twin's clock is set by it where both contain it. Otherwise the clock is set by the response; wrong
+damping may then hide in the delay, and a warning says so.
 """
 
 import numpy as np
@@ -12,20 +12,20 @@ from scipy.signal import correlate, correlation_lags
 from skin_ident.criticism.errors import DiagnosisError
 from skin_ident.criticism.sessions.band import CUTOFF_HZ
 
-COVERED = 0.9  # of a recording's time that its twin must cover
-SAME_MOTION = 0.95  # correlation of what drives both
-COARSEST_S = 1.0 / (4.0 * CUTOFF_HZ)  # from one sample of a twin to the next: cubics bridge a quarter of a period
-FARTHER = 1.25  # times as far, which no simulated motion goes
-SAME, NOISE = 0.002, 3.0  # of the motion (rms), and times the noise of reading it, by which the two may differ
-LATEST_S = 1.0  # by which a twin's clock may be off, beside clocks that begin together
-LEAST = 0.25  # of a sampling period, from which that is said
-NEARLY_ALL = 0.3  # of what two answers differ by (rms), the most that a delay leaves which is all of it
-ROUNDS = 8  # of Gauss and Newton, to a thousandth of a sample
+COVERED = 0.9  # share of a recording's time that its twin must cover
+SAME_MOTION = 0.95  # least correlation of what drives both
+COARSEST_S = 1.0 / (4.0 * CUTOFF_HZ)  # s, longest sampling period of a twin: cubics interpolate over a quarter of a period
+FARTHER = 1.25  # ratio of amplitudes, twin to recording, above which the motion is in another unit
+SAME, NOISE = 0.002, 3.0  # difference of the motions (rms) that is allowed: share of the motion, multiple of its reading noise
+LATEST_S = 1.0  # s, largest clock error of a twin, beyond setting both to begin together
+LEAST = 0.25  # share of a sampling period, above which a delay is reported
+NEARLY_ALL = 0.3  # share of the difference (rms) that may remain after a delay, for the delay to be the whole difference
+ROUNDS = 8  # Gauss-Newton steps, to a thousandth of a sample
 
 
 def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
-    """The twin's instants, s, on the recording's clock, and warnings. Raises `DiagnosisError` where the twin is shorter, or what drove
-    both was not the same."""
+    """The twin's instants, s, on the recording's clock, and warnings. Raises `DiagnosisError` where the twin is too short or sampled too
+    coarsely, or was driven by another motion."""
     if twin.dt > max(recording.dt, COARSEST_S) * 1.001:
         least = 1.0 / COARSEST_S
         raise DiagnosisError(
@@ -39,7 +39,7 @@ def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
     if by == drive:
         warnings += _same_motion(recording, twin, t - late, by)
     elif not by or abs(late) < max(recording.dt, twin.dt) or not _is_all(recording, t, late, *_both(recording, twin, by)):
-        return t, warnings  # what the twin gets wrong moves its answer, too
+        return t, warnings  # no delay is corrected: an error of the twin may also shift its response
     else:
         hides = f", for it tells no {drive}: damping that is wrong may hide in that"
     if abs(late) > LEAST * recording.dt:
@@ -49,14 +49,14 @@ def on_the_clock_of(recording, twin) -> tuple[np.ndarray, list[str]]:
 
 
 def at(times: np.ndarray, t: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """What was sampled at `t` at other times, held beyond its ends: by Akima's piecewise cubics (J. ACM 17 (1970) 589-602), for a twin
-    that is sampled coarsely is no chain of straight lines."""
+    """`y`, sampled at `t`, interpolated at other times by Akima's piecewise cubics (J. ACM 17 (1970) 589-602) and held constant beyond its
+    ends. Cubics, because straight lines are too crude for a coarsely sampled twin."""
     return Akima1DInterpolator(t, y)(np.clip(times, t[0], t[-1]))
 
 
 def _begun(recording, twin, by: str) -> tuple[np.ndarray, list[str]]:
-    """The twin's instants. Clocks that have nothing to do with each other are taken to begin together; so are those by which what is told
-    `by` both does not go together, where it does from beginnings on."""
+    """The twin's instants and warnings. The two clocks are set to begin together if they overlap too little, or if `by` correlates well
+    only then."""
     shared = min(recording.t[-1], twin.t[-1]) - max(recording.t[0], twin.t[0])
     length = recording.t[-1] - recording.t[0]
     together = twin.t - twin.t[0] + recording.t[0]
@@ -70,7 +70,7 @@ def _begun(recording, twin, by: str) -> tuple[np.ndarray, list[str]]:
 
 
 def _alike(recording, twin, t: np.ndarray, by: str) -> float:
-    """How well what is told `by` both correlates where the twin's clock is `t`, or later or earlier by as much as it may be off."""
+    """Largest correlation of the channel `by` in both, with the twin's clock at `t` and shifted by the delay that `_late` finds."""
     ours, theirs = _both(recording, twin, by)
     return float(np.corrcoef(ours, at(recording.t + _late(recording, t, ours, theirs), t, theirs))[0, 1])
 
@@ -81,7 +81,8 @@ def _drive(recording) -> str:
 
 
 def _told_by_both(recording, twin) -> str:
-    """What sets the clock, of what both tell: what drives the test, the force, or a taxel."""
+    """The channel that sets the clock, contained in both and not constant: what drives the test, else the force, else a taxel; "" if there
+    is none."""
     names = dict.fromkeys([_drive(recording), "force", *(f"taxel_{i}" for i in range(len(recording.taxels)))])
     moving = (name for name in names if all(y is not None and np.ptp(y) > 0.0 for y in _both(recording, twin, name)))
     return next(moving, "")
@@ -92,10 +93,10 @@ def _both(recording, twin, name: str) -> list[np.ndarray | None]:
 
 
 def _late(recording, t: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> float:
-    """By how many seconds something comes later in the twin, whose instants are `t`.
+    """Delay of the twin, whose instants are `t`, against the recording, s.
 
-    First the lag at which they correlate most, in whole samples; from there y(t) = y_twin(t + d) by Gauss and Newton, both of them of no
-    mean and of one size.
+    First the whole-sample lag of largest correlation; from there y(t) = y_twin(t + d) by Gauss-Newton, both signals standardised to zero
+    mean and unit variance. 0 where the result lies beyond `LATEST_S`.
     """
     y, theirs, dt = *((x - np.mean(x)) / np.std(x) for x in (ours, theirs)), recording.dt
     alike = correlate(np.interp(recording.t, t, theirs), y)
@@ -114,13 +115,13 @@ def _late(recording, t: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> flo
 
 
 def _is_all(recording, t: np.ndarray, late: float, ours: np.ndarray, theirs: np.ndarray) -> bool:
-    """Whether a delay is nearly all by which two answers differ: of damping that is wrong, more is left."""
+    """Whether a delay removes nearly all of the difference between two responses; wrong damping would leave more."""
     before, after = (float(np.std(ours - at(recording.t + d, t, theirs))) for d in (0.0, late))
     return after < NEARLY_ALL * before
 
 
 def _same_motion(recording, twin, t: np.ndarray, by: str) -> list[str]:
-    """A warning where what drove both differs by a little; raises `DiagnosisError` where it is another, or in another unit."""
+    """A warning where the driving signals differ slightly; raises `DiagnosisError` where they are of another motion or in another unit."""
     ours, theirs = _both(recording, twin, by)
     theirs = at(recording.t, t, theirs)
     r, size = float(np.corrcoef(ours, theirs)[0, 1]), float(np.std(theirs) / np.std(ours))

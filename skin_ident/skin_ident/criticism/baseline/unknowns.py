@@ -1,6 +1,6 @@
 """The unknowns of a model as one vector, and back.
 
-A vector is scaled so that a step of one is a sensible step of each unknown; bounds come from the parameters themselves.
+The vector is scaled so that a unit step is a sensible step of every unknown. Bounds are those of the parameters.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,16 +14,17 @@ from skin_models.effect import Place
 from skin_models.model import Model
 from skin_models.parameter import SHAPE, Parameter, parameters_of
 
-# What the channels can tell of the dispersion model. The mass is set from the skin's density, as in the thesis's Table 4-5, unless the
-# record says otherwise. A test driven by force knows ratios only: k2 is the scale.
+# Parameters of the dispersion model that the channels can determine: with a depth and all channels, with no working taxel, without a load
+# cell, and in a test driven by force. That test knows ratios only, so k2 is held as the scale. The mass is set from the skin's density, as
+# in the thesis's Table 4-5, unless the record contradicts it.
 BY_DEPTH, MATERIAL, TAXELS_ALONE, BY_FORCE = ("b1", "k1", "b2", "k2"), ("b2", "k2"), ("b1", "k1"), ("b1", "k1", "b2")
-LATE = 0.5  # samples by which good hardware may be late
+LATE = 0.5  # sampling periods by which good hardware may be late
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """One unknown: where it lives in the model (`part` is "dispersion", "shares" or the index of an effect) and its parameter, whose lower
-    bound is that of its sum with another one, `beside`."""
+    """One unknown: where it lives (`part` is "dispersion", "shares" or the index of an effect) and its parameter. If `beside` names another
+    unknown, the lower bound applies to the sum of the two."""
 
     part: str | int
     parameter: Parameter
@@ -31,22 +32,22 @@ class Unknown:
     beside: str = ""
 
     def place(self, model: Model) -> Place | None:
-        """Where in the chain of `model` it acts; None where that is everywhere."""
+        """The place in the chain of `model` at which it acts; None if it acts everywhere."""
         if self.part == "dispersion":
             return None
         return Place.SPREAD if self.part == "shares" else model.effects[self.part].place
 
 
 def unknowns(model: Model, session: Session) -> tuple[Unknown, ...]:
-    """Everything that a fit of this model to sessions of this kind may change. The largest share is the reference and stays 1; sessions at
-    places of their own have shares of their own (see `own_shares`)."""
+    """All unknowns of a fit of this model to sessions of this kind. The largest share is the reference and stays 1. Sessions at places of
+    their own have shares of their own instead (see `own_shares`)."""
     shares = _of_shares(model) if session.spread is None else ()
     return (*_of_dispersion(model, session), *shares, *effect_unknowns(model))
 
 
 def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
-    """Those of k1, b1, k2, b2 and m that the channels at hand can tell, with damping that is not below nothing and a mass within what it
-    may be."""
+    """Those of k1, b1, k2, b2 and m that the channels can determine, with a lower bound on damping (`least_damping`) and an upper one on
+    the mass."""
     silent = len(session.stuck) == session.n_taxels
     names = BY_FORCE if session.drive is not None else MATERIAL if silent else BY_DEPTH
     names = names if "force" in session.channels or session.drive is not None else TAXELS_ALONE
@@ -57,13 +58,13 @@ def _of_dispersion(model: Model, session: Session) -> Iterator[Unknown]:
         if p.name in names:
             within = replace(p, lower=max(p.lower, least.get(p.name, p.lower)), upper=min(p.upper, most.get(p.name, p.upper)))
             u = Unknown("dispersion", within, p.name, "b1" if p.name == "b2" else "")
-            yield u if not u.beside or u.beside in names else _by_itself(u, model.dispersion.b1)  # material tests know b2 alone
+            yield u if not u.beside or u.beside in names else _by_itself(u, model.dispersion.b1)  # a test without taxels fits b2 alone
 
 
 def least_damping(skin: Dispersion, late: float) -> tuple[float, float]:
-    """The least that damping may be, N s/m, under the taxels (b1) and in all (b1 + b2): it gives back no more
-    than it took. A reading that is `late` by part of a sample looks as if it did; one that is later has a cause, which damping below
-    nothing would hide."""
+    """Lower bounds of the damping, N s/m, under the taxels (b1) and in all (b1 + b2). Skin gives back no more energy than it took, so
+    damping is not negative, but a reading that is `late` (s) by part of a sample makes it look so. A reading that is later than that has a
+    cause, which negative damping would hide."""
     return -late * skin.k1, -late * (skin.k1 + skin.k2)
 
 
@@ -75,20 +76,20 @@ def _of_shares(model: Model) -> Iterator[Unknown]:
 
 
 def _by_itself(u: Unknown, other: float) -> Unknown:
-    """The unknown with a lower bound of its own: that of its sum with another one which is not fitted and stays at the value `other`."""
+    """The unknown with a bound of its own, where the unknown `beside` it is not fitted and stays at the value `other`."""
     return replace(u, beside="", parameter=replace(u.parameter, lower=u.parameter.lower - other))
 
 
 def those_told(which: tuple[Unknown, ...], model: Model, told: Callable[[Unknown], bool]) -> tuple[Unknown, ...]:
-    """Those of the unknowns that are `told`; what bounds one beside another that is not holds beside the value that this has in `model`,
-    and leaves the value that the one has there."""
+    """The unknowns for which `told` is true. If one of them is bounded in sum with an unknown that is left out, the latter is held at its
+    value in `model`; the bound never excludes the present value."""
     kept = [u for u in which if told(u)]
     labels = {u.label for u in kept}
     fixed = {u.label: _value(model, u) for u in which if u.label not in labels}
 
     def reachable(u: Unknown) -> Unknown:
-        # Here the numbers come from a fit of other sessions, to whose bounds this one's need not agree, and must not jump before anything
-        # speaks for it. A fit of all is held to the bound whatever it began with: damping below nothing would hide a cause.
+        # The present values come from a fit to other sessions, under bounds that may differ from these. They must not jump before any data
+        # require it. A fit of all unknowns does enforce the bound, whatever its start: negative damping would hide a cause.
         own = _by_itself(u, fixed[u.beside])
         return replace(own, parameter=replace(own.parameter, lower=min(own.parameter.lower, _value(model, u))))
 
@@ -96,7 +97,7 @@ def those_told(which: tuple[Unknown, ...], model: Model, told: Callable[[Unknown
 
 
 def effect_unknowns(model: Model) -> Iterator[Unknown]:
-    """The unknowns of the effects alone: all that may change beside a dispersion model that is given."""
+    """The unknowns of the effects: all that is fitted beside a given dispersion model."""
     for i, e in enumerate(model.effects):
         for p in parameters_of(e):
             yield Unknown(i, p, model.listed_as(i, p.name))
@@ -115,7 +116,7 @@ def _value(model: Model, u: Unknown) -> float:
 
 
 def lowest(which: tuple[Unknown, ...], theta: np.ndarray) -> np.ndarray:
-    """Lower bounds (U,) of the unknowns, beside what the others are at `theta` (U,)."""
+    """Lower bounds (U,) of the unknowns, given the values `theta` (U,) of all of them."""
     present = {u.label: value for u, value in zip(which, theta, strict=True)}
     return np.array([u.parameter.lower - (present[u.beside] if u.beside else 0.0) for u in which])
 
@@ -141,7 +142,7 @@ def with_values(model: Model, which: tuple[Unknown, ...], theta: np.ndarray) -> 
 
 
 def scales(model: Model, which: tuple[Unknown, ...]) -> np.ndarray:
-    """A sensible step (U,) of each unknown: a share of its value, or of its typical value where that is larger."""
+    """A sensible step (U,) of each unknown: its present value, or its typical value where that is larger."""
     total = model.dispersion.k1 + abs(model.dispersion.k2)
     floor = {"m": 0.1, "b1": 0.02 * total, "b2": 0.02 * total, "k1": total, "k2": total}
 
