@@ -1,3 +1,3 @@
-"""From a finished search to findings.json: gains by channel (`judging`), what noise alone leaves (`floor`) and what is still wrong
-(`leftover`), put into words and numbers (`findings`, `telling`).
+"""From a finished search to findings.json: gains by channel (`judging`), the noise floor (`floor`), what is still wrong (`leftover`), and
+all of it in words and numbers (`findings`, `telling`).
 """

@@ -1,7 +1,8 @@
-"""Entries of findings.json that are one finding.
+"""Entries of findings.json that belong to one finding are joined here.
 
-One fault that all taxels have alike is one: what they share (a supply, a converter, an amplifier) has it, and no taxel. So are two columns
-that are exchanged in one session after the other, and a unit that shows in a session's slope and in its converter's steps.
+A fault that all taxels have alike is one finding: it sits in what they share (a supply, a converter, an amplifier). Two columns that are
+exchanged in several sessions are one finding. So are a wrong unit of one session and the change of its converter's step that follows from
+it.
 """
 
 from typing import Any
@@ -11,12 +12,12 @@ import numpy as np
 from skin_ident.criticism.pattern import in_sessions, listed
 from skin_ident.criticism.vocabulary import EXCHANGED, UNIT_CHANGE, UNIT_FACTOR
 
-ALIKE = {"interference": "frequency", "quantization": "step"}  # the number that must be the same
-NEARLY = 0.02  # relative
+ALIKE = {"interference": "frequency", "quantization": "step"}  # the parameter that must agree over all taxels, by cause
+NEARLY = 0.02  # relative difference within which two numbers agree
 
 
 def one_each(entries: list[dict[str, Any]], sessions: list[str]) -> list[dict[str, Any]]:
-    """The entries of faults that were seen in `sessions`, each of them once, with the sessions that have it."""
+    """The entries of faults seen in `sessions`, each fault once, with the sessions that have it."""
     entries = [e for i, e in enumerate(entries) if not any(_same_unit(e, other) for other in entries[:i])]
     exchanged: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for e in entries:
@@ -28,8 +29,8 @@ def one_each(entries: list[dict[str, Any]], sessions: list[str]) -> list[dict[st
 
 
 def _same_unit(e: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether a change of unit is nothing but the unit of one session that was put right: its converter's steps are further apart by what
-    its readings were too small."""
+    """Whether `e` is a change of unit that follows from the wrong unit reported in `other` for the same channel and session: once the unit
+    was put right, the converter's steps there are further apart by the inverse factor."""
     kinds = [x["evidence"].get("kind") for x in (other, e)]
     first, second = ((x["channels"], x["evidence"].get("session")) for x in (other, e))
     if kinds != [UNIT_FACTOR, UNIT_CHANGE] or first != second:
@@ -38,7 +39,7 @@ def _same_unit(e: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def _in_turn(own: list[dict[str, Any]]) -> dict[str, Any]:
-    """One entry in the place of those of two columns that are exchanged in several sessions."""
+    """One entry in place of several for the same two columns, exchanged in different sessions."""
     pieces = [p for e in own for p in e["evidence"]["pieces"]]
     where = listed([f"in {p['session']} from {p['start']:.1f} s on for {p['seconds']:.3g} s" for p in pieces])
     stays = "each follows there what the model says of the other, and no other channel leaves it"
@@ -48,14 +49,14 @@ def _in_turn(own: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _sessions_of(e: dict[str, Any]) -> set[str]:
-    """The sessions that an entry of a fault of the record names, if it does."""
+    """The sessions that an entry of a `data_error` names, if any."""
     pieces = e["evidence"].get("pieces")
     named = [p["session"] for p in pieces] if isinstance(pieces, list) else [e["evidence"].get("session")]
     return {n for n in named if n} if e["cause"] == "data_error" else set()
 
 
 def in_all_taxels(entries: list[dict[str, Any]], taxels: int) -> list[dict[str, Any]]:
-    """The entries of findings.json, those of a cause joined that every one of several `taxels` has to itself with the same number."""
+    """The entries of findings.json, where a cause that each of several `taxels` has with the same number is joined into one entry."""
     for cause, number in ALIKE.items():
         own = {e["where"]: e for e in entries if e["cause"] == cause and e["where"].startswith("taxel_") and number in e["parameters"]}
         values = np.array([e["parameters"][number]["value"] for e in own.values()])
@@ -66,7 +67,7 @@ def in_all_taxels(entries: list[dict[str, Any]], taxels: int) -> list[dict[str, 
 
 
 def _joined(own: list[dict[str, Any]]) -> dict[str, Any]:
-    """One entry in the place of those of every taxel, with the gain of that which is mended most."""
+    """One entry in place of those of every taxel: median parameters, and the gain of the taxel that improved most."""
     loudest = max(own, key=_mended)
     numbers = {
         name: {**q, "value": float(np.median([e["parameters"][name]["value"] for e in own]))} for name, q in own[0]["parameters"].items()

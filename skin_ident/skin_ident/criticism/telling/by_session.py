@@ -1,13 +1,13 @@
-"""What every session says by itself, so that what changed from one day to another is seen where it did.
+"""What each session says by itself, so that a change from one day to another is seen where it happened.
 
-To one session alone the model is fitted once more: its stiffnesses, its dampings and its shares, beside causes as they were named and
-without what belongs to this session (a gain, a zero, a skin of its own). Zeros of all channels are fitted with them: with the tangents J of
-the model, a column of ones for each channel in Z, and what the model leaves r,
+The model is fitted once more to each session alone: its stiffnesses, dampings and shares, with the named causes as they are and without
+what was found to belong to this session (a gain, a zero, a skin of its own). Zeros of all channels are fitted too. With the tangents J of
+the model, columns of ones for each channel in Z, and the residual r,
 
     [dp, z] = argmin |W (r - J dp - Z z)|^2,    covariance s^2 ([J Z]' W' W [J Z])^-1
 
-in the noise of the search. Numbers of one session are held against those of the others by their median and its scatter, which one odd
-session does not move (F. R. Hampel, J. Am. Stat. Assoc. 69 (1974) 383-393).
+with the whitening W of the search. The numbers of one session are compared with those of the others by median and median absolute
+deviation, which one odd session does not move (F. R. Hampel, J. Am. Stat. Assoc. 69 (1974) 383-393).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -26,28 +26,28 @@ from skin_ident.criticism.sessions.session import FITTED, KEPT, Session, with_re
 from skin_ident.estimators.scale import normal_scale
 from skin_models.model import Model
 
-TURNS = 2  # of Gauss and Newton: but for the shares the model is linear in its numbers
-STEP = 1e-4  # of a scaled unknown, for the differences
-TELLS = 0.3  # of a number, up to which its standard error may be if it is to be said
-MOST = 0.3  # of a session, that a channel must be believed for
-TINY = 1e-9  # N
-FEWEST = 4  # sessions of which one may stand out
-CHANCE = 1e-3  # that a number of a sound session does
-LEAST = {"stiffness": 0.005, "ratio": 0.005, "recovery": 0.05, "zero": 0.0}  # relative, by which a number must differ to stand out
-ALIKE = 0.1  # relative, what errors of sessions of one kind differ by
-MOST_OF_IT = 1.6  # times what is left in any other session, from which on most of it is in one, or in some
+TURNS = 2  # Gauss-Newton steps: apart from the shares the model is linear in its parameters
+STEP = 1e-4  # of finite differences, in scaled unknowns
+TELLS = 0.3  # largest relative standard error with which a number is reported
+MOST = 0.3  # share of a session's samples that must be trusted in a channel
+TINY = 1e-9  # N, and relative: next to nothing
+FEWEST = 4  # sessions needed for one to stand out
+CHANCE = 1e-3  # probability that a number of a sound session stands out
+LEAST = {"stiffness": 0.005, "ratio": 0.005, "recovery": 0.05, "zero": 0.0}  # least relative difference with which a number stands out
+ALIKE = 0.1  # relative difference between the RMS errors of sessions of one kind
+MOST_OF_IT = 1.6  # ratio of RMS residuals above which one session, or some, stand above all others
 
 
-Number = tuple[float, float]  # a value, and its standard error
-_Alone = dict[str, dict[str, Number]]  # by kind and channel, what a session says by itself
+Number = tuple[float, float]  # a value and its standard error
+_Alone = dict[str, dict[str, Number]]  # numbers of one session by kind and channel
 
 UNITS = {"stiffness": "N/m", "ratio": "1", "recovery": "s", "zero": "N"}
 
 
 def by_session(c: Criticism, plain: list[Session]) -> dict[str, dict[str, Any]]:
-    """By name of a session what it says by itself, as an entry of `recordings` in findings.json holds it: `by_itself`, `rmse` of baseline
-    and extended model, and what of it `stands_out`. `plain` are the sessions in the order of `c.train` and `c.held`, without what was found
-    to be their own. {} for a lone session, which was criticised in two parts."""
+    """What each session says by itself, by name, as an entry of `recordings` in findings.json holds it: `by_itself`, `rmse` of baseline and
+    extended model, and the numbers in which it `stands_out`. `plain` are the sessions in the order of `c.train` and `c.held`, without what
+    was found to be their own. {} for a lone session, which was criticised in two parts."""
     sessions = [*c.train, *c.held]
     if any(s.name.endswith((FITTED, KEPT)) for s in sessions):
         return {}
@@ -67,8 +67,8 @@ def by_session(c: Criticism, plain: list[Session]) -> dict[str, dict[str, Any]]:
 
 
 def most_left(told: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """In which sessions (`most_in`) of those that `by_session` told most is left, of which `channel`, and how many times as much as in the
-    others (`times`): of the channel in which that is most. {} where none stand out."""
+    """The sessions with the largest residual: their names (`most_in`), the `channel` in which they stand out most, and the ratio of their
+    RMS residual to that of the others (`times`). `told` is the result of `by_session`. {} where none stand out."""
     channels = dict.fromkeys(channel for e in told.values() for channel in e["rmse"])
     of_each = {c: {n: e["rmse"][c]["extended"] for n, e in told.items() if c in e["rmse"]} for c in channels}
     found = [{"most_in": names, "channel": c, "times": times} for c, left in of_each.items() for names, times in louder_than_others(left)]
@@ -76,7 +76,7 @@ def most_left(told: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def louder_than_others(left: Mapping[str, float]) -> Iterator[tuple[list[str], float]]:
-    """The sessions of which clearly more is left than of any other, and how many times as much (RMS) as of these, if there are any."""
+    """The sessions whose RMS residual is clearly larger than that of all others, and the ratio of the two; nothing where there are none."""
     names = sorted(left, key=lambda n: -left[n])
     rms = np.array([max(left[n], TINY) for n in names])
     gaps = rms[:-1] / rms[1:]
@@ -87,7 +87,7 @@ def louder_than_others(left: Mapping[str, float]) -> Iterator[tuple[list[str], f
 
 @dataclass(frozen=True)
 class _Fitted:
-    """The `model` with the unknowns `which` as one session has them, its `zeros` (C,), N, and the `covariance` of both, the scaled unknowns
+    """The `model` with the unknowns `which` fitted to one session, the `zeros` (C,), N, and the `covariance` of both, scaled unknowns
     first."""
 
     model: Model
@@ -96,21 +96,21 @@ class _Fitted:
     covariance: np.ndarray
 
     def number(self, of: Callable[[Model], float]) -> Number:
-        """A number of the model, and its standard error."""
+        """A function of the model and its standard error, by linear propagation."""
         theta, scale, here = values(self.model, self.which), scales(self.model, self.which), of(self.model)
         moved = [of(with_values(self.model, self.which, theta + STEP * scale * row)) for row in np.eye(theta.size)]
         slopes = (np.array(moved) - here) / STEP
         return float(here), float(np.sqrt(max(slopes @ self.covariance[: theta.size, : theta.size] @ slopes, 0.0)))
 
     def zero(self, c: int) -> Number:
-        """That of a channel, N, and its standard error."""
+        """The zero of a channel, N, and its standard error."""
         return float(self.zeros[c]), float(np.sqrt(max(np.diag(self.covariance)[len(self.which) + c], 0.0)))
 
 
 def _fitted(model: Model, s: Session, noise: Whitener, which: tuple[Unknown, ...], heard: list[str]) -> _Fitted:
-    """The module's equation, solved for the channels that are `heard`."""
+    """Solve the module's equation on the channels `heard`."""
     mask = np.array([channel in heard for channel in s.channels])[:, None]
-    s = replace(s, weight=np.where(mask, s.weight, 1.0))  # of what is not heard nothing is asked, and it silences no other channel
+    s = replace(s, weight=np.where(mask, s.weight, 1.0))  # unheard channels are masked below and must not blank others
     ones = np.eye(len(s.channels))[:, :, None] * np.ones(s.t.size)
     for _ in range(TURNS):
         J = stack([np.concatenate([tangents(model, [s], which)[0], ones]) * mask], [s], noise)
@@ -123,7 +123,7 @@ def _fitted(model: Model, s: Session, noise: Whitener, which: tuple[Unknown, ...
 
 
 def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
-    """What a session says, by its channels that may be believed."""
+    """The numbers that a session determines by itself, from the channels that are trusted."""
     strongest = f"taxel_{int(np.argmax(placed(model, s).shares))}" if model.shares else ""
     heard = _heard(s)
     fitted = _fitted(model, s, noise, those_told(unknowns(model, s), model, lambda u: _told(u, heard, strongest)), heard)
@@ -146,13 +146,13 @@ def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
 
 
 def _heard(s: Session) -> list[str]:
-    """The channels that may be believed for most of a session."""
+    """Channels that are trusted for most of a session and not stuck."""
     return [c for c, w in zip(s.channels, s.weight, strict=True) if np.mean(w > 0.0) > MOST and c not in s.stuck]
 
 
 def _told(u: Unknown, heard: list[str], strongest: str) -> bool:
-    """Whether channels that are `heard` tell an unknown of the plain model. Where the taxel whose share is 1 is not among them, shares stay
-    as they are, and the other taxels tell what is under it."""
+    """Whether the channels `heard` determine an unknown of the plain model. Without the taxel whose share is 1, the shares are held, and
+    the other taxels determine the sensed branch (k1, b1)."""
     if u.part == "shares":
         return strongest in heard and f"taxel_{u.parameter.name}" in heard
     sensed = u.label in ("b1", "k1") and any(channel != "force" for channel in heard)
@@ -160,13 +160,13 @@ def _told(u: Unknown, heard: list[str], strongest: str) -> bool:
 
 
 def force_over(model: Model, channel: str) -> float:
-    """How many times as stiff as a channel the force is: what no skin that is stiffer as a whole changes, but a gain does. nan where the
+    """Stiffness of the force over that of a channel: a gain error changes it, a skin that is stiffer as a whole does not. nan where the
     channel feels nothing."""
     return _ratio(stiffness(model, "force"), stiffness(model, channel))
 
 
 def recovery(model: Model, channel: str) -> float:
-    """How long a channel takes to follow, b / k, s; nan where it feels nothing."""
+    """Recovery time b / k of a channel, s; nan where it feels nothing."""
     return _ratio(damping(model, channel), stiffness(model, channel))
 
 
@@ -182,7 +182,7 @@ def _quantities(own: _Alone) -> dict[str, Any]:
 
 
 def _odd(own: list[_Alone], errors: list[dict[str, Any]]) -> Iterator[tuple[str, set[int]]]:
-    """Of every number that sessions have, `kind.channel`, the sessions in which it stands out."""
+    """For every number (`kind.channel`), the indices of the sessions in which it stands out."""
     for kind in UNITS:
         for channel in dict.fromkeys(channel for o in own for channel in o[kind]):
             told = {i: o[kind][channel] for i, o in enumerate(own) if channel in o[kind]}
@@ -196,8 +196,8 @@ def _odd(own: list[_Alone], errors: list[dict[str, Any]]) -> Iterator[tuple[str,
 
 
 def standing_out(y: np.ndarray, std: np.ndarray, least: float = 0.0) -> np.ndarray:
-    """Which of some numbers (S,) with standard errors are further from their median than their scatter about it accounts for, and by more
-    than the share `least` of it."""
+    """Mask (S,) of the numbers whose distance from the median exceeds both what scatter and standard errors account for and the share
+    `least` of the median."""
     if y.size < FEWEST:
         return np.zeros(y.size, bool)
     middle = float(np.median(y))

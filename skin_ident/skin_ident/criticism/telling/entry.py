@@ -1,4 +1,4 @@
-"""One entry of `findings` in findings.json, whoever has found it: the search, the telemetry, the array, or a static scan."""
+"""One entry of `findings` in findings.json, whichever part of the diagnosis found it: search, telemetry, array or static scan."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -8,12 +8,12 @@ from skin_ident.criticism.vocabulary import BY_NAME, where_and_clock
 
 
 def no_gain(channel: str) -> dict[str, Any]:
-    """The gain of what is no term of the model, so that none is claimed."""
+    """The `gain` of a finding that is no term of the model: no numbers."""
     return {"held_out_rmse_before": None, "held_out_rmse_after": None, "ci95": None, "channel": channel, "unit": "N"}
 
 
 def alternative(cause: str, where: str, short_by: float = 0.0, parameters: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """One of `alternatives`: another name for the same, which explains so much less (squared whitened units), and how large it would be
+    """One of `alternatives`: another name for the same finding, by how much less it explains (squared whitened units), and its parameters
     where it was fitted."""
     sizes = {"parameters": dict(parameters)} if parameters else {}
     return {"cause": cause, **where_and_clock(where), "explains_less_by": float(short_by), **sizes}
@@ -21,8 +21,8 @@ def alternative(cause: str, where: str, short_by: float = 0.0, parameters: Mappi
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """A cause at a place (of the catalogue), with what speaks for it; `means` and `advice` are those of its cause unless they are given.
-    `separating` says what would tell it from its alternatives, `computed` is what else is known of that experiment."""
+    """A cause at a place (of the catalogue) with its evidence. `means` and `advice` default to those of its cause. `separating` is the
+    experiment that would tell it from its alternatives, `computed` further fields of the entry about that experiment."""
 
     cause: str
     where: str

@@ -33,11 +33,11 @@ from skin_models.parameter import parameters_of
 SCHEMA = 1
 OTHER_SKIN = "the skin is another from session to session, and one set of numbers does not serve them all"
 SAME_SKIN = "see what changed between sessions (specimen, place, temperature, age); fit apart what is not one skin"
-Experiments = Mapping[Key, tuple[str, Experiment]]  # by cause and place: name of the battery's file, and why it
+Experiments = Mapping[Key, tuple[str, Experiment]]  # by cause and place: file name of the battery, and the experiment with its reasons
 
 
 def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], train: list[Session], held: list[Session]) -> dict[str, Any]:
-    """A model as `baseline` and `extended` hold it: parameters and errors."""
+    """A model as `baseline` and `extended` in findings.json hold it: parameters with standard errors, and RMSE by channel."""
     present = values(model, which)
     parameters = {
         u.label: {"value": float(v), "unit": u.parameter.unit, "std": std.get(u.label)} for u, v in zip(which, present, strict=True)
@@ -57,8 +57,8 @@ def described(model: Model, which: tuple[Unknown, ...], std: dict[str, float], t
 def found(
     named: Named, model: Model, std: dict[str, float], experiments: Experiments, had: int = 0, driven: bool = False
 ) -> dict[str, Any]:
-    """One entry of `findings` that an effect stands for, in sessions that are `driven` by force or not; the first so many effects that a
-    given model `had` are none."""
+    """One entry of `findings` for a cause named by the search. The first `had` effects belong to a given model and are not part of it;
+    `driven` says whether force drives the sessions."""
     effects = instances(replace(model, effects=model.effects[had:]), *named.key)
     parameters: dict[str, Any] = numbers_fitted(named, model, std) if named.key == PARAMETERS and not named.is_another_skin else {}
     for i, e in enumerate(model.effects):
@@ -92,7 +92,8 @@ def found(
 
 
 def advice_on(named: Named) -> str:
-    """What to do; what belongs to each session, and may have jumped, asks for more than its cause does."""
+    """What to do about a finding. Courses that may have jumped, and causes that only some sessions have, need more than the usual
+    advice."""
     if named.is_another_skin:
         return SAME_SKIN
     usual, own = BY_NAME[named.cause].act, named.courses.values()
@@ -106,7 +107,7 @@ def advice_on(named: Named) -> str:
 
 
 def _of_each_session(named: Named) -> dict[str, Any]:
-    """What belongs to each session alone: in words and numbers by session, and how it goes from one to the next."""
+    """The courses of a finding in words and numbers by session, and their pattern from session to session."""
     if not named.courses:
         return {}
     said = "; ".join(f"{session}: {course}" for session, course in named.courses.items())
@@ -118,7 +119,7 @@ def _of_each_session(named: Named) -> dict[str, Any]:
 
 
 def _goes(courses: dict[str, Said]) -> dict[str, Any]:
-    """What each session's numbers come to, if they add up, and how that goes from session to session, or its range."""
+    """The total of each session's numbers where they add up (`whole`), and their pattern over the sessions, or else their range."""
     whole = {session: course.whole for session, course in courses.items() if course.whole}
     units = {q["unit"] for course in courses.values() for q in course.sizes}
     if len(units) != 1:
@@ -139,7 +140,7 @@ def _in_some(named: Named) -> dict[str, Any]:
 
 
 def _alternatives(named: Named) -> list[dict[str, Any]]:
-    """Every other name once, in the order of the search and as near as it comes: of the clocks of the catalogue that which is nearest."""
+    """Every alternative name once, in the order of the search; of several clocks of the catalogue the one that explains most."""
     nearest: dict[Key, Rival] = {}
     for a in named.alternatives:
         key = a.cause, word_of(a.where)
@@ -149,7 +150,7 @@ def _alternatives(named: Named) -> list[dict[str, Any]]:
 
 
 def _sizes_of(rival: Rival, named: Named) -> dict[str, Any]:
-    """How large a rival would be in its own model; nothing where it was not fitted as an effect."""
+    """Parameters of a rival in its own model; {} where it was not fitted as an effect."""
     had = named.before.effects if named.before is not None else ()
     new = [(i, e) for i, e in enumerate(rival.model.effects) if e not in had] if rival.model is not None else []
     mine = [(i, e) for i, e in new if (e.cause, e.where) == rival.key]
@@ -159,7 +160,7 @@ def _sizes_of(rival: Rival, named: Named) -> dict[str, Any]:
 
 
 def seen(symptom: Symptom) -> dict[str, Any]:
-    """One entry of `findings` that telemetry stands for: no term of the model, so no gain is claimed unless it is judged."""
+    """One entry of `findings` for a symptom of telemetry. It is no term of the model, so it claims no gain until it is judged."""
     return Entry(
         cause=symptom.cause,
         where=symptom.where,
@@ -173,8 +174,8 @@ def seen(symptom: Symptom) -> dict[str, Any]:
 
 
 def _separating(named: Named, experiments: Experiments, driven: bool) -> tuple[str, dict[str, Any]]:
-    """What would tell a cause from its rivals, and the battery where one was computed; without a depth to command, what they need in
-    words, first of all what tells a load cell that drives the test."""
+    """The experiment that would separate a cause from its rivals, and the battery where one was computed. Otherwise the needs of all of
+    them in words, preceded by what separates a load cell that drives the test."""
     if not named.alternatives:
         return "", {}
     if named.key in experiments:
@@ -186,7 +187,7 @@ def _separating(named: Named, experiments: Experiments, driven: bool) -> tuple[s
 
 
 def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
-    """For causes that telemetry decides: empty where it looked, or why it could not."""
+    """For causes that telemetry decides: why it could not look, or "" where it did."""
     declared = recordings[0].declared
     return {
         "outliers": "",
@@ -194,14 +195,14 @@ def telemetry_words(recordings: list, given: bool) -> dict[str, str]:
         "data_error": "",
         "interference": "",
         "saturation": "",
-        "quantization": "",  # but for `_steps_seen`
+        "quantization": "",  # except for undeclared steps, see `_steps_seen`
         "noise": "" if declared.force_noise_n or declared.taxel_noise_n else "rig.yaml does not declare a noise level",
         "parameters": "" if given else "no model was given to compare with",
     }
 
 
 def _steps_seen(recordings: list) -> dict[str, NotNamed]:
-    """By place: steps that nobody declared, N, so that nobody can say whether they are as they should be."""
+    """Converter steps without a declared value, by place: whether they are as they should be cannot be decided."""
     n = len(recordings[0].taxels)
     return {
         sensor_of(channel, n): NotNamed(
@@ -212,15 +213,15 @@ def _steps_seen(recordings: list) -> dict[str, NotNamed]:
 
 
 def _silent(taxel: str, recordings: list) -> NotNamed:
-    """A taxel of which nobody can say whether it is dead."""
+    """The note on a taxel of which it is unknown whether it is dead."""
     because = f"{taxel} does not follow the load in any session, and nothing says that it should: it is open, or lies apart"
     places = "" if recordings[0].declared.taxel_positions_mm else "the place of every taxel in rig.yaml (taxel_positions_mm), or "
     return NotNamed(np.inf, because, f"{places}a press on {taxel}")
 
 
 def _not_findings(c: Criticism, recordings: list, named: set[Key]) -> dict[str, dict[str, NotNamed]]:
-    """By cause and place: what is in the record and is no finding, since nobody declared it or good hardware does as much; nothing of what
-    is `named`."""
+    """By cause and place: what is in the record without being a finding, because nothing was declared to compare with or because good
+    hardware does as much; without what is `named`."""
     seen = {"quantization": _steps_seen(recordings), "dead_taxel": {taxel: _silent(taxel, recordings) for taxel in apart(recordings)}}
     for (cause, where), why in c.not_named.items():
         if (cause, word_of(where)) not in named:
@@ -229,7 +230,7 @@ def _not_findings(c: Criticism, recordings: list, named: set[Key]) -> dict[str, 
 
 
 def _recording(r: Recording, held_out: bool) -> dict[str, Any]:
-    """What an entry of `recordings` says whatever was found."""
+    """The fixed part of an entry of `recordings`."""
     return {
         "name": r.name,
         "samples": len(r),
@@ -251,8 +252,8 @@ def as_findings(
     given: bool,
     experiments: Experiments,
 ) -> dict[str, Any]:
-    """The whole of findings.json. `train` and `held` are the sessions before anything was found to be their own; `given`: the baseline is a
-    model that somebody gave, whose numbers have no standard errors."""
+    """The whole of findings.json. `train` and `held` are the sessions without what was found to be their own; `given`: the baseline is a
+    model somebody gave, whose parameters have no standard errors."""
     before = [[c.before(own, s) for own, s in zip(*pair, strict=True)] for pair in ((c.train, train), (c.held, held))]
     baseline = described(c.baseline.model, c.baseline.unknowns, {} if given else c.baseline.std, *before)
     baseline |= {"given": True} if given else {}
@@ -280,20 +281,21 @@ def as_findings(
 
 
 def _all_of(c: Criticism) -> tuple[Unknown, ...]:
-    """What the baseline has, too, where given numbers that are not wrong stay as they are, and only effects are fitted."""
+    """The unknowns of baseline and extended model. With a given model whose numbers are right only effects are fitted, so the extended one
+    lacks those of the baseline."""
     fitted = {u.label for u in c.extended.unknowns}
     return (*(u for u in c.baseline.unknowns if u.label not in fitted), *c.extended.unknowns)
 
 
 def of_reading(recordings: list) -> list[str]:
-    """The warnings of recordings, what all sessions share once."""
+    """The warnings of all recordings; those that all sessions share appear once."""
     said = {r.name: dict.fromkeys((*r.warnings, *r.declared.warnings)) for r in recordings}
     shared = [w for w in said[recordings[0].name] if len(recordings) > 1 and all(w in own for own in said.values())]
     return [f"every session: {w}" for w in shared] + [said_of(name, w) for name, own in said.items() for w in own if w not in shared]
 
 
 def _warnings(recordings: list) -> list[str]:
-    """What the reader must know before believing any of it."""
+    """What the reader must know before relying on the findings."""
     warnings = of_reading(recordings)
     if len(recordings) == 1:
         warnings.append(

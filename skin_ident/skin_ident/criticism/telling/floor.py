@@ -1,16 +1,16 @@
-"""What noise alone leaves, and whether more than that is left.
+"""The noise floor, and whether the residual is clearly above it.
 
-The floor of a session is its residual less everything that any cause of the catalogue may explain in this session alone: no model that
-sessions share can do better. What the extended model leaves of sessions that did not fit it is held against the floor of the same
-sessions, for an encoder's steps or a noise that grows with load make one session's floor another's mountain.
+The floor of a session is its residual after every cause of the catalogue has been fitted to this session alone: no model that sessions
+share can do better. The residual of the extended model in held-out sessions is compared with the floor of the same sessions, since encoder
+steps, or noise that grows with the load, make the floors of sessions differ.
 
-Noise as large as the wrong itself would be taken for the floor where the search took it for noise. So the same directions, and delayed
-copies of what is simulated, are also fitted to every other few seconds of the session and predict what is between, which no noise lets
-them do; the floor is the lower of the two. And while the plunger is in the air there is nothing but noise: that of a channel under load may
-be some times as large, but not many times.
+If the search took an error for noise, the error would raise this floor. So the same directions, and delayed copies of the simulated
+channels, are also fitted to every other block of a few seconds and predict the blocks between. An error can be predicted so, noise cannot.
+The floor is the smaller of the two residuals. Further, the residual in the air is pure noise. Noise under load may be some times as large,
+but not many times.
 
-How large noise is, a record shows the worse the longer the memory of that is: of the RMS of n samples whose correlations are rho at all
-lags the relative standard error is sqrt(sum(rho^2) / 2 n) (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27-41).
+The standard error of a noise level grows with the memory of the noise: for the RMS of n samples with autocorrelation rho it is, relatively,
+sqrt(sum(rho^2) / 2 n), summed over all lags (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27-41).
 """
 
 from collections.abc import Iterable
@@ -33,22 +33,22 @@ from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.telling.leftover import SHADOW
 from skin_models.model import Model
 
-ROUNDING = 1e-9  # N
-DOUBTED = 1.25  # times the floor of the session that tells most, from which the floor of every session is looked at
-WELL_ABOVE = 1.4  # times the floor of the very sessions: more than noise. Of 25 sound sets the most had 1.2, of what was fitted 1.1
-UNSURE = 4.0  # standard errors of how loud noise is, by which floor and rest together may be off
-LOUDER = 6.0  # times the noise of the air: so much does no load make of it
-HARDLY = 0.02  # of the greatest depth: noise of the force that drives a test is as much
-AIR_S = 3.0  # of the air, that tell its noise
-TWICE = 2.0  # times what is left of what was fitted: more than sessions of one rig differ by
-BLOCK_S = 4.0  # by which a session is fitted and predicted in turns
-DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # by which simulated channels are shifted, to and fro
+ROUNDING = 1e-9  # N, RMS below which a residual is rounding error
+DOUBTED = 1.25  # ratio to the floor of the session with most data, above which the floor of every session is computed
+WELL_ABOVE = 1.4  # ratio to the floor that is more than noise. In 25 sound sets the largest was 1.2, and 1.1 in fitted sessions
+UNSURE = 4.0  # standard errors of the noise level, by which the ratio of residual and floor may be off
+LOUDER = 6.0  # ratio of the noise under load to that in the air that is never exceeded
+HARDLY = 0.02  # share of the greatest depth below which a test driven by force counts as in the air: noise of the force is as much
+AIR_S = 3.0  # s in the air that are needed to know the noise there
+TWICE = 2.0  # ratio of held-out to fitted residual that is more than sessions of one rig differ by
+BLOCK_S = 4.0  # s, length of the blocks that are fitted and predicted in turn
+DELAYS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # s, by which simulated channels are shifted in either direction
 
 
 def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, Any]]:
-    """By channel, what noise alone leaves in the common band, from the session that tells most, for time's sake.
+    """The noise floor by channel in the common band: what any model must leave. To save time, only from the session with most data.
 
-    It bounds what any model can gain. `rms` N; `lag_one` is the correlation of neighbouring samples.
+    `rms` N; `lag_one` is the correlation of neighbouring samples.
     """
     longest = max(sessions, key=lambda s: float(s.weight.sum()))
     rest = last.left_by_everything(longest)
@@ -58,7 +58,7 @@ def noise_floor(last: Survey, sessions: list[Session]) -> dict[str, dict[str, An
 
 
 def predicted_between(last: Survey, session: Session) -> np.ndarray:
-    """What is left (C, n) N where directions and delayed copies, fitted to every other block, predict the blocks between."""
+    """Residual (C, n) N after directions and delayed copies, fitted to every other block, have predicted the blocks between."""
     every, own = last.directions_of(session)
     every = np.concatenate([every, _delayed(last.model, session)])
     e = residual(last.model, session)
@@ -71,7 +71,7 @@ def predicted_between(last: Survey, session: Session) -> np.ndarray:
 
 
 def _delayed(model: Model, session: Session) -> np.ndarray:
-    """Every simulated channel, earlier and later by each of `DELAYS_S`, (K, C, n): dynamics that no catalogue holds."""
+    """Every simulated channel, advanced and delayed by each of `DELAYS_S`, (K, C, n): dynamics outside the catalogue."""
     y = simulated(model, session)
     rows = []
     for shift in (round(sign * d / session.motion.dt) for d in DELAYS_S for sign in (-1, 1)):
@@ -81,7 +81,8 @@ def _delayed(model: Model, session: Session) -> np.ndarray:
 
 
 def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float]) -> dict[str, dict[str, Any]]:
-    """The floor, from every session that was tested where `left` (N by channel) is doubtful beside that of the one that tells most."""
+    """The floor; recomputed from all tested sessions where the residual `left` (N by channel) is doubtful against that of the session with
+    most data."""
     if all(rms <= DOUBTED * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
         return floor
     tested = list(c.held or c.train)
@@ -91,7 +92,8 @@ def floor_of_all(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str,
 
 
 def left_beside(c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float]) -> dict[str, float]:
-    """What is `left` (N, held out, by channel); where that is clearly above the floor, beside what training leaves uncertain."""
+    """The held-out residual `left` (RMS, N, by channel). Where it is clearly above the floor, the part that training leaves uncertain is
+    removed."""
     if not c.held or all(rms <= WELL_ABOVE * max(floor[channel]["rms"], ROUNDING) for channel, rms in left.items()):
         return left
     tested, noise = list(c.held), c.last.noise
@@ -107,11 +109,11 @@ def _pooled(rests: list[np.ndarray], sessions: list[Session]) -> np.ndarray:
 def beyond_noise(
     c: Criticism, floor: dict[str, dict[str, Any]], left: dict[str, float], symptoms: Iterable[Symptom], encoder_step: float
 ) -> dict[str, float]:
-    """Channels of which more is `left` (N, held out) than noise can leave, and how many times the floor that is, or where that is less
-    what is left of the sessions that were fitted; and those of which more is left of the sessions that were fitted.
+    """The channels whose residual is more than noise, with its ratio to the least that noise leaves. Held-out sessions (`left`, N) are
+    compared with the floor, or with what fitted sessions leave if that is less; fitted sessions with their own floor.
 
-    Not so where a fault of the record is in the channel that nothing predicts, where the excess is one accident, within the steps of
-    converter or encoder, or beside the named causes so small that it may be their own imperfect form.
+    A channel does not count if it has a fault of the record that no model predicts, if the excess is one accident, if it is within the
+    steps of converter or encoder, or if it is so small beside the named causes that it may be their own imperfect form.
     """
     tested, train = list(c.held or c.train), list(c.train)
     limit = WELL_ABOVE * (1.0 + UNSURE * _doubt(c.last.noise, tested))
@@ -122,7 +124,7 @@ def beyond_noise(
     unnamed = np.maximum(SHADOW * max((n.gain.squares for n in c.named), default=0.0), open_to_steps**2)
 
     def times(rms: np.ndarray, sessions: list[Session], least: np.ndarray) -> np.ndarray:
-        """How many times (C,) what is left of sessions is the least that noise leaves of them; 0 where that is not well above it."""
+        """Ratio (C,) of the residual of `sessions` to the least that noise leaves of them; 0 where it is not well above that."""
         rms, least = rms * _but_for_the_worst(c, sessions), np.minimum(least, most)
         much = (rms > limit * np.maximum(least, ROUNDING)) & (rms**2 - least**2 > unnamed)
         return np.where(much, rms / np.maximum(least, ROUNDING), 0.0)
@@ -133,14 +135,13 @@ def beyond_noise(
 
 
 def _doubt(noise: Whitener, sessions: list[Session]) -> np.ndarray:
-    """Relative standard error (C,) of the RMS of each channel's noise in sessions."""
+    """Relative standard error (C,) of the RMS of each channel's noise in the sessions."""
     n = sum(np.count_nonzero(s.weight, axis=1) for s in sessions)
     return np.sqrt(noise.lasting() / (2.0 * np.maximum(n, 1)))
 
 
 def _louder(c: Criticism) -> np.ndarray:
-    """How many times louder each channel's noise (C,) is in held-out sessions than in those that were fitted, where it grows with the load;
-    1 where it is not."""
+    """Ratio (C,), at least 1, of each channel's noise in held-out sessions to that in fitted ones, where noise grows with the load."""
     held, train = (
         np.sqrt(np.mean(np.concatenate([c.last.noise.growth.loudness(s) for s in each], axis=1) ** 2, axis=1))
         for each in (list(c.held or c.train), list(c.train))
@@ -149,8 +150,8 @@ def _louder(c: Criticism) -> np.ndarray:
 
 
 def _loudest(c: Criticism) -> np.ndarray:
-    """The most that noise may leave of each channel (C,) N, by what is left of it in the air; anything where there is too little of that. A
-    converter coarser than the noise shows none of it there."""
+    """Upper bound of each channel's noise (C,), N, from the residual in the air; inf where there is too little air. The converter's step is
+    added: if it is coarser than the noise, the air shows no noise."""
     model, sessions = c.extended.model, [*c.train, *c.held]
     in_air = [replace(s, weight=s.weight * _in_the_air(model, s)) for s in sessions]
     seconds = sum(np.count_nonzero(s.weight, axis=1) * s.band.spacing for s in in_air)
@@ -160,15 +161,15 @@ def _loudest(c: Criticism) -> np.ndarray:
 
 
 def _in_the_air(model: Model, s: Session) -> np.ndarray:
-    """Mask (n,) of the samples in which the plunger does not touch the skin; where force drives the test, hardly presses it."""
+    """Mask (n,) of the samples at which the plunger does not touch the skin, or hardly presses it where force drives the test."""
     moved = motion_under(s, model.dispersion)
     touched = model.dispersion.contact(moved) > 0.0 if s.drive is None else moved.x > HARDLY * moved.x.max()
     return np.interp(s.t, moved.t, touched.astype(float)) == 0.0
 
 
 def _fitted(c: Criticism, floor: dict[str, dict[str, Any]]) -> tuple[np.ndarray, np.ndarray]:
-    """What is left (C,) N of the sessions that were fitted, and where that is doubtful what is left where every cause may bend each of
-    them by itself."""
+    """RMS residual (C,) N of the fitted sessions, and where that is doubtful, their floor, with every cause fitted to each of them
+    alone."""
     sessions = list(c.train)
     fitted = _pooled([residual(c.extended.model, s) for s in sessions], sessions)
     if all(rms <= DOUBTED * max(low["rms"], ROUNDING) for rms, low in zip(fitted, floor.values(), strict=True)):
@@ -177,8 +178,7 @@ def _fitted(c: Criticism, floor: dict[str, dict[str, Any]]) -> tuple[np.ndarray,
 
 
 def _but_for_the_worst(c: Criticism, sessions: list[Session]) -> np.ndarray:
-    """What is left in each channel (C,) of sessions without the two seconds that leave most, over all that is left (RMS): a spike is an
-    accident, and no sign that the model is wrong."""
+    """Ratio (C,) of the RMS residual without its worst two seconds to that with them: a spike is an accident and no error of the model."""
     squares = np.concatenate([by_block(residual(c.extended.model, s) ** 2 * s.weight, s) for s in sessions], axis=-1)
     share = squares.max(axis=-1) / np.maximum(squares.sum(axis=-1), 1e-300)
     return np.sqrt((1.0 - share) / (1.0 - 1.0 / max(squares.shape[-1], 2)))

@@ -1,8 +1,8 @@
-"""What everything is worth together: the faults of the record put into the extended model, and the gain of every channel.
+"""The final gains: faults of the record put into the extended model, and the gain of every channel.
 
-The search runs without clipped samples and silent taxels, so that they bend nothing. Here they come back: the baseline is fitted to the
-whole record, as someone would who had not looked; the extended model is the search's with the faults as effects. What its numbers are
-beside the baseline's is what the faults had been hiding in.
+The search leaves out clipped samples and silent taxels, so that they bend nothing. Here they come back. The baseline is fitted to the whole
+record, as by someone who had not looked for faults; the extended model is that of the search with the faults added as effects. The
+difference between the parameters of the two baselines shows in which parameters the faults had been hiding.
 """
 
 from collections.abc import Iterator
@@ -23,26 +23,27 @@ from skin_ident.criticism.telemetry.faults import PREDICTS, effect_of, effects_o
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_models.model import Model
 
-MOST_FOLDS = 5  # by which sessions are held out in turn
+MOST_FOLDS = 5  # folds of the cross-validation, at most
 
 
 @dataclass(frozen=True)
 class Judged:
-    """The criticism with the faults in it, what each symptom's effect gains (entries of findings.json; {} where it predicts nothing), and
-    what the extended model gains by channel."""
+    """The criticism with the faults added, the gain of each symptom's effect (entries of findings.json; {} where it predicts nothing), and
+    the gain of the extended model by channel."""
 
     criticism: Criticism
     symptoms: tuple[dict[str, Any], ...]
     channels: dict[str, dict[str, Any]]
-    naive: Model  # the baseline as it was when the faults were left out of the fit
+    naive: Model  # the baseline fitted without the faulty samples
 
 
 def judge(
     c: Criticism, symptoms: tuple[Symptom, ...], whole: tuple[list[Session], list[Session]], given: Model | None, mass: float
 ) -> Judged:
-    """Put the faults into `c`. `whole`: training and held-out sessions with everything left in, in the order of `c.train` and `c.held`."""
+    """Add the faults to `c` and compute all gains. `whole` are training and held-out sessions with every sample, in the order of `c.train`
+    and `c.held`."""
     clean = c.baseline.model
-    compared = [s for s in symptoms if set(s.channels) <= set(c.train[0].channels)]  # not of a force that drives the simulation
+    compared = [s for s in symptoms if set(s.channels) <= set(c.train[0].channels)]  # without faults of a force that drives the test
     if effects := [e for e in effects_of(compared) if e.cause in PREDICTS]:
         c = _carrying(c, effects, whole, given, mass)
     tested = list(c.held or c.train)
@@ -51,7 +52,7 @@ def judge(
 
 
 def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Session]], given: Model | None, mass: float) -> Criticism:
-    """The criticism with the `effects` of faults in its extended model, and a baseline that was fitted to everything."""
+    """The criticism with `effects` of faults in its extended model, and a baseline fitted to all samples."""
     start, model = given or replace(dispersion_start(whole[0], mass), effects=c.baseline.model.effects), c.extended.model
     plain = [
         [replace(at_rest(without_parting(s, start.dispersion), model), skin=c.skin_before(own)) for s, own in zip(*pair, strict=True)]
@@ -67,13 +68,13 @@ def _carrying(c: Criticism, effects: list, whole: tuple[list[Session], list[Sess
 
 
 def _better(one: Model, other: Model, sessions: list[Session]) -> Model:
-    """The one that is nearer to the sessions."""
+    """The model with the smaller squared residual over the sessions."""
     near, far = (sum(float(np.sum(residual(m, s) ** 2 * s.weight)) for s in sessions) for m in (one, other))
     return one if near <= far else other
 
 
 def _gain_of(model: Model, symptom: Symptom, sessions: list[Session]) -> dict[str, Any]:
-    """What the effect of one symptom is worth: the extended model without and with it."""
+    """The gain of one symptom's effect: the extended model without it and with it."""
     mine = next((e for e in model.effects if e == effect_of(symptom)), None)
     if mine is None:
         return {}
@@ -83,7 +84,7 @@ def _gain_of(model: Model, symptom: Symptom, sessions: list[Session]) -> dict[st
 
 
 def _by_channel(c: Criticism, whole: tuple[list[Session], list[Session]], given: bool) -> dict[str, dict[str, Any]]:
-    """Errors of baseline and extended model on data that fitted neither, with the interval of the fall, by channel."""
+    """RMSE of baseline and extended model by channel, on data to which neither was fitted, with the confidence interval of the fall."""
     said, pairs = _tested(c, whole, given)
     entries = _entries([b for _, b, _ in pairs], [a for _, _, a in pairs], [s for s, _, _ in pairs])
     return {channel: {**entry, "tested_on": said} for channel, entry in entries.items()}
@@ -92,7 +93,7 @@ def _by_channel(c: Criticism, whole: tuple[list[Session], list[Session]], given:
 def _tested(
     c: Criticism, whole: tuple[list[Session], list[Session]], given: bool
 ) -> tuple[str, list[tuple[Session, np.ndarray, np.ndarray]]]:
-    """On what, and for each session of it the residuals of baseline and extended model."""
+    """The name of the test data, and for each of its sessions the residuals of baseline and extended model."""
     if c.held:
         return ", ".join(s.name for s in c.held), [
             _pair(c, c.baseline.model, c.extended.model, *p) for p in zip(c.held, whole[1], strict=True)
@@ -109,7 +110,7 @@ def _folds(count: int) -> Iterator[list[int]]:
 
 
 def _fold(c: Criticism, whole: list[Session], fold: list[int], given: bool) -> Iterator[tuple[Session, np.ndarray, np.ndarray]]:
-    """Both models fitted without the sessions of the fold, and tried on these."""
+    """Both models fitted to the sessions outside the fold, and their residuals in the fold."""
     rest = [i for i in range(len(c.train)) if i not in fold]
     others = with_reference([c.train[i] for i in rest])
     plain = [c.before(s, whole[i]) for i, s in zip(rest, others, strict=True)]
@@ -128,7 +129,7 @@ def _pair(c: Criticism, before: Model, after: Model, own: Session, plain: Sessio
 
 
 def _entries(before: list[np.ndarray], after: list[np.ndarray], sessions: list[Session]) -> dict[str, dict[str, Any]]:
-    """By channel: the errors over every sample, as `baseline` and `extended` have them, and the interval of the fall, from whole blocks."""
+    """By channel: RMSE over all samples, `before` and `after`, and a 95 % interval of the fall by block bootstrap."""
     errors = [rmse(es, sessions) for es in (before, after)]
     _, drawn = rmse_fall(before, after, sessions)
     bounds = np.percentile(drawn[0] - drawn[1], [2.5, 97.5], axis=-1).T

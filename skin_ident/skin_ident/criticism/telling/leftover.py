@@ -1,8 +1,8 @@
-"""What is still wrong when every named cause is in the model.
+"""Whether something systematic is left when every named cause is in the model.
 
-A general predictor, the richest set of directions that the catalogue offers, is fitted to the training residual and asked to predict the
-residual of held-out sessions, both beside what training leaves uncertain. If it can, something systematic is left that no cause has been
-given for.
+A general linear predictor, the richest set of directions of the catalogue, is fitted to the training residual and applied to held-out
+sessions. Both its residual and that without it are taken after allowing for what training leaves uncertain. If the predictor helps,
+something systematic is left for which no cause was found.
 """
 
 from dataclasses import dataclass
@@ -16,16 +16,17 @@ from skin_ident.criticism.gates.uncertain import beside_uncertainty
 from skin_ident.criticism.search.survey import Survey
 from skin_ident.criticism.sessions.session import Session
 
-SYSTEMATIC = 0.03  # fall of the whitened held-out mean square that a general predictor must reach
-SYSTEMATIC_RMSE = 0.05  # and of the plain error, in the channel that gains most
-ENOUGH_S = 40.0  # of held-out data; of less, as many times more must fall: a dozen seconds of noise look like anything
-SHADOW = 0.01  # of what the named causes explained: a remainder below is their own imperfect form
+SYSTEMATIC = 0.03  # relative fall of the whitened held-out mean square that the predictor must reach,
+SYSTEMATIC_RMSE = 0.05  # and of the plain RMSE, in the channel that gains most
+ENOUGH_S = 40.0  # s of held-out data; with less, that fall must be larger in proportion: a dozen seconds of noise look like anything
+SHADOW = 0.01  # share of the mean square that the named causes explained, below which the rest is their own imperfect form
 
 
 @dataclass(frozen=True)
 class Rest:
-    """What a general predictor gains on held-out data: fall of the whitened mean square, its lower 99 % bound, and plain RMSE (N) in the
-    channel that gains most; `resolution` (N) is what the steps of converter and encoder leave open; `seconds` were held out."""
+    """What the general predictor gains on held-out data: relative fall of the whitened mean square (`fall`) and its lower 99 % bound, plain
+    RMSE (N) `before` and `after` in the channel that gains most, the `resolution` (N) that steps of converter and encoder leave open, and
+    the length of the held-out data, `seconds`."""
 
     fall: float
     lower: float
@@ -46,7 +47,7 @@ class Rest:
         }
 
     def is_systematic(self, explained: float) -> bool:
-        """Whether the rest deserves the word `unexplained`, next to causes that made a mean square fall by `explained` (N^2)."""
+        """Whether the rest is systematic, given that the named causes lowered a mean square by `explained` (N^2)."""
         if not self.seconds:
             return False
         least = max(1.0, ENOUGH_S / self.seconds) * SYSTEMATIC_RMSE
@@ -55,10 +56,10 @@ class Rest:
 
 
 def systematic_rest(last: Survey, train: list[Session], held: list[Session], encoder_step: float = 0.0) -> Rest:
-    """Fit the general predictor to the training residual and try it on `held` (that training session of which most is compared, where there
-    is none). Where nothing of it is compared, nothing is said to be left.
+    """Fit the general predictor to the training residual and test it on `held`. If `held` is empty, the training session with most compared
+    data is tested and left out of the fit, unless it is the only one. The gain is zero if no sample is compared.
 
-    An encoder that steps by `encoder_step` (m) leaves a force open, and at the depths that every session returns to the same one each time.
+    An encoder with step `encoder_step` (m) leaves a force error that repeats at the depths to which all sessions return.
     """
     held = held or [max(reversed(train), key=lambda s: s.seconds)]
     seconds = sum(s.seconds for s in held)

@@ -1,4 +1,4 @@
-"""What a diagnosis hands to the report: the content of findings.json, and the curves behind it."""
+"""What a diagnosis hands to the report: the content of findings.json and the curves behind it."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,11 +19,11 @@ class Trace:
     measured: np.ndarray
     baseline: np.ndarray
     extended: np.ndarray
-    left_out: np.ndarray | None = None  # (N,), 1 where the samples were not compared
+    left_out: np.ndarray | None = None  # (N,), 1 where a sample was not compared
 
     @property
     def compared(self) -> np.ndarray:
-        """Which samples (N,) were compared."""
+        """Mask (N,) of the samples that were compared."""
         return np.ones(self.t.size, bool) if self.left_out is None else np.asarray(self.left_out) < 0.5
 
 
@@ -41,7 +41,8 @@ class ScanTrace:
 
 @dataclass(frozen=True)
 class Round:
-    """One round of the search: (cause, where, gain in squared whitened units) of everything ranked, best first; and what was named."""
+    """One round of the search: (cause, where, gain in squared whitened units) of all ranked causes, best first, and the cause that was
+    named."""
 
     ranked: tuple[tuple[str, str, float], ...]
     named: str | None
@@ -49,7 +50,7 @@ class Round:
 
 @dataclass(frozen=True)
 class Outcome:
-    """`findings` is exactly what findings.json holds (schema 1); `model` the extended model and `baseline` what it
+    """The result of a diagnosis. `findings` is what findings.json holds (schema 1); `model` is the extended model and `baseline` what it
     started from (None for a spread scan without one). `batteries` are the separating experiments: YAML text by file name."""
 
     findings: dict[str, Any]

@@ -1,5 +1,6 @@
-"""What the judgement adds to findings.json: gains of telemetry's findings, gains by channel with the noise as their bound, what the
-baseline's numbers had been hiding, and how much of the record was compared."""
+"""What the judgement adds to findings.json: gains of faults of the record, gains by channel with the noise floor as their bound, the
+parameters in which causes had been hiding, and how much of the record was compared.
+"""
 
 from typing import Any
 
@@ -17,14 +18,14 @@ from skin_ident.criticism.telling.judging import Judged
 from skin_ident.criticism.vocabulary import BY_NAME, revised
 from skin_models.model import Model
 
-OTHER_UNIT = 3.0  # times the applied force, which no taxel reads whose gain is merely off
-UNSURE = 1.5  # times what is left beside what training leaves uncertain
-MOVED, SURE = 0.05, 3.0  # share, and standard errors, from which a parameter is said to have moved
+OTHER_UNIT = 3.0  # ratio of a taxel to the applied force that no mere gain error reaches
+UNSURE = 1.5  # ratio of the residual to that without what training leaves uncertain, above which a warning is given
+MOVED, SURE = 0.05, 3.0  # relative change, and change in standard errors, above which a parameter is reported to have moved
 
 
 def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...], encoder_step: float = 0.0) -> dict[str, Any]:
-    """The content of findings.json with all of that; `findings["findings"]` begins with the `symptoms`, and the causes that were named
-    follow. The depth is known in steps of `encoder_step`, m. Where clearly more is left than noise, the verdict says so."""
+    """The content of findings.json with all that added. `findings["findings"]` begins with the `symptoms`, followed by the named causes.
+    `encoder_step` is the step of the depth, m. Where clearly more than noise is left, the verdict says so."""
     c = judged.criticism
     left = {channel: gain["held_out_rmse_after"] for channel, gain in judged.channels.items()}
     floor = floor_of_all(c, noise_floor(c.last, list(c.train)), left)
@@ -45,8 +46,8 @@ def tell(findings: dict[str, Any], judged: Judged, symptoms: tuple[Symptom, ...]
 
 
 def _seen(entry: dict[str, Any], symptom: Symptom, gain: dict[str, Any], judged: Judged, given: bool) -> dict[str, Any]:
-    """The entry of a symptom with what its effect gains, whether the extended model has it, and what the numbers of a model that was not
-    `given` had been hiding: given ones are bent by nothing."""
+    """The entry of a symptom with the gain of its effect, whether the extended model contains it, and the parameters in which it had been
+    hiding; those of a `given` model are not fitted and hide nothing."""
     advice = entry["advice"]
     if symptom.evidence.get(UNLIKE):
         instead = BY_NAME[symptom.cause].instead or advice
@@ -57,14 +58,14 @@ def _seen(entry: dict[str, Any], symptom: Symptom, gain: dict[str, Any], judged:
 
 
 def _named(entry: dict[str, Any], named: Named, judged: Judged, given: bool) -> dict[str, Any]:
-    """The entry of a cause with its gain at the end, and with what the numbers of a model that was not `given` had been hiding."""
+    """The entry of a cause with its final gain, and the parameters in which it had been hiding, unless the model was `given`."""
     hid = {} if given else hid_in(named, judged.criticism)
     return {**entry, "gain": gain_at_the_end(named, judged) or entry["gain"], "hid_in": hid}
 
 
 def _once_each(seen: list[dict[str, Any]], named: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The entries of what was `seen` in the record and of what the search has `named`, those joined that are the same cause at the same
-    place: what was seen, and the numbers with which the model has it. What was named twice, as of two clocks, stays two."""
+    """Entries of faults `seen` in the record and of causes `named` by the search, joined where cause and place agree: the evidence of the
+    fault with the parameters of the model. A cause that was named twice, as for two clocks, stays two entries."""
     joined, left = [], named
     for e in seen:
         again = next((n for n in left if (n["cause"], n["where"]) == (e["cause"], e["where"])), None)
@@ -74,8 +75,8 @@ def _once_each(seen: list[dict[str, Any]], named: list[dict[str, Any]]) -> list[
 
 
 def gain_at_the_end(named: Named, judged: Judged) -> dict[str, Any]:
-    """The gain of a cause that is all the extended model adds, as the finished model has it: one number for one gain. {} where more is
-    added, so that only the gain when it was named is the cause's own, or where the end is not tested on the same data."""
+    """The gain in the finished model, for a cause that is all the extended model adds, so that one gain has one number. {} where more was
+    added, or where the final test used other data: then only the gain at the time of naming is the cause's own."""
     at_the_end = judged.channels[named.gain.channel]
     alone = len(judged.criticism.named) == 1 and not any(judged.symptoms)
     same_test = at_the_end["tested_on"] == named.gain.held_out
@@ -83,7 +84,7 @@ def gain_at_the_end(named: Named, judged: Judged) -> dict[str, Any]:
 
 
 def _more_than_applied(c: Criticism) -> list[str]:
-    """Where a taxel reads more than what presses on it, force and taxel are not in one unit: ratios hold, shares do not."""
+    """A warning where a taxel reads more than what presses on it: force and taxel then differ in unit, so ratios hold but shares do not."""
     share = c.baseline.model.dispersion.sensed_share
     if share <= (OTHER_UNIT if c.train[0].drive is None else 1.0):
         return []
@@ -102,8 +103,8 @@ def _more_than_noise(above: dict[str, float]) -> list[str]:
 
 
 def _as_read(bound: dict[str, Any], encoder_step: float, model: Model) -> dict[str, Any]:
-    """An entry of what is excluded. No length of the rig below the encoder's step is named, and so none is ruled out; nor is a force that
-    skin under load swallows as if the surface were half a step further."""
+    """An entry of `excluded`, with its bound raised to what the encoder can resolve: a length of the rig below the encoder's step can be
+    neither named nor ruled out, nor can a dead zone that acts like a surface half a step deeper."""
     if bound["unit"] == "m" and bound.get("where") == "rig":
         return {**bound, "below": max(bound["below"], encoder_step)}
     if bound["cause"] == "dead_zone" and bound["unit"] == "N":
@@ -122,7 +123,7 @@ def _never_loaded(certain: dict[str, float], left: dict[str, float]) -> list[str
 
 
 def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
-    """Whether the extended model has it, and whether anything is predicted with it; as a sentence, too."""
+    """Whether the extended model contains the fault and predicts data with it, in fields and as a sentence."""
     effect = effect_of(symptom)
     if symptom.evidence.get(UNLIKE):
         why = "the simulated skin does it in another way, which would be further from the record than none"
@@ -141,7 +142,7 @@ def _simulated(symptom: Symptom, predicts: bool) -> dict[str, Any]:
 
 
 def hid_in(named: Named, c: Criticism) -> dict[str, Any]:
-    """The baseline's parameters that this cause had bent: before and after it was named."""
+    """The baseline's parameters that this cause had biased, before and after it was named."""
     if named.before is None or named.model is None:
         return {}
     return moved(named.model, named.before, c)
@@ -159,13 +160,13 @@ def moved(after: Model, before: Model, c: Criticism) -> dict[str, Any]:
 
 
 def samples_compared(name: str, c: Criticism) -> tuple[np.ndarray, np.ndarray] | None:
-    """The instants (n,) of a session, filtered and thinned, and which of them were compared; None for a session that is not there."""
+    """The instants (n,) of a session, filtered and decimated, and which of them were compared; None if there is no such session."""
     mine = [s for s in (*c.train, *c.held) if s.name in (name, name + FITTED, name + KEPT)]
     return (mine[0].t, np.any([s.weight.min(axis=0) > 0.0 for s in mine], axis=0)) if mine else None
 
 
 def _compared(name: str, c: Criticism) -> dict[str, Any]:
-    """How many samples of a recording (filtered and thinned) were compared, and how many were not."""
+    """How many samples of a recording (filtered and decimated) were compared, how many were left out, and why."""
     told = samples_compared(name, c)
     if told is None:
         return {}

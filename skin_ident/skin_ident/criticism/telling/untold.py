@@ -1,4 +1,4 @@
-"""What nobody can say of a sensor: of a load cell whose force drives a test without depth, and of a taxel that answers nothing."""
+"""Entries of `untestable` for sensors that cannot be judged: a load cell whose force drives a test without depth, and a dead taxel."""
 
 from collections.abc import Collection, Iterable
 from typing import Any
@@ -9,25 +9,27 @@ from skin_models.catalogue import effects
 NEEDS = "an encoder, or a known load on the load cell"
 OF_LOAD_CELL = "the force drives the simulation: without a depth a load cell is not told from taxels and skin"
 OF_DEAD = "the taxel is dead: what else may be wrong with it does not show"
-SEEN = ("outliers", "quantization")  # in the force itself, whatever it drives
-NOT_HIDDEN = ("interference", "outliers", "crosstalk", "dead_taxel")  # in a taxel that is dead: in its readings, in others, or that it is
+SEEN = ("outliers", "quantization")  # visible in the force itself, also where it drives the test
+# Causes that a dead taxel does not hide: they show in its readings or in other taxels, or say that it is dead.
+NOT_HIDDEN = ("interference", "outliers", "crosstalk", "dead_taxel")
 
 
 def is_untold(entry: dict[str, Any]) -> bool:
-    """Whether an entry of `untestable` says that of a sensor: it stays said where its cause is named elsewhere."""
+    """Whether an entry of `untestable` is of this kind; it stays, even where its cause is named elsewhere."""
     return entry["because"] in (OF_LOAD_CELL, OF_DEAD)
 
 
 def with_load_cell_untold(untestable: list[dict[str, Any]], named: Collection[Key]) -> list[dict[str, Any]]:
-    """The entries `untestable` with one for every cause that a load cell may have, in the order of the vocabulary behind all others: none
-    for what is `named` as its own, or as a rival, nor for what its record alone shows. One that speaks of no place gives way to it."""
+    """The entries `untestable` followed by one for every cause that a load cell may have, in the order of the vocabulary. Left out are
+    causes `named` there, or as a rival, and those that the force itself shows. An older entry of the same cause without a place is
+    replaced."""
     untold = [cause for cause in _causes_of("load_cell") if cause not in SEEN and (cause, "load_cell") not in named]
     kept = [e for e in untestable if e["cause"] not in untold or e.get("where") not in (None, "load_cell")]
     return kept + [{"cause": name, "where": "load_cell", "because": OF_LOAD_CELL, "needs": NEEDS} for name in untold]
 
 
 def with_dead_untold(untestable: list[dict[str, Any]], dead: Iterable[str]) -> list[dict[str, Any]]:
-    """The entries `untestable` with one for every cause that a taxel may have, for each of those that are `dead`."""
+    """The entries `untestable` with one for every cause that a taxel may have, for each taxel that is `dead`."""
     untold = [(cause, where) for where in dead for cause in _causes_of("taxel") if cause not in NOT_HIDDEN]
     kept = [e for e in untestable if (e["cause"], e.get("where")) not in untold]
     needs = "the taxel replaced, or its plug and wire mended"
@@ -35,6 +37,6 @@ def with_dead_untold(untestable: list[dict[str, Any]], dead: Iterable[str]) -> l
 
 
 def _causes_of(sensor: str) -> list[str]:
-    """The causes of the catalogue that such a sensor may have, in the order of the vocabulary."""
+    """The causes of the catalogue that a sensor of this kind may have, in the order of the vocabulary."""
     able = {cls.cause for cls in effects() if sensor in cls.places}
     return [c.name for c in CAUSES if c.name in able]
