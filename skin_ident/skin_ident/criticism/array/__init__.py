@@ -1,14 +1,16 @@
-"""Several taxels under one contact: what lies in the ratios of their gains.
+"""Several taxels under one contact: what the ratios of their readings show.
 
-A fit with a gain of its own for every taxel can explain any ratio, and so says nothing of a contact that is off its declared place, of one
-wrong calibration, of crosstalk, or of a spread of another width or shape. With the places of the taxels declared, all of these show:
+A fit with a free share for every taxel explains any ratio. It therefore cannot show a contact that is off its declared place, one wrong
+calibration, crosstalk, or a spread of another width or shape. With declared positions of the taxels all of these show:
 
-1.  `layout`: where taxels and contacts are declared to be, how wide the spread, how sure the calibrations; or why nothing can be said.
-    `exchanged`: two columns that were exchanged in all sessions are put right before anything else.
-2.  `spreading`: sessions that press at different places bring their own shares along, so that one model can be fitted to all.
-3.  `bending`, `smeared`, `proposing`: what changes ratios over depth, time or frequency joins the search as further directions.
-4.  `gains`: what is left is static; the share of every taxel in every session, with standard errors, under the extended model.
-5.  `family`, `hypotheses`, `evidence`, `judgement`: shares as the declared layout has them, or with one cause more, weighed against
-    calibrations and widths that are a little off with nobody to blame.
-6.  `gate`: what is sure must also predict held-out sessions better; `findings`, `joining`: it joins the rest of the diagnosis.
+1.  `layout`: declared places of taxels and contacts, the width of the spread, the uncertainty of calibrations; or the reason why nothing
+    can be judged. `exchanged`: two columns that are exchanged in all sessions, or in one, are corrected before anything else.
+2.  `spreading`: sessions that press at different places carry their own shares, so that one model can be fitted to all.
+3.  `bending`, `smeared`, `proposing`: effects that change the ratios over depth, time or frequency join the search as further directions.
+4.  `gains`: the rest is static. The share of every taxel in every session is estimated with standard errors, under the extended model.
+    `scatter` widens these by how much sessions at one place differ.
+5.  `family`, `hypotheses`, `evidence`, `judgement`: Bayesian comparison of the shares of the declared layout with those under one further
+    cause, against a background of small errors of calibration and width that nobody is to blame for.
+6.  `gate`: a cause that is sure must also predict held-out sessions better. `findings`, `sentences`, `extending`, `joining`: it becomes
+    part of the diagnosis and of the extended model.
 """

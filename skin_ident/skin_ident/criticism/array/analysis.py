@@ -1,4 +1,4 @@
-"""The analysis of an array: what the ratios of the taxels say once everything else is in the model."""
+"""Analysis of an array: what the ratios of the taxels show once everything else is in the model."""
 
 from dataclasses import dataclass, replace
 
@@ -14,17 +14,17 @@ from skin_ident.criticism.noise.whitening import Whitener
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-MOST = 0.67  # of what the ratios get wrong (mean square), which a cause must account for to be named
-FAR = 0.25  # of the shares: so far off is no calibration,
-BEYOND = 5.0  # nor is what is so many times as far off as calibrations are declared to be
-DOUBTED = 0.1  # relative error granted to the share of a taxel in which another fault was found
+MOST = 0.67  # share of the mean-square error from wrong ratios that a cause must remove to be named
+FAR = 0.25  # relative error of the shares that no calibration error reaches,
+BEYOND = 5.0  # nor this many times the declared error of calibrations
+DOUBTED = 0.1  # relative standard error added to the share of a taxel in which another fault was found
 BENDING = ("saturation", "dead_zone", "hysteresis", "lag", "gain_error", "drift", "crosstalk", "nonlinear_stiffness")
 
 
 @dataclass(frozen=True, eq=False)
 class ArrayCriticism:
-    """What was found: `gain` is None where no cause was sure enough to be tried on held-out data; `least` is what shares as measured leave
-    there, N; `unlike` is the part of the shares by which training differs from the declared layout."""
+    """The result. `gain` is None where no cause was sure enough to be tested on held-out data; `least` is the RMSE, N, that the measured
+    shares leave there; `unlike` is the relative difference of the training shares from the declared layout."""
 
     layout: Layout
     measured: Gains
@@ -35,18 +35,18 @@ class ArrayCriticism:
 
     @property
     def unexplained(self) -> bool:
-        """Whether the ratios are wrong by more than calibrations ever are, or by far more than they are declared to be, and no cause has
-        been named for it."""
+        """Whether the ratios are wrong by more than any calibration error, or by far more than the declared one, and no cause has been
+        named for it."""
         declared = self.layout.gain_std
         far = FAR if declared is None else min(FAR, BEYOND * declared)
         return not self.named and self.judgement.named is not None and self.unlike > far
 
     @property
     def named(self) -> bool:
-        """Whether a cause is sure, held-out sessions are predicted better with it beyond doubt and by enough to matter, and it accounts for
-        most of what the ratios get wrong.
+        """Whether a cause is sure, predicts held-out sessions better beyond doubt and by enough to matter, and accounts for most of the
+        error from wrong ratios.
 
-        The whitened gain need not be large: a static share is slow, and under coloured noise there is little of it to whiten.
+        The whitened gain need not be large: a static share is a slow signal, and coloured noise hides most of it.
         """
         gain = self.gain
         if gain is None or gain.lower <= 0.0 or gain.after >= (1.0 - MATERIAL_RMSE) * gain.before:
@@ -57,11 +57,11 @@ class ArrayCriticism:
 def analyse(
     model: Model, layout: Layout, sessions: list[Session], held: list[int], noise: Whitener, doubted: list[int], thickness_mm: float | None
 ) -> ArrayCriticism:
-    """Judge the shares that the training sessions show under the extended `model`; `held` are indices of held-out sessions.
+    """Judge the shares of the training sessions under the extended `model`; `held` are indices of held-out sessions.
 
-    `doubted` are taxels in which another fault was found, whose share is not to be relied upon.
+    `doubted` are taxels in which another fault was found and whose share is less certain.
     """
-    if any(e.cause == "spread_depth" for e in model.effects):  # where it begins and how it grows stand for each other
+    if any(e.cause == "spread_depth" for e in model.effects):  # its initial width and its growth cannot be told apart
         layout = replace(layout, width_declared=False)
     measured = with_scatter(_granted(gains(model, sessions, noise), doubted), layout)
     train = [i for i in range(len(sessions)) if i not in held]
@@ -83,6 +83,6 @@ def _granted(measured: Gains, doubted: list[int]) -> Gains:
 
 
 def doubted_taxels(named) -> list[int]:
-    """The taxels to which the search has ascribed something that bends their static share."""
+    """The taxels for which the search has named something that changes their static share."""
     places = {n.where for n in named if n.cause in BENDING}
     return sorted(int(w.partition("_")[2]) for w in places if w.startswith("taxel_"))

@@ -1,15 +1,16 @@
-"""Effects of an array that change while it is pressed: they bend the ratios of the taxels over depth or time.
+"""Effects of an array that change the ratios of the taxels over depth or time.
 
-All act on the share of every taxel, exp(-(r / c)^2) with r from the contact, and all but the last keep the total:
+All act on the share of every taxel, exp(-(r / c)^2) with r the distance from the contact; all but the last keep the total:
 
     Leaning    the contact moves by `shift` along `axis` from the surface to the greatest depth          off_centre
     Walking    the contact moves by `shift` along `axis` from the first to the last moment               off_centre
     Widening   the width is (1 + growth (x - x_0)) c at depth x                                          spread_depth
     Reaching   the same, with the share right under the contact as it was                                spread_depth
 
-Both spread most in the first depth h as `Settling` and `SettlingReaching`, with h (1 - exp(-x / h)) in place of x.
+`Settling` and `SettlingReaching` are variants of the last two that change most within the first depth h: x is replaced by h (1 - exp(-x /
+h)).
 
-They need to know where the taxels are, so they are made for one layout and are not in the catalogue.
+They need the positions of the taxels, so they are made for one layout and are not in the catalogue.
 """
 
 from dataclasses import dataclass, replace
@@ -26,23 +27,23 @@ Pairs = tuple[tuple[float, float], ...]
 
 
 def _moved(places: Pairs, axis: tuple[float, float], width: float, by: Any) -> np.ndarray:
-    """Factor on every taxel's share when the contact moves `by` (m) along `axis`: (T,) or (T, N)."""
+    """Factor on every taxel's share, (T,) or (T, N), if the contact moves `by` (m) along `axis`."""
     along = np.array(places) @ np.array(axis)
     return np.exp((2.0 * np.multiply.outer(along, by) - np.square(by)) / width**2)
 
 
 class OverTaxels:
-    """An effect that knows where the `taxels` are, as seen from the contact."""
+    """An effect that knows the positions of the `taxels` relative to the contact."""
 
     def seen_from(self, contact: np.ndarray) -> "OverTaxels":
-        """The same effect with its taxels as they are seen from `contact` (2,) m."""
+        """The same effect with positions relative to `contact` (2,) m."""
         seen = np.array(self.taxels) - contact
         return replace(self, taxels=tuple((float(x), float(y)) for x, y in seen))
 
 
 @dataclass(frozen=True)
 class Leaning(OverTaxels, Memoryless):
-    """A plunger or a mount that leans: the contact moves aside as it goes deeper."""
+    """A plunger or mount that leans: the contact moves sideways as it goes deeper."""
 
     cause: ClassVar[str] = "off_centre"
     form: ClassVar[str] = "lean"
@@ -56,13 +57,13 @@ class Leaning(OverTaxels, Memoryless):
     shift: float = quantity("m", 0.0, lower=-0.01, upper=0.01, typical=2e-4, doc="at the greatest depth")
 
     def apply(self, y, s):
-        """Readings y (T,) or (T, N), N, under a contact that is `shift` x / `deepest` aside."""
+        """Readings y (T,) or (T, N), N, under a contact that is displaced by `shift` x / `deepest`."""
         return y * _moved(self.taxels, self.axis, self.width, self.shift * np.maximum(s.x, 0.0) / self.deepest)
 
 
 @dataclass(frozen=True)
 class Walking(OverTaxels, Elapsed):
-    """A specimen that creeps from under the plunger: the contact moves aside as time goes on."""
+    """A specimen that creeps from under the plunger: the contact moves sideways with time."""
 
     cause: ClassVar[str] = "off_centre"
     form: ClassVar[str] = "walk"
@@ -76,13 +77,13 @@ class Walking(OverTaxels, Elapsed):
     shift: float = quantity("m", 0.0, lower=-0.01, upper=0.01, typical=2e-4, doc="after `seconds`, the length of the first session")
 
     def apply(self, y, elapsed):
-        """Readings y (T,) or (T, N), N, under a contact that is `shift` t / `seconds` aside, t the time `elapsed`, s."""
+        """Readings y (T,) or (T, N), N, under a contact that is displaced by `shift` t / `seconds`, t the time `elapsed`, s."""
         return y * _moved(self.taxels, self.axis, self.width, self.shift * elapsed / self.seconds)
 
 
 @dataclass(frozen=True)
 class Widening(OverTaxels, Memoryless):
-    """A spread that is wider the deeper the skin is pressed; what a wider spread adds aside it takes from the centre."""
+    """A spread whose width grows with depth; what outer taxels gain the centre loses."""
 
     cause: ClassVar[str] = "spread_depth"
     places: ClassVar = {"skin": Place.SPREAD}
@@ -90,38 +91,38 @@ class Widening(OverTaxels, Memoryless):
 
     taxels: Pairs = ()
     width: float = 5.25e-3
-    usual: float = 0.0  # m, the depth x_0 at which the shares are as measured on the whole
+    usual: float = 0.0  # m, the depth x_0 at which the shares equal those fitted over the whole record
     growth: float = quantity("1/m", 0.0, lower=-2000.0, upper=2000.0, typical=100.0, doc="relative growth of the width per metre of depth")
 
     def apply(self, y, s):
-        """Readings y (T,) or (T, N), N, times exp((r / c)^2 (1 - w^-2)) / w^2, w how many times as wide the spread is."""
+        """Readings y (T,) or (T, N), N, times exp((r / c)^2 (1 - w^-2)) / w^2, where w is the width over c."""
         wider = self.wider(s.x)
         square = np.sum(np.square(self.taxels), axis=1) / self.width**2
         return y * np.exp(np.multiply.outer(square, 1.0 - wider**-2.0)) * wider**-2.0
 
     def wider(self, x):
-        """The width at depth `x` (m) over c, at least 0.2."""
+        """The width at depth `x` (m) relative to c, at least 0.2."""
         return np.maximum(1.0 + self.growth * (self.reached(np.maximum(x, 0.0)) - self.reached(self.usual)), 0.2)
 
     def reached(self, x):
-        """What the width follows at a depth x >= 0, m."""
+        """The length, m, that the width is linear in, at a depth x >= 0."""
         return x
 
 
 @dataclass(frozen=True)
 class Reaching(Widening):
-    """A spread that is wider the deeper the skin is pressed, and as strong in the centre: more of the force reaches the taxels."""
+    """A spread whose width grows with depth while its centre keeps its strength: more of the force reaches the taxels."""
 
     form: ClassVar[str] = "reaching"
 
     def apply(self, y, s):
-        """What Widening makes of it, less its loss in the centre."""
+        """As Widening, without its loss in the centre."""
         return super().apply(y, s) * self.wider(s.x) ** 2
 
 
 @dataclass(frozen=True)
 class Settling(Widening):
-    """The same, less the deeper it is, as a round tip grows into its footprint."""
+    """Widening that slows down with depth, as when a round tip grows into its footprint."""
 
     form: ClassVar[str] = "settling"
 
@@ -134,6 +135,6 @@ class Settling(Widening):
 
 @dataclass(frozen=True)
 class SettlingReaching(Reaching, Settling):
-    """The same of a spread that is as strong in the centre."""
+    """Reaching that slows down with depth in the same way."""
 
     form: ClassVar[str] = "settling_reaching"

@@ -1,11 +1,11 @@
-"""How probable measured shares are under one hypothesis: Laplace's approximation of its evidence.
+"""Evidence of one hypothesis about the measured shares, by Laplace's approximation.
 
-A hypothesis is a prior standard deviation for every entry of the family's member that it sets free, all around zero. Its evidence
+A hypothesis gives a Gaussian prior around zero, by its standard deviation, for every entry of the family's member that it sets free. Its
+evidence at the most probable member is
 
     log E = -1/2 |whitened misfit|^2 - 1/2 log det C - 1/2 |entries / std|^2 - 1/2 log det H - sum log std,    H = J'J + 1 / std^2
 
-at the most probable member, with C the covariance of the shares, weighs fit against freedom by itself: a cause that could explain
-anything is charged for it.
+with C the covariance of the shares. It penalises freedom by itself: a cause that could explain anything has little evidence.
 
 Source: D. MacKay, Information Theory, Inference, and Learning Algorithms, 2003, ch. 27 and 28.
 """
@@ -17,9 +17,10 @@ import numpy as np
 from skin_ident.criticism.array.family import Family, is_repeat
 from skin_ident.criticism.array.gains import Gains
 
-STEPS = 25  # of Levenberg and Marquardt
-DIFFERENCE = 1e-4  # of the prior's standard deviation
-ALWAYS = {"level": 3.0, "scale": 0.02}  # prior standard deviations of logarithms: a stiffness nobody knows, and one skin at two places
+STEPS = 25  # Levenberg-Marquardt steps, at most
+DIFFERENCE = 1e-4  # step of finite differences, in prior standard deviations
+# Prior standard deviations of logarithms that are always free: the unknown common stiffness, and its differences between sessions.
+ALWAYS = {"level": 3.0, "scale": 0.02}
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +33,10 @@ class Fitted:
 
 
 def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float], start: dict[str, float] | None = None) -> Fitted:
-    """Fit the entries of `free` (name: prior standard deviation) to the measured shares, from the member `start` or from none.
+    """Fit the entries of `free` (name: prior standard deviation) to the measured shares, starting at the member `start` or at zero.
 
-    What every session has of its own is free by one entry for all, `scale`. `scatter` is the relative standard error of calibrations: one
-    unknown factor per taxel, the same in all sessions, is integrated out.
+    The entry `scale` in `free` stands for those of all sessions. `scatter` is the relative standard error of calibrations: one unknown
+    factor per taxel, the same in all sessions, is integrated out.
     """
     names = [n for n in family.names if n in free or n.partition("_")[0] in ALWAYS]
     names += filter(is_repeat, free)
@@ -46,7 +47,7 @@ def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float],
     problem = _Problem(family, gains, tuple(names), size, root)
     z, e, J = _descend(problem, np.array([start.get(n, 0.0) for n in names]) / size)
     H = J.T @ J
-    _, log_det = np.linalg.slogdet(H)  # in units of the prior's standard deviations, so that their logarithms are in it
+    _, log_det = np.linalg.slogdet(H)  # z is in prior standard deviations, so this contains the sum of their logarithms
     std = np.sqrt(np.diag(np.linalg.inv(H))) * size
     return Fitted(
         problem.member(z),
@@ -57,8 +58,8 @@ def fitted(family: Family, gains: Gains, scatter: float, free: dict[str, float],
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """What is to be least: the whitened misfit of the shares (S T,) and the entries `names` by their prior standard deviations, z = entries
-    over `size`."""
+    """The least-squares problem: the whitened misfit of the shares (S T,), followed by the entries `names` in units of their prior standard
+    deviations, z = entries / size."""
 
     family: Family
     gains: Gains
@@ -71,18 +72,19 @@ class _Problem:
         return dict(zip(self.names, (z * self.size).tolist(), strict=True))
 
     def misfit(self, z: np.ndarray) -> np.ndarray:
-        """What is left of the shares, whitened, and the entries, (S T + Z,)."""
+        """Whitened misfit of the shares, and the scaled entries, (S T + Z,)."""
         left = self.gains.value - self.family.shares(self.member(z))
         return np.concatenate([self.root @ left.ravel(), z])
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """What a unit of every entry does to the misfit, (S T + Z, Z)."""
+        """Derivative of `misfit` with respect to z, (S T + Z, Z)."""
         shares = self.family.shares(self.member(z))
         changes = np.array([self._change(z, k, shares).ravel() for k in range(z.size)])
         return np.concatenate([-self.root @ changes.T, np.eye(z.size)])
 
     def _change(self, z: np.ndarray, k: int, shares: np.ndarray) -> np.ndarray:
-        """What a unit of entry k does to the shares (S, T). Logarithms of scales, which are most of the entries, multiply them."""
+        """Derivative of the shares (S, T) with respect to entry k. Level and scales, which are most of the entries, are logarithms of
+        factors."""
         kind, _, which = self.names[k].partition("_")
         if kind in ALWAYS:
             return self.size[k] * shares * (np.arange(len(shares)) == int(which))[:, None] if which else self.size[k] * shares
@@ -103,13 +105,13 @@ def covariance_root(gains: Gains, scatter: float) -> tuple[np.ndarray, float]:
 
 
 def first_level(family: Family, gains: Gains) -> float:
-    """The log level at which the declared layout fits the measured shares."""
+    """The log level at which the declared layout fits the measured shares best."""
     plain = family.shares({})
     return float(np.log(max(np.sum(plain * gains.value) / max(np.sum(plain**2), 1e-300), 1e-9)))
 
 
 def _descend(problem: _Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Levenberg–Marquardt from `z`; returns the end, and misfit and Jacobian there."""
+    """Levenberg–Marquardt from `z`; returns the minimum, and misfit and Jacobian there."""
     e, damping = problem.misfit(z), 1e-6
     for _ in range(STEPS):
         J = problem.jacobian(z)

@@ -1,13 +1,14 @@
-"""Two columns of an array that are exchanged, in all sessions or in one: a taxel then stands where another one is declared to be.
+"""Two exchanged columns of an array, in all sessions or in one: each taxel then appears at the declared place of the other.
 
-A pair of taxels i, j is asked where exchanging their slopes g (S, T) brings them nearer to the declared layout s (S, T), with one free
-scale for every session,
+A pair of taxels i, j is a candidate if exchanging their slopes g (S, T) brings these nearer to the declared shares s (S, T), with a free
+scale for every session:
 
     sum over sessions of  1 - (s . g)^2 / (|s|^2 |g|^2),      s . g -> s . g - (s_i - s_j) (g_i - g_j).
 
-One session alone is asked where sessions press at different places; at one place the others show its order (`telemetry.odd_session`). An
-exchange is believed where the analysis of the ratios, with it, is more probable by far than with the best of all causes without it, and
-leaves little of what that leaves. Columns are then put right, so that everything else is judged as it was meant.
+An exchange in one session alone is considered where sessions press at different places; at one place the other sessions show the right
+order (`telemetry.odd_session`). An exchange is accepted if the analysis of the ratios is far more probable with it than with the best cause
+without it, and if it removes most of what that cause leaves. The columns are then corrected, so that everything else is judged in the right
+order.
 """
 
 from dataclasses import dataclass
@@ -22,18 +23,18 @@ from skin_ident.criticism.array.spreading import loads
 from skin_ident.criticism.telemetry.symptom import Symptom
 from skin_ident.criticism.vocabulary import EXCHANGED
 
-NEARER = 0.7  # of that sum, from which an exchange is asked for
-ASKED = 3  # pairs
-PRIOR = 0.02  # of any exchange, shared by all pairs
-SURE = 10.0  # log odds against the best other cause
-MENDS, SEEN = 0.25, 0.02  # of what that cause leaves, and what it must leave of the shares
-BLOCKS = 10  # of a session, for the covariance of its slopes
-ROUGH, FREE = 0.01, 0.05  # relative errors of raw slopes: one by one, and all of a session together
+NEARER = 0.7  # ratio of that sum after to before an exchange, below which the exchange is a candidate
+ASKED = 3  # candidates at most
+PRIOR = 0.02  # prior probability of any exchange, divided among all possible ones
+SURE = 10.0  # log odds needed against the best cause without exchange
+MENDS, SEEN = 0.25, 0.02  # share of that cause's misfit that may remain, and its least relative misfit
+BLOCKS = 10  # blocks of a session, for the covariance of its slopes
+ROUGH, FREE = 0.01, 0.05  # relative standard errors added to raw slopes: independent ones, and one common to a session
 
 
 @dataclass(frozen=True)
 class _Told:
-    """How probable the slopes are in an order of the columns (log), what the best cause leaves of them, relative, and its name."""
+    """The log probability of the slopes in one order of the columns, and the relative misfit and the name of the best cause."""
 
     log: float
     left: float
@@ -42,7 +43,7 @@ class _Told:
 
 @dataclass(frozen=True)
 class _Exchange:
-    """The columns of a pair of taxels the other way round, in one session or (None) in all."""
+    """Exchange of the columns of a pair of taxels, in one session or (None) in all."""
 
     pair: tuple[int, int]
     session: int | None = None
@@ -56,7 +57,7 @@ class _Exchange:
 
 
 def put_right(recordings: list, layout: Layout | str) -> tuple[list, tuple[Symptom, ...]]:
-    """The recordings with the columns of one pair of taxels exchanged where that is sure, and what was wrong."""
+    """The recordings with the columns of one pair of taxels exchanged where that is certain, and the symptom."""
     if isinstance(layout, str) or len(recordings[0].taxels) < 3:
         return recordings, ()
     declared = Family(layout).shares({})
@@ -78,12 +79,13 @@ def put_right(recordings: list, layout: Layout | str) -> tuple[list, tuple[Sympt
 
 
 def _written_as(r, order: np.ndarray):
-    """The recording with its columns in this order, under the names that are written over them."""
+    """The recording with its columns in this order, under unchanged column names."""
     return r.with_taxels(order, taxel_names=r.taxel_names, taxel_units=r.taxel_units)
 
 
 def _asked(s: np.ndarray, g: np.ndarray, one_by_one: bool) -> list[_Exchange]:
-    """The exchanges that bring slopes and declared shares, (S, T), nearest to each other; none where they agree as they are."""
+    """The candidates: exchanges that bring slopes and declared shares, (S, T), nearest to each other; none where no exchange helps
+    enough."""
     scale = np.maximum((s**2).sum(axis=1) * (g**2).sum(axis=1), 1e-300)[:, None]
     i, j = np.triu_indices(s.shape[1], 1)
     together = np.sum(s * g, axis=1)[:, None]
@@ -98,8 +100,8 @@ def _asked(s: np.ndarray, g: np.ndarray, one_by_one: bool) -> list[_Exchange]:
 
 
 def _measured(recordings: list, declared: np.ndarray) -> Gains:
-    """Elastic slopes of all taxels in every session, with covariances that are generous, each session scaled to be as large as its
-    `declared` shares (S, T): no skin is linear, and sessions go to different depths."""
+    """Elastic slopes of all taxels in every session with generous covariances. Each session is scaled to the norm of its `declared` shares
+    (S, T), since no skin is linear and sessions go to different depths."""
     found = [_slopes(r) for r in recordings]
     scale = [np.linalg.norm(s) / max(np.linalg.norm(g), 1e-300) for s, (g, _) in zip(declared, found, strict=True)]
     return Gains(

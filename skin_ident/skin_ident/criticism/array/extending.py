@@ -1,7 +1,7 @@
-"""The extended model with what the ratios of the taxels say: the declared layout, and the cause as an effect of the catalogue.
+"""The extended model with what the ratios of the taxels show: the declared layout, and the cause as an effect of the catalogue.
 
-A share is what was measured; the model says it as the declared layout's share with an effect that bends it. Where the contact is then put
-right, or the taxel calibrated again, the effect is taken out and the shares are those of a rig without fault.
+The shares of a model are measured ones. Here each is written as the share of the declared layout times an effect. Once the contact is moved
+to its place, or the taxel calibrated again, the effect can be removed, and the shares are those of a rig without the fault.
 """
 
 from dataclasses import replace
@@ -31,14 +31,14 @@ from skin_models.effects.spread_width import SpreadWidth
 from skin_models.errors import ModelError
 from skin_models.model import Model
 
-SILENT = 1e-3  # of the largest share: below, a share is no ratio of anything
+SILENT = 1e-3  # of the largest share, below which a share is too small to be scaled
 NO_FORM = "no: the simulated skin has no effect of this form"
 NOT_JUDGED = "no: what bends the ratios of taxels is written down only where those of all of them can be judged"
 TOO_LARGE = "no: an effect of the simulated skin cannot be as large as that"
 
 
 def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
-    """The model as it is written down: under the contact of the session `first`, with the positions of its taxels."""
+    """The model as it is written to file: as seen from the contact of the session `first`, with the positions of its taxels."""
     if isinstance(a, str):
         return for_anybody(model)
     own = a.layout.of([0])
@@ -58,7 +58,7 @@ def told(model: Model, a: ArrayCriticism | str, first: Session) -> Model:
 
 
 def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
-    """By cause and place: why the model that `told` writes down does not have what was named there."""
+    """By cause and place: why the model from `told` lacks what was named there."""
     bent = [e for e in model.effects if is_of_array(e)]
     keys = [(e.cause, e.where) for e in bent]
     if isinstance(a, str):
@@ -67,20 +67,20 @@ def unwritten(model: Model, a: ArrayCriticism | str) -> dict[Key, str]:
     keys += [j.key for j in best]
     try:
         effects = [*map(known, bent), *(_effect(j, a.layout.of([0])) for j in best)]
-    except ModelError:  # and then none of them is written
+    except ModelError:  # then none of them is written
         return dict.fromkeys(keys, TOO_LARGE)
     return {key: NO_FORM for key, e in zip(keys, effects, strict=True) if e is None}
 
 
 def _with(model: Model, e: Effect | None, factors: np.ndarray) -> Model:
-    """The model with an effect that multiplies its shares by `factors`, and the shares without them."""
+    """The model with an effect that multiplies its shares by `factors`, and its shares divided by them."""
     if e is None:
         return model
     return replace(model.extended(e), shares=tuple((np.array(model.shares) / factors).tolist()))
 
 
 def known(e: Any) -> Effect | None:
-    """The effect of the catalogue for one that was made for this layout; None where there is none."""
+    """The catalogue's effect in place of one made for this layout; None if there is none."""
     if isinstance(e, Leaning):
         x, y = np.array(e.axis) * e.shift / e.deepest
         return CatalogueLeaning("rig", lean_x=float(x), lean_y=float(y))
@@ -92,7 +92,7 @@ def known(e: Any) -> Effect | None:
 
 
 def _effect(j: Judged, layout: Layout) -> Effect | None:
-    """What the simulated skin has for a cause of the array; None where it has nothing of the kind."""
+    """The effect of the catalogue for a cause of the array; None if there is none of this form."""
     p, cause = j.fit.member, j.hypothesis.cause
     if cause == "off_centre":
         dx, dy = shift_of(p, layout)
@@ -114,7 +114,7 @@ def _effect(j: Judged, layout: Layout) -> Effect | None:
 
 
 def _heard(model: Model, e: Crosstalk) -> np.ndarray:
-    """What crosstalk multiplies every share by, (T,): its own shares are those that make the measured ones when neighbours are heard."""
+    """Factors (T,) by which crosstalk multiplies every share: the measured shares over those that give them once neighbours are added."""
     shares = np.array(model.shares)
     mixing = e.apply(np.eye(shares.size), None)
     own = np.maximum(np.linalg.solve(mixing, shares), SILENT**2)
@@ -122,7 +122,7 @@ def _heard(model: Model, e: Crosstalk) -> np.ndarray:
 
 
 def _factors(j: Judged, layout: Layout) -> np.ndarray:
-    """What the cause multiplies every share by, (T,); 1 where there was nothing to multiply."""
+    """Factors (T,) by which the cause multiplies every share; 1 for silent taxels."""
     family = Family(layout)
     own = {name: value for name, value in j.fit.member.items() if name in j.hypothesis.free}
     plain, bent = family.shares({})[0], family.shares(own)[0]

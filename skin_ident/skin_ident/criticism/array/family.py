@@ -1,15 +1,16 @@
-"""Every set of static shares that this analysis can imagine: the thesis's Gaussian under a declared contact as its plainest member.
+"""The family of static shares considered here. Its plainest member is the thesis's Gaussian under the declared contact.
 
     share[s, i] = e^(level + scale[s]) (y[i] + leak sum over the taxels k beside i of y[k] + common mean(y) + repeat[i, j] y[j]),
     y[i] = (1 + gain[i]) [(1 - tail) exp(-u^(power / 2)) + tail (1 + u)^(-fall)],        u = r^2 / width^2
 
-(fall = 1.5: pressure in an elastic half space; K. L. Johnson, Contact Mechanics, 1985, ch. 3), with r from the contact of session s, moved
-by `shift` along the layout's axes, and for an elliptic spread
+(fall = 1.5: pressure in an elastic half space; K. L. Johnson, Contact Mechanics, 1985, ch. 3), with r the distance from the contact of
+session s, which is displaced by `shift` along the layout's axes, and for an elliptic spread
 
     r^2 -> exp(-ratio) x^2 + exp(ratio) y^2 - 2 turn x y.
 
-A member is a vector: the logarithm of a level that all sessions share, what each departs from it, then the quantities below. What one
-taxel repeats of one other, `repeat_3_2` of taxel 2 in taxel 3, is in no list of names: there are as many as there are pairs.
+A member is a vector of named entries: the logarithm `level` of a factor common to all sessions, the deviation `scale` of each session from
+it, then the quantities above. `repeat_3_2`, the share of taxel 2 that taxel 3 repeats, is not in the list of names, since there is one for
+every pair.
 """
 
 from dataclasses import dataclass
@@ -21,18 +22,18 @@ from skin_ident.criticism.array.layout import Layout
 from skin_models.spread.footprint import Places
 
 HALF_SPACE = 1.5
-NEAR = 1e-18  # m^2: a contact exactly over a taxel, of which any power can be taken
+NEAR = 1e-18  # m^2, lower bound of r^2, so that any power can be taken of it
 
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """The members for one layout. `names` are the entries of a member."""
+    """The members of the family for one layout. `names` are the entries of a member."""
 
     layout: Layout
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the entries that `shares` takes."""
+        """Names of the entries that `shares` takes, except repeats."""
         layout = self.layout
         scales = tuple(f"scale_{s}" for s in range(len(layout.contacts)))
         shifts = tuple(f"shift_{a}" for a in range(len(layout.axes)))
@@ -40,9 +41,9 @@ class Family:
         return ("level", *scales, *shifts, "axis", *gains, "leak", "common", "width", "power", "tail", "fall", "ratio", "turn")
 
     def shares(self, p: dict[str, float]) -> np.ndarray:
-        """Shares (S, T) of a member, given by the entries that are not zero. `width` is the logarithm of the true over the declared
-        width, `power` what is added to 2, `fall` the logarithm of what 1.5 is multiplied by, `axis` the angle (rad) by which the stage is
-        turned about the origin of the declared frame."""
+        """Shares (S, T) of a member, given by its non-zero entries. `width` is the logarithm of true over declared width, `power` is added
+        to 2, `fall` is the logarithm of a factor on 1.5, `axis` is the angle (rad) by which the stage is turned about the origin of the
+        declared frame."""
         layout = self.layout
         x, y = np.moveaxis(layout.places - self.off(p)[:, None], -1, 0)
         ratio = p.get("ratio", 0.0)
@@ -59,7 +60,7 @@ class Family:
         return scale[:, None] * (own + heard)
 
     def off(self, p: dict[str, float]) -> np.ndarray:
-        """How far the contact of each session is from its declared place under a member, (S, 2) m."""
+        """Displacement of each session's contact from its declared place under a member, (S, 2) m."""
         layout, angle = self.layout, p.get("axis", 0.0)
         shift = sum((p.get(f"shift_{a}", 0.0) * axis for a, axis in enumerate(layout.axes)), np.zeros(2))
         turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
@@ -67,10 +68,10 @@ class Family:
 
     @cached_property
     def _beside(self) -> np.ndarray:
-        """1 for every pair of taxels that are nearest to each other, (T, T)."""
+        """Matrix (T, T), 1 for pairs of taxels that are nearest neighbours."""
         return (Places(np.array(self.layout.taxels, float)).neighbours > 0.0).T.astype(float)
 
 
 def is_repeat(name: str) -> bool:
-    """Whether an entry is what one taxel repeats of one other."""
+    """Whether an entry is the share of one taxel that another one repeats."""
     return name.startswith("repeat_")

@@ -1,4 +1,4 @@
-"""What an analysis of an array adds to findings.json."""
+"""What the analysis of an array adds to findings.json."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -16,13 +16,13 @@ from skin_ident.criticism.vocabulary import BY_NAME
 ALL = ("off_centre", "crosstalk", "spread_width", "spread_shape", "anisotropy")
 CHANGED = "; a gain of {} that is not the same in all sessions would explain as much"
 UNTOLD = "the ratios of these taxels under these contacts are those of a spread of a little other width"
-SILENT = 0.01  # of the largest share
+SILENT = 0.01  # of the largest share, below which a taxel feels nothing
 DECLARED = "how well calibrations (taxel_gain_uncertainty) and the width of the spread (spread_width_mm) are known"
-POSSIBLE = 0.5  # probability that something is wrong, below which causes are excluded
+POSSIBLE = 0.5  # probability that something is wrong, up to which causes can be excluded
 
 
 def entry(a: ArrayCriticism) -> dict[str, Any]:
-    """The entry of `findings` for the cause that was named. A gain that leaves nothing of a reading is a dead taxel."""
+    """The entry of `findings` for the named cause. A gain error that leaves nothing of a reading is reported as a dead taxel."""
     best, gain, rivals = a.judgement.causes[0], a.gain, a.judgement.rivals
     dead = [("dead_taxel", f"taxel_{i}") for i in silent(a)]
     cause, where = ("dead_taxel", best.key[1]) if best.key[0] == "gain_error" and ("dead_taxel", best.key[1]) in dead else best.key
@@ -52,13 +52,13 @@ def entry(a: ArrayCriticism) -> dict[str, Any]:
 
 
 def silent(a: ArrayCriticism) -> list[int]:
-    """Taxels that feel nothing where the layout promises them something: a spread that passes them by, or they are dead."""
+    """Taxels that feel nothing where the layout predicts a reading: the spread misses them, or they are dead."""
     felt, promised = np.abs(a.measured.value), Family(a.layout).shares({})
     return [i for i, said in enumerate(promised.T) if np.all(felt[:, i] < SILENT * felt.max()) and np.any(said > 5.0 * SILENT)]
 
 
 def form_of(j: Judged) -> str:
-    """Which form of its cause it is."""
+    """Which form of its cause a hypothesis is, as a word."""
     name = next(iter(j.hypothesis.free))
     forms = {"leak": "neighbours", "common": "common", "power": "generalised_gaussian", "tail": "tails"}
     if "axis" in j.hypothesis.free:
@@ -67,7 +67,7 @@ def form_of(j: Judged) -> str:
 
 
 def parameters(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
-    """Values and standard errors, SI."""
+    """Parameters of a hypothesis with standard errors, SI."""
     p, std = j.fit.member, j.fit.std
     if j.hypothesis.cause == "off_centre":
         shift = shift_of(p, layout)
@@ -93,7 +93,7 @@ def _quantity(value: float, unit: str, std: float) -> dict[str, Any]:
 
 
 def excluded(a: ArrayCriticism) -> Iterator[dict[str, Any]]:
-    """Bounds on what the ratios would have shown, where they speak for nothing: 95 % of the likelihood alone, without what is expected."""
+    """Upper bounds (95 %, from the likelihood without the prior) on causes that the ratios would have shown, where nothing seems wrong."""
     if a.judgement.sure > POSSIBLE:
         return
     for j in filter(_told, a.judgement.unaided):
@@ -103,18 +103,18 @@ def excluded(a: ArrayCriticism) -> Iterator[dict[str, Any]]:
 
 
 def _told(j: Judged) -> bool:
-    """Whether the ratios say more of a cause than was to be expected of it before anything was measured."""
+    """Whether the ratios determine a cause better than its prior does."""
     return all(j.fit.std[name] < std for name, std in j.hypothesis.free.items())
 
 
 def _departures(j: Judged, layout: Layout) -> dict[str, dict[str, Any]]:
-    """The parameters counted from where they mean nothing."""
+    """The parameters as differences from their neutral values."""
     neutral = {"width": layout.width, "shape_power": 2.0, "width_ratio": 1.0}
     return {name: {**q, "value": q["value"] - neutral.get(name, 0.0)} for name, q in parameters(j, layout).items()}
 
 
 def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
-    """The causes of an array that these data cannot tell, and why."""
+    """The causes of an array that these data cannot judge, and why."""
     if isinstance(a, str):
         yield from ({"cause": c, "because": a, "needs": BY_NAME[c].needs} for c in ALL)
         return
@@ -134,7 +134,7 @@ def untestable(a: ArrayCriticism | str) -> Iterator[dict[str, Any]]:
     elif a.named:
         taken = "the ratios of the taxels are taken up by what was found in them: beside {} in the {} they bound nothing"
         beside = {"because": taken.format(*a.judgement.causes[0].key), "needs": f"the same sessions once that is mended, or {SCAN}"}
-        yield from ({"cause": c, **beside} for c in said if c in ALL and c != "crosstalk")  # of which the search bounds other forms
+        yield from ({"cause": c, **beside} for c in said if c in ALL and c != "crosstalk")  # which the search bounds in other forms
     else:
         because = f"{_scatter(a)}, which calibrations or positions off by as much would explain too"
         yield from ({"cause": c, "because": because, "needs": SCAN, "left_open": True} for c in said)

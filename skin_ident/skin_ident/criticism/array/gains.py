@@ -1,8 +1,8 @@
-"""What share of the sensed force every taxel feels in every session, with standard errors that know the colour of the noise.
+"""Share of the sensed force that every taxel feels in every session, with standard errors that allow for coloured noise.
 
-Per session, whitened residual = sum over taxels of (change of its share) x d(simulated)/d(share) + the same for the other unknowns of
-the model, by least squares. The other unknowns are held near the joint fit, so that a skin which differs a little from session to
-session is not taken for a change of shares. Only ratios between taxels mean anything: the stiffness k1 is their common scale.
+Per session, the whitened residual is regressed on d(simulated)/d(share) of every taxel and on the tangents of the model's other unknowns.
+The other unknowns are held near the joint fit by a prior of one scaled unit, so that small differences of the skin between sessions are not
+taken for changes of shares. Only ratios between taxels have a meaning: the stiffness k1 is their common scale.
 """
 
 from dataclasses import dataclass, replace
@@ -17,15 +17,15 @@ from skin_ident.criticism.noise.whitening import Whitener, stack
 from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 
-PROBE = 0.01  # of the largest share, for the differences
-STEPS = 3  # to where taxels are that read nothing of small forces; where all are linear the first gets there
-MODEL = 3e-4  # of the largest share: what the model's own form leaves in a static share
-RESOLVED = 0.3  # of a converter's step, by which its levels may be off: a taxel that feels few steps tells its share no better
+PROBE = 0.01  # step of finite differences, of the largest share
+STEPS = 3  # Gauss-Newton steps; one is enough unless taxels have a dead zone
+MODEL = 3e-4  # of the largest share: error of a static share from the imperfect form of the model
+RESOLVED = 0.3  # of a converter's step, error of its levels: it limits the share of a taxel that feels few steps
 
 
 @dataclass(frozen=True, eq=False)
 class Gains:
-    """`value` (S, T) shares of the sensed force and `covariance` (S, T, T), session by session."""
+    """`value` (S, T), shares of the sensed force, and `covariance` (S, T, T), session by session."""
 
     value: np.ndarray
     covariance: np.ndarray
@@ -36,17 +36,17 @@ class Gains:
 
     @property
     def level_error(self) -> float:
-        """The relative standard error of what all taxels of a session feel together, in the session where that is worst."""
+        """Relative standard error of the common level of a session's taxels, in the session where it is largest."""
         weights = [g @ np.linalg.solve(c, g) for g, c in zip(self.value, self.covariance, strict=True)]
         return float(1.0 / np.sqrt(max(min(weights), 1e-300)))
 
     def at_own_levels(self, shares: np.ndarray) -> np.ndarray:
-        """Shares (S, T), those of each session at the level that was measured there, by least squares."""
+        """The given shares (S, T), each session scaled to the measured ones by least squares."""
         level = np.sum(shares * self.value, axis=1) / np.maximum(np.sum(shares**2, axis=1), 1e-300)
         return shares * level[:, None]
 
     def loosened(self, taxel: int, sessions: list[int], relative: float) -> "Gains":
-        """The same, where one taxel may have had another gain in some of the sessions, by a standard deviation of `relative`."""
+        """The same, but one taxel may have another gain in some of the sessions, by a standard deviation of `relative`."""
         covariance = self.covariance.copy()
         covariance[sessions, taxel, taxel] += (relative * self.value[sessions, taxel]) ** 2
         return Gains(self.value, covariance)
@@ -66,12 +66,12 @@ def _of(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.ndarr
 
 
 def _step(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.ndarray]:
-    """Shares and their covariance by one step of Gauss and Newton from those of the session."""
+    """Shares and their covariance after one Gauss-Newton step from those of the session."""
     shares = np.array(placed(model, s).shares)
     others = tuple(u for u in unknowns(model, s) if u.part != "shares" and u.label != "k1")
     D = np.concatenate([_by_share(model, s), tangents(model, [s], others)[0]])
     J, r = stack([D], [s], noise), stack([residual(model, s)], [s], noise)
-    near = np.r_[np.full(shares.size, 1e-9), np.ones(len(others))]  # the others: one scaled unit either way
+    near = np.r_[np.full(shares.size, 1e-9), np.ones(len(others))]  # prior precision: shares free, the others within one scaled unit
     inverse = np.linalg.inv(J.T @ J + np.diag(near))
     change = inverse @ (J.T @ r)
     own = inverse[: shares.size, : shares.size]
@@ -81,8 +81,8 @@ def _step(model: Model, s: Session, noise: Whitener) -> tuple[np.ndarray, np.nda
 
 
 def _scatter(scores: np.ndarray, inverse: np.ndarray, own: np.ndarray, s: Session) -> float:
-    """How much more the shares scatter than white residuals would let them, as the blocks of the session tell, (R, U) scores: noise that
-    grows with the load, or has a longer memory than its model.
+    """Ratio of the shares' variance, estimated from blocks of the session, to that for white residuals. `scores` is (R, U). It exceeds 1
+    where noise grows with the load or has a longer memory than its model.
 
     Source: H. White, Econometrica 48, 817 (1980), by blocks as in W. Newey, K. West, Econometrica 55, 703 (1987).
     """
@@ -93,14 +93,14 @@ def _scatter(scores: np.ndarray, inverse: np.ndarray, own: np.ndarray, s: Sessio
 
 
 def _swallowed(model: Model, s: Session, value: np.ndarray) -> np.ndarray:
-    """What the shares (T,) may be wrong by where taxels read nothing of small forces, and these feel no more than that."""
+    """Errors (T,) of the shares of taxels with a dead zone that feel hardly more than its threshold; 0 for the others."""
     threshold = sum(e.threshold for e in model.effects if e.cause == "dead_zone" and e.where.startswith("taxel"))
     least = threshold / (model.dispersion.k1 * s.motion.x.max())
     return np.where(value < 2.0 * least, least, 0.0)
 
 
 def _unread(model: Model, s: Session) -> np.ndarray:
-    """What the shares (T,) may be wrong by for the steps of the taxels' converters, which are seen against the largest force there is."""
+    """Errors (T,) of the shares due to the steps of the taxels' converters, relative to the largest force."""
     largest = np.abs(_by_share(model, s)).max(axis=(1, 2))
     steps = np.array(s.steps[-largest.size :])
     return RESOLVED * steps / np.maximum(largest, 1e-300)
@@ -115,7 +115,7 @@ def _by_share(model: Model, s: Session) -> np.ndarray:
 
 
 def with_shares(model: Model, s: Session, shares: np.ndarray) -> tuple[Model, Session]:
-    """Model and session such that this session's taxels feel `shares` (T,) of the sensed force."""
+    """Model and session changed so that the session's taxels feel `shares` (T,) of the sensed force."""
     shares = np.maximum(shares, 0.0)
     if s.spread is None:
         return replace(model, shares=tuple(shares.tolist())), s

@@ -1,9 +1,9 @@
-"""What a cause in the ratios is worth on sessions that were not used to find it.
+"""The gain of a cause in the ratios, on sessions that were not used to find it.
 
-Before: shares as the declared layout has them; after: shares as the cause has them. Of the sessions that are predicted both are told the
-level, as one number each: that is how stiff the skin is there, and no ratio. Where the cause leaves the fitted sessions at one level, and
-levels were measured as well as that, they are not: then what it does to levels is seen, too. Everything else is the extended model. The
-rest is the common gate: whitened squared error, and a bootstrap over blocks.
+Before: shares of the declared layout; after: shares under the cause. Both are given the level (a common factor, the skin's stiffness there)
+of each predicted session, which is no ratio. Where the skin is found to be equally stiff in all fitted sessions, and levels were measured
+as precisely as that, the level is not given, so that what the cause does to it counts, too. Everything else is the extended model, and the
+test is the common gate: whitened squared error and block bootstrap.
 """
 
 import numpy as np
@@ -24,11 +24,11 @@ from skin_models.model import Model
 def held_out_gain(
     model: Model, layout: Layout, measured: Gains, sessions: list[Session], held: list[int], noise: Whitener, best: Judged
 ) -> tuple[Gain, float]:
-    """The gain on the sessions `held` (indices), and what is left there (RMSE, N, in the channel that gains most) where every taxel has the
-    share that was measured. Where there are none, or where sessions press at different places and one of them may not show the cause, each
-    of the others in turn is predicted from all but itself as well: two or three places alone may not tell where a cause is.
+    """The gain on the sessions `held` (indices), and the RMSE, N, that measured shares leave there in the channel that gains most. If
+    `held` is empty, or if sessions press at different places, each training session in turn is also predicted from all other sessions: some
+    sessions may not show the cause, and two or three places may not determine it.
 
-    Before, nothing is free but how stiff the skin is from session to session, and a width that is only expected, and not known.
+    Before, only the stiffness of each session is free, and the width if it is expected and not known.
     """
     train = [i for i in range(len(sessions)) if i not in held]
     every = range(len(sessions))
@@ -51,7 +51,7 @@ def held_out_gain(
 def _predicted(
     layout: Layout, measured: Gains, fit_on: list[int], try_on: list[int], around: Background, free: dict[str, float]
 ) -> np.ndarray:
-    """Shares (S, T) of the sessions `try_on` by a member fitted to `fit_on`, each at its own level, or at the mean one of these."""
+    """Shares (S, T) of the sessions `try_on` from a member fitted to `fit_on`, each at its own level, or at the mean level of `fit_on`."""
     member = fitted(Family(layout.of(fit_on)), measured.of(fit_on), around.scatter, free).member
     rest = {name: value for name, value in member.items() if not name.startswith("scale_")}
     shares = Family(layout.of(try_on)).shares(rest)

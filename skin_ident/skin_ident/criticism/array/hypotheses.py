@@ -1,8 +1,8 @@
-"""What could be wrong with the shares, and how much of it is to be expected.
+"""What could be wrong with the shares, with prior probabilities and sizes.
 
-Beside every cause stands what nobody is to blame for: calibrations that are a little off, a skin that is not quite as stiff everywhere,
-and a width that follows from the thickness of the skin only roughly. All are mixtures of narrow and wide, so that shares which agree with
-the declaration to a fraction of a per cent are not excused by several, and shares which scatter are.
+Beside every cause stands a background that nobody is to blame for: small errors of calibrations, stiffness that varies over the skin, and a
+width that is only roughly known from the thickness of the skin. Each is a mixture of a narrow and a wide distribution. So shares that agree
+with the declaration to a fraction of a per cent do not leave room for an error of several per cent, and shares that scatter do.
 """
 
 from collections.abc import Iterator
@@ -13,22 +13,22 @@ import numpy as np
 
 from skin_ident.criticism.array.layout import MEASURED_AT, Layout
 
-# Relative error of calibrations where none is declared: (standard deviation, prior probability).
+# Relative error of calibrations where none is declared: pairs of standard deviation and prior probability.
 SCATTER = ((0.002, 0.9), (0.01, 0.05), (0.03, 0.05))
-# Relative difference of the skin's stiffness between sessions, at one place and at others, in the same words.
+# Relative difference of the skin's stiffness between sessions, at one place or several: the same pairs.
 PLACES = ((0.002, 0.5), (0.02, 0.5))
 EXACT, ROUGH = 0.01, 0.15  # relative standard deviation of a width that is known, and of one that is only expected
-# What a cause is like: prior standard deviations, the shift in m, the others relative.
+# Usual size of each cause: prior standard deviations, the shift in m, the others relative.
 SHIFT, GAIN, LEAK, COMMON = 1e-3, 0.15, 0.05, 0.1
 REPEAT, WIDTH, POWER, RATIO = 0.06, 0.2, 0.5, 0.2
 TAIL, FALL = 0.2, 0.3
 AXIS = 0.05  # rad
-CHANGE = 0.1  # prior probability that some taxel's gain is not the same in all sessions
+CHANGE = 0.1  # prior probability that the gain of some taxel is not the same in all sessions
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A cause at a place, its prior probability, and the prior standard deviations of what it sets free."""
+    """A cause at a place, its prior probability, and prior standard deviations of the entries that it sets free."""
 
     cause: str
     where: str
@@ -41,8 +41,8 @@ NOTHING = Hypothesis("", "", 0.5, {})
 
 @dataclass(frozen=True)
 class Background:
-    """One mixture component of what is nobody's fault: its probability, and relative standard deviations of calibrations, of the width, and
-    of the skin's stiffness from session to session."""
+    """One component of the background mixture: its probability `weight`, and relative standard deviations of calibrations, of the width,
+    and of the skin's stiffness from session to session."""
 
     weight: float
     scatter: float
@@ -51,12 +51,12 @@ class Background:
 
     @property
     def at_one_level(self) -> bool:
-        """Whether the skin is as stiff in all sessions."""
+        """Whether the skin is taken to be equally stiff in all sessions."""
         return self.places == PLACES[0][0]
 
     @property
     def alone(self) -> dict[str, float]:
-        """Prior standard deviations of what is free beside the calibrations where nothing is wrong."""
+        """Prior standard deviations of what is free, beside the calibrations, where nothing is wrong."""
         return {"width": self.width, "scale": self.places}
 
     def and_with(self, h: Hypothesis) -> dict[str, float]:
@@ -65,8 +65,8 @@ class Background:
 
 
 def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple[Hypothesis, ...]:
-    """Every cause that this layout can show. `suspects` are the taxels whose own reading is doubted, `repeats`
-    are what one taxel may repeat of one other (`repeat_3_2`)."""
+    """Every cause that this layout can show. `suspects` are taxels that may have a gain error, `repeats` pairs of which one taxel may
+    repeat the other (`repeat_3_2`)."""
     n = len(layout.taxels)
     shifts = {f"shift_{a}": SHIFT for a in range(len(layout.axes))}
     listed = [Hypothesis("off_centre", "rig", 0.15, shifts)]
@@ -84,7 +84,7 @@ def hypotheses(layout: Layout, suspects: list[int], repeats: list[str]) -> tuple
 
 
 def backgrounds(layout: Layout, thickness_mm: float | None) -> Iterator[Background]:
-    """The mixture of calibration errors and widths."""
+    """The components of the mixture: all combinations of calibration error, width and stiffness."""
     scatter = SCATTER if layout.gain_std is None else ((layout.gain_std, 1.0),)
     for (gain, w), (width, v), (places, u) in product(scatter, _widths(layout, thickness_mm), PLACES):
         yield Background(w * v * u, gain, width, places)

@@ -1,4 +1,4 @@
-"""The analysis of an array joined to the rest of a diagnosis."""
+"""The analysis of an array joined to the rest of the diagnosis."""
 
 from collections.abc import Container
 from typing import Any
@@ -13,7 +13,7 @@ from skin_ident.criticism.telling.untold import is_untold
 from skin_ident.criticism.vocabulary import Key, revised
 from skin_models.model import Model
 
-SPOILT = ("dead_taxel", "data_error")  # what leaves no ratio to be judged
+SPOILT = ("dead_taxel", "data_error")  # causes with which no ratio can be judged
 APART = (
     "what the ratios of the taxels are worth is measured against the declared layout; baseline and extended model have a gain of their own "
     "for every taxel, so their errors do not show it"
@@ -21,9 +21,9 @@ APART = (
 
 
 def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: list) -> ArrayCriticism | str:
-    """Judge the ratios of the taxels under the extended model of the criticism `c`, or say why that cannot be done.
+    """Judge the ratios of the taxels under the extended model of the criticism `c`, or say why that is impossible.
 
-    `layout` is that of all `recordings` in order; a lone session, of which blocks are held out, counts twice.
+    `layout` is that of all `recordings` in order; a lone session, of which blocks are held out, counts as two.
     """
     if isinstance(layout, str):
         return layout
@@ -38,18 +38,19 @@ def array_criticism(c: Any, layout: Layout | str, symptoms: tuple, recordings: l
 
 
 def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen: Container[Key] = ()) -> dict[str, Any]:
-    """findings.json with what the array says: a finding more, or bounds and reasons in place of those that know nothing of layouts.
+    """findings.json with the result of the array: one finding more, or bounds and reasons in place of those from the search, which knows no
+    layout.
 
-    `model` is the extended one, whose effects of the array are put into words, with why of those that cannot be written down; `seen` are
-    causes and places of which the search has seen something that is no finding: ratios on the whole bound no form of them that comes and
-    goes.
+    `model` is the extended one; its effects of the array are put into words, with the reason where one cannot be written to file. `seen`
+    are causes and places of which the search has found something that is no finding: for these no bound is given, since average ratios do
+    not bound a form that comes and goes.
     """
     findings = {**findings, "findings": [_in_words(e, model) for e in findings["findings"]]}
     entries = _with(findings["findings"], entry(a)) if not isinstance(a, str) and a.named else findings["findings"]
     named = {f["cause"] for f in entries} | {r["cause"] for f in entries for r in f["alternatives"]}
     reasons = [u for u in untestable(a) if u["cause"] not in named]
     bounds = [] if isinstance(a, str) else [e for e in excluded(a) if e["cause"] not in named and (e["cause"], e["where"]) not in seen]
-    open_to = {u["cause"] for u in reasons}  # here, for a search that knows no layout has excluded forms of it that are no shift or leak
+    open_to = {u["cause"] for u in reasons}  # the search has excluded only other forms of them
     able = [e for e in findings["excluded"] if e["cause"] not in named | open_to] + bounds
     decided = {u["cause"] for u in reasons} | {e["cause"] for e in able} | {(e["cause"], e["where"]) for e in bounds}
     mine = [u for u in findings["untestable"] if u["cause"] not in named or u.get("in_doubt") or is_untold(u)]
@@ -64,24 +65,24 @@ def joined(findings: dict[str, Any], a: ArrayCriticism | str, model: Model, seen
 
 
 def _about(reason: dict[str, Any]) -> str | Key:
-    """What a reason speaks of: a cause, or one form of it at a place."""
+    """What a reason applies to: a cause, or one at a place."""
     return (reason["cause"], reason["where"]) if "where" in reason else reason["cause"]
 
 
 def _in_words(entry: dict[str, Any], model: Model) -> dict[str, Any]:
-    """An entry of the search with a sentence, where it stands for effects of the array."""
+    """An entry of the search, with a sentence if it stands for effects of the array."""
     mine = (e for e in model.effects if (e.cause, e.where) == (entry["cause"], entry["where"]))
     words = "; ".join(filter(None, map(changing, mine)))
     return {**entry, "evidence": {"why": words, **entry["evidence"]}} if words else entry
 
 
 def _marked(entry: dict[str, Any], why: str) -> dict[str, Any]:
-    """The entry, saying `why` the extended model does not have it; as it is, where there is no reason."""
+    """The entry with the reason `why` the extended model lacks it; unchanged if `why` is empty."""
     return {**entry, "evidence": {**entry["evidence"], "simulated": why, "in_model": False}} if why else entry
 
 
 def _with(entries: list[dict[str, Any]], new: dict[str, Any]) -> list[dict[str, Any]]:
-    """The entries with one more, or with the one of the same cause and place taught what the ratios say."""
+    """The entries with `new` added, or merged into the one with the same cause and place."""
     same = [e for e in entries if (e["cause"], e["where"]) == (new["cause"], new["where"])]
     if not same:
         return [*entries, new]

@@ -1,4 +1,4 @@
-"""Which cause, if any, the ratios of the taxels speak for."""
+"""Which cause, if any, the ratios of the taxels support."""
 
 from dataclasses import dataclass, replace
 from itertools import permutations
@@ -12,20 +12,20 @@ from skin_ident.criticism.array.hypotheses import CHANGE, GAIN, NOTHING, Backgro
 from skin_ident.criticism.array.layout import Layout
 from skin_ident.criticism.vocabulary import Key
 
-SURE = 0.99  # probability that something is wrong, from which it is said so
-REACH = 3.0  # log odds within which a rival cannot be told from the best,
-AT_ONE_PLACE = 10.0  # and where all sessions press at one place: then causes differ by the very shape of spread and leak alone
-MOST_SUSPECTS = 6  # taxels, each asked for a gain that changed: that takes a fit for every way to part the sessions
-MOST_REPEATS = 4  # pairs of taxels that are fitted
-KNOWN = 1e-4  # relative standard error of a calibration, and of a width, that is known as well as any
-MUCH_LESS = 0.5  # times the standard error
-WIDER = 10.0  # times what a cause is like: a prior that does not help to bound it
+SURE = 0.99  # probability that something is wrong, above which the best cause is named
+REACH = 3.0  # log odds within which a rival cannot be told from the best cause,
+AT_ONE_PLACE = 10.0  # and if all sessions press at one place: then causes differ only by the exact shape of spread or leak
+MOST_SUSPECTS = 6  # taxels tried for a gain error or a gain that changed; the latter takes a fit for every split of the sessions
+MOST_REPEATS = 4  # pairs of taxels that are fitted for crosstalk
+KNOWN = 1e-4  # relative standard error of a calibration or width that is known practically exactly
+MUCH_LESS = 0.5  # ratio of standard errors, with exact declarations to without, below which the declarations limit a bound
+WIDER = 10.0  # factor on the prior standard deviations that makes them too wide to matter
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """One hypothesis with its log posterior odds against nothing wrong, and its fit in the best component of the mixture; `limited` says
-    that it is bounded by what is declared, and hardly by noise: were calibrations and width exact, it would be much closer."""
+    """One hypothesis with its log posterior odds against "nothing wrong", and its fit in the best component of the background. `limited`:
+    its bound comes from the declared uncertainties and hardly from noise; with exact calibrations and width it would be much tighter."""
 
     hypothesis: Hypothesis
     log_odds: float
@@ -41,9 +41,9 @@ class Judged:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Nothing wrong, and every cause, the most probable first; `sure` is the probability that something is wrong; `changed` is the taxel
-    whose gain has most probably changed between sessions, with the log odds of that; `reach` is how much less a rival's may be; `unaided`
-    are the causes in their order, fitted as if nothing was known of their size."""
+    """The comparison: `nothing` wrong, and all `causes`, the most probable first. `sure` is the probability that something is wrong;
+    `unaided` are the causes in the same order, fitted without prior knowledge of their size; `changed` is the taxel whose gain has most
+    probably changed between sessions, with the log odds of that; `reach` is how much lower the log odds of a rival may be."""
 
     nothing: Judged
     causes: tuple[Judged, ...]
@@ -54,23 +54,23 @@ class Judgement:
 
     @property
     def named(self) -> Judged | None:
-        """The best cause, where something is wrong beyond doubt."""
+        """The best cause, if something is wrong beyond doubt."""
         return self.causes[0] if self.causes and self.sure > SURE else None
 
     @property
     def rivals(self) -> tuple[Judged, ...]:
-        """Causes that cannot be told from the best."""
+        """Causes that cannot be told from the best one."""
         return tuple(c for c in self.causes[1:] if c.log_odds > self.causes[0].log_odds - self.reach)
 
     @property
     def may_have_changed(self) -> str | None:
-        """The taxel, where the best cause cannot be told from a gain that is not the same in all sessions."""
+        """The taxel whose gain may not be the same in all sessions, if that cannot be told from the best cause; else None."""
         taxel, log_odds = self.changed
         return taxel if log_odds > self.causes[0].log_odds - self.reach else None
 
 
 def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) -> Judgement:
-    """Weigh all causes against each other and against nothing wrong."""
+    """Compare all causes with each other and with "nothing wrong"."""
     family = Family(layout)
     mixture = list(backgrounds(layout, thickness_mm))
 
@@ -98,8 +98,8 @@ def judge(layout: Layout, measured: Gains, thickness_mm: float | None = None) ->
 
 
 def _fits(family: Family, measured: Gains, mixture: list[Background], h: Hypothesis) -> tuple[list[Fitted], list[float]]:
-    """The fit of a hypothesis in every component of the mixture, and the logarithms of its evidence times their weights. They are alike:
-    each begins where the last has ended."""
+    """The fit of a hypothesis in every component of the mixture, and the log of evidence times weight. The fits are similar, so each starts
+    at the end of the previous one."""
     fits: list[Fitted] = []
     for b in mixture:
         fits.append(fitted(family, measured, b.scatter, b.and_with(h), fits[-1].member if fits else None))
@@ -107,8 +107,8 @@ def _fits(family: Family, measured: Gains, mixture: list[Background], h: Hypothe
 
 
 def unlike(layout: Layout, measured: Gains, j: Judged) -> float:
-    """What a hypothesis leaves of the shares, each session scaled by itself, as a part of them; a declared width is as declared, but for a
-    hypothesis that it is not."""
+    """Relative misfit (norm) of the shares under a hypothesis, each session scaled by itself. A declared width is kept, unless the
+    hypothesis is that it is wrong."""
     declared = {"width"} if layout.width_declared and "width" not in j.hypothesis.free else set()
     member = {name: value for name, value in j.fit.member.items() if name not in declared}
     left = measured.value - measured.at_own_levels(Family(layout).shares(member))
@@ -116,7 +116,7 @@ def unlike(layout: Layout, measured: Gains, j: Judged) -> float:
 
 
 def _unaided(family: Family, measured: Gains, j: Judged) -> Judged:
-    """The cause fitted with a prior too wide to help, in the component of the mixture that suits it best."""
+    """The cause fitted with a prior too wide to matter, in its best component of the mixture."""
     wide = {name: WIDER * std for name, std in j.hypothesis.free.items()}
     fit, exact = (
         fitted(family, measured, scatter, {**j.background.alone, "width": width, **wide})
@@ -126,7 +126,7 @@ def _unaided(family: Family, measured: Gains, j: Judged) -> Judged:
 
 
 def _changed(family: Family, measured: Gains, mixture: list[Background], suspects: list[int]) -> tuple[str, float]:
-    """The taxel whose gain was most probably another in one session, or from one session on, and log of prior times evidence."""
+    """The taxel whose gain was most probably another one in one session, or from one session on, and the log of prior times evidence."""
     count, taxels = measured.value.shape
     when = [*([s] for s in range(count)), *(list(range(s, count)) for s in range(1, count - 1))]
 
@@ -139,14 +139,14 @@ def _changed(family: Family, measured: Gains, mixture: list[Background], suspect
 
 
 def _suspects(family: Family, measured: Gains, nothing: Fitted) -> list[int]:
-    """The taxels that are farthest from the declared layout, in their own standard errors, the farthest first; all, where they are few."""
+    """The taxels farthest from the declared layout, in units of their standard errors, the farthest first; all of them if they are few."""
     errors = np.sqrt(np.diagonal(measured.covariance, axis1=1, axis2=2))
     far = np.abs((measured.value - family.shares(nothing.member)) / errors).max(axis=0)
     return [int(i) for i in np.argsort(far)[::-1][:MOST_SUSPECTS]]
 
 
 def _repeats(family: Family, measured: Gains, nothing: Judged) -> list[str]:
-    """What one taxel may repeat of one other: the pairs that would explain most of what is left, at first order."""
+    """The pairs of taxels for which a repeat (crosstalk of one taxel into one other) would explain most of the misfit, to first order."""
     shares, (root, _) = family.shares(nothing.fit.member), covariance_root(measured, nothing.background.scatter)
     left, n = root @ (measured.value - shares).ravel(), shares.shape[1]
     falls = {}
@@ -159,7 +159,7 @@ def _repeats(family: Family, measured: Gains, nothing: Judged) -> list[str]:
 
 
 def _of_right_sign(j: Judged) -> bool:
-    """Whether what leaks into a taxel comes from its neighbour with the sign that it has there, and a tail adds to the spread."""
+    """Whether leaks and tails have the sign that physics allows: a neighbour leaks with its own sign, and a tail adds to the spread."""
     signed = j.hypothesis.free if j.hypothesis.cause == "crosstalk" else [name for name in j.hypothesis.free if name == "tail"]
     return all(j.fit.member.get(name, 0.0) >= 0.0 for name in signed)
 

@@ -1,4 +1,4 @@
-"""Where taxels and contacts are said to be, and how wide the spread is said to be: what the ratios of the taxels are judged against.
+"""Declared places of taxels and contacts, and the width of the spread: what the ratios of the taxels are compared with.
 
 Everything comes from declarations: `taxel_positions_mm`, `contact_position_mm`, `spread_width_mm`, `taxel_gain_uncertainty` and
 `skin_thickness_mm` of rig.yaml (or the layout topic of a bag), and `spread_width` in the notes of a given model.
@@ -12,10 +12,11 @@ import numpy as np
 from skin_models.model import Model
 
 SILICONE_WIDTH = 5.25e-3  # m, c of exp(-(r/c)^2) on 4 mm of silicone: thesis section 4.3.4
-DISCS = 4.86e-3  # m, what of it plunger (9.9 mm) and taxel (9.53 mm) make, by the variance of discs, a^2 / 4 per axis; a fit says 5.19
-MEASURED_AT = 4.0  # mm
-APART = 1e-4  # m, by which contacts must differ to count as different
-FLAT, THIN = 1e-3, 0.2  # m rms, or of the width of small arrays, up to which taxels and contacts lie in one row
+# m, the part due to the discs of plunger (9.9 mm) and taxel (9.53 mm), by their variance a^2 / 4 per axis; a fit gives 5.19 mm.
+DISCS = 4.86e-3
+MEASURED_AT = 4.0  # mm, thickness of that silicone
+APART = 1e-4  # m, distance from which two contacts count as different
+FLAT, THIN = 1e-3, 0.2  # extent across a row, m rms, or as a share of that along it in small arrays, up to which all lie in one row
 NOWHERE = "nobody says where the plunger presses (contact_position_mm in rig.yaml): it is taken to be at [0, 0] among the taxels"
 
 
@@ -23,12 +24,12 @@ NOWHERE = "nobody says where the plunger presses (contact_position_mm in rig.yam
 class Layout:
     """T taxels under S sessions.
 
-    taxels (T, 2)     m, in the frame of the declaration
+    taxels (T, 2)     m, in the declared frame
     contacts (S, 2)   m, where each session presses, in the same frame
-    width             m, c of exp(-(r / c)^2) as declared or to be expected
-    width_declared    whether somebody said so; otherwise it follows from the skin's thickness and may well be otherwise
-    gain_std          relative standard error of every taxel's calibration; None where nobody declared one
-    known_axes        the `axes` of the sessions of which these are some: a shift is told along the same ones in all of them
+    width             m, c of exp(-(r / c)^2), declared or expected
+    width_declared    whether it was declared; otherwise it is a guess from the skin's thickness
+    gain_std          relative standard error of every taxel's calibration; None if none is declared
+    known_axes        the `axes` of all sessions where these are only some of them, so that a shift is resolved along the same ones
     """
 
     taxels: np.ndarray
@@ -40,7 +41,7 @@ class Layout:
 
     @property
     def places(self) -> np.ndarray:
-        """Where the taxels are as seen from each session's contact, (S, T, 2) m."""
+        """Positions of the taxels relative to each session's contact, (S, T, 2) m."""
         return self.taxels - self.contacts[:, None]
 
     @property
@@ -50,12 +51,13 @@ class Layout:
 
     @property
     def seen(self) -> np.ndarray:
-        """The taxels (T, 2) as effects are told of them: from the one contact, or in the declared frame where there are several."""
+        """The positions (T, 2) that effects are given: relative to the contact if there is one, in the declared frame if there are
+        several."""
         return self.taxels if self.several_contacts else self.places[0]
 
     @property
     def axes(self) -> np.ndarray:
-        """Unit vectors (1 or 2, 2) along which the taxels, or the contacts, are spread out; none for a lone taxel under one contact."""
+        """Unit vectors (1 or 2, 2) along which taxels or contacts are spread out; none for a lone taxel under one contact."""
         if self.known_axes is not None:
             return self.known_axes
         points = self.places.reshape(-1, 2) - self.places.reshape(-1, 2).mean(axis=0)
@@ -69,12 +71,12 @@ class Layout:
 
 
 def unplaced(recordings: list) -> tuple[str, ...]:
-    """The warning of ratios that are judged although nobody says where the plunger presses."""
+    """A warning if the ratios are judged although nobody has declared where the plunger presses."""
     return () if any(r.declared.contact_position_mm for r in recordings) else (NOWHERE,)
 
 
 def layout_of(recordings: list, model: Model | None = None) -> Layout | str:
-    """The layout, or one sentence saying why the ratios of the taxels cannot be judged."""
+    """The layout, or one sentence on why the ratios of the taxels cannot be judged."""
     count = len(recordings[0].taxels)
     if count < 2:
         return (
@@ -95,7 +97,7 @@ def layout_of(recordings: list, model: Model | None = None) -> Layout | str:
 
 
 def _width(declared: Any, model: Model | None) -> tuple[float, bool]:
-    """The width, m, and whether it is known. What the skin adds to the discs' own width grows with its thickness."""
+    """The width, m, and whether it is known. The skin's contribution, beside that of the discs, grows with its thickness."""
     noted = (model.notes.get("spread_width") or {}) if model is not None else {}
     if isinstance(noted, dict) and "value" in noted:
         return float(noted["value"]), True

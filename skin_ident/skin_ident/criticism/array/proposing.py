@@ -1,4 +1,4 @@
-"""Directions in which an array may bend while it is pressed, offered to the search beside those of the catalogue."""
+"""Directions that change the ratios of an array while it is pressed, offered to the search beside those of the catalogue."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,30 +12,31 @@ from skin_models.effect import Effect
 from skin_models.model import Model
 from skin_models.parameter import AMPLITUDE, parameters_of
 
-EARLY = 0.2  # of the greatest depth, within which a spread that settles begins to do so
-USUAL = 0.75  # of the greatest depth: where a slope over all depths is that of the share
+EARLY = 0.2  # of the greatest depth: initial settling depth of a spread that settles
+USUAL = 0.75  # of the greatest depth: where the local share equals the slope over all depths
 
 
 def array_directions(layout: Layout | str, session: Session) -> tuple[Direction, ...]:
-    """What the layout adds to the catalogue's directions; nothing without one. `session` gives depths and duration."""
+    """The directions that the layout adds to the catalogue's; none without a layout, nor where force drives the test. Depth and duration
+    are those of `session`."""
     if isinstance(layout, str) or session.drive is not None:
         return ()
     return tuple(_direction(e) for e in _effects(layout, session))
 
 
 def is_of_array(e: Effect) -> bool:
-    """Whether an effect belongs to one layout, and to no catalogue."""
+    """Whether an effect belongs to one layout and not to the catalogue."""
     return isinstance(e, (Leaning, Walking, Widening, Smeared))
 
 
 def for_anybody(model: Model) -> Model:
-    """The model without the effects that only a layout gives a meaning to: what can be written and loaded again."""
+    """The model without the effects that only make sense with a layout: what can be written to file and loaded again."""
     kept = tuple(e for e in model.effects if not is_of_array(e))
     return model if len(kept) == len(model.effects) else replace(model, effects=kept)
 
 
 def _effects(layout: Layout, session: Session) -> Iterator[Effect]:
-    """Those that bend the ratios over depth or time, absent, for the taxels as seen from the contact of the session."""
+    """The effects of the array with zero amplitude, for taxels as seen from the session's contact."""
     taxels = tuple((float(x), float(y)) for x, y in layout.seen)
     seconds, deepest = float(session.motion.t[-1] - session.motion.t[0]), float(session.motion.x.max())
     for axis in layout.axes:

@@ -1,7 +1,7 @@
-"""How much more the shares of sessions at one place differ than their standard errors let them.
+"""Extra variance of the shares from the scatter between sessions at one place.
 
-What is wrong with an array is the same in all sessions that press at one place. Where these differ beyond chance, noise has a longer memory
-than the sessions show, or something has changed between them: no ratio is known better than that. For each taxel the variance between
+A fault of an array is the same in all sessions that press at one place. If their shares differ beyond chance, the noise has a longer memory
+than the sessions show, or something has changed between them; no ratio is known better than that. For each taxel the variance between
 sessions is added to that within them,
 
     tau^2 = (Q - (S - 1)) / (sum w - sum w^2 / sum w),    Q = sum w (g - mean g)^2,    w = 1 / sigma^2.
@@ -17,11 +17,11 @@ from scipy.stats import chi2
 from skin_ident.criticism.array.gains import Gains
 from skin_ident.criticism.array.layout import APART, Layout
 
-CHANCE = 1e-4  # of sessions that differ so much by their standard errors alone
+CHANCE = 1e-4  # probability of so large a scatter from the standard errors alone, below which the variance is added
 
 
 def with_scatter(measured: Gains, layout: Layout) -> Gains:
-    """The same shares, with what those of sessions at one place scatter beyond their errors."""
+    """The same shares, with the scatter between sessions at one place added to their covariance."""
     covariance = measured.covariance.copy()
     places = np.round(layout.contacts / APART)
     for place in np.unique(places, axis=0):
@@ -32,7 +32,7 @@ def with_scatter(measured: Gains, layout: Layout) -> Gains:
 
 
 def _between(g: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Variance (T,) of shares (S, T) between sessions, each of which has a scale of its own."""
+    """Variance (T,) between sessions of shares (S, T), each session scaled by itself."""
     mean = g.mean(axis=0)
     scale = np.maximum(g @ mean / max(mean @ mean, 1e-300), 1e-3)[:, None]
     w = scale**2 / np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 1e-300)

@@ -1,4 +1,4 @@
-"""What a cause in the ratios of the taxels looks like, in numbers a person can check, and the experiment that tells rivals apart."""
+"""A cause in the ratios of the taxels in words, with numbers a person can check, and the experiment that separates rivals."""
 
 from collections.abc import Iterable
 
@@ -12,7 +12,7 @@ from skin_ident.criticism.array.smeared import Capacitive, Smeared
 from skin_ident.criticism.vocabulary import BY_NAME
 from skin_models.effect import Effect
 
-ALIKE = 0.03  # relative difference within which two widths are one
+ALIKE = 0.03  # relative difference within which two widths count as equal
 SCAN = "press at three or more places along the taxels, a third of their distance apart (contact_position_mm tells where)"
 _PAIRS = {
     "off_centre gain_error": f"{SCAN}: a wrong calibration stays with its taxel, a wrong place moves with the contact",
@@ -28,12 +28,12 @@ APART = {frozenset(pair.split()): words for pair, words in _PAIRS.items()}
 
 
 def why(j: Judged, layout: Layout) -> str:
-    """One sentence that shows the cause."""
+    """One sentence with the evidence for the cause."""
     return f"{_what(j, layout)}; {farthest(j, layout)}"
 
 
 def farthest(j: Judged, layout: Layout) -> str:
-    """The taxel that reads least as declared, as a clause."""
+    """The taxel whose reading differs most from the declared layout, as a clause."""
     far = _deviations(j, layout)
     session, i = np.unravel_index(np.argmax(np.abs(far)), far.shape)
     most = ", at the place where it shows most" if layout.several_contacts else ""
@@ -41,7 +41,7 @@ def farthest(j: Judged, layout: Layout) -> str:
 
 
 def _what(j: Judged, layout: Layout) -> str:
-    """What the ratios say, by the member of the family that was fitted, as a clause."""
+    """What the ratios show, from the fitted member of the family, as a clause."""
     p, n = j.fit.member, len(layout.taxels)
     if j.hypothesis.cause == "off_centre":
         if "axis" in j.hypothesis.free:
@@ -77,7 +77,7 @@ def _repeated(name: str, p: dict[str, float]) -> str:
 
 
 def changing(e: Effect) -> str:
-    """One sentence for an effect that bends the ratios while the array is pressed; empty for any other."""
+    """One sentence for an effect that changes the ratios while the array is pressed; empty for any other effect."""
     if isinstance(e, (Leaning, Walking)):
         when = "from the surface to the greatest depth" if isinstance(e, Leaning) else f"in {e.seconds:.0f} s"
         x, y = 1e3 * e.shift * np.array(e.axis)
@@ -91,12 +91,12 @@ def changing(e: Effect) -> str:
 
 
 def shift_of(p: dict[str, float], layout: Layout) -> np.ndarray:
-    """Where the contact of the first session is, as seen from the declared place, (2,) m."""
+    """Displacement of the first session's contact from its declared place, (2,) m."""
     return Family(layout).off(p)[0]
 
 
 def _deviations(j: Judged, layout: Layout) -> np.ndarray:
-    """By how much the share of every taxel differs from the declared one in every session, as a part of the largest share, (S, T)."""
+    """Difference of every taxel's share from the declared one in every session, relative to the largest share, (S, T)."""
     own = {name: value for name, value in j.fit.member.items() if name in j.hypothesis.free}
     family = Family(layout)
     plain, now = family.shares({}), family.shares(own)
@@ -104,7 +104,7 @@ def _deviations(j: Judged, layout: Layout) -> np.ndarray:
 
 
 def separating(causes: Iterable[str]) -> str:
-    """The experiment that tells the first of `causes` from the others; empty for one alone."""
+    """The experiment that separates the first of `causes` from the others; empty for one alone."""
     first, *others = causes
     known = [APART[key] for other in others if (key := frozenset({first, other})) in APART]
     unknown = [BY_NAME[c].needs for c in [first, *others] if others and not known]

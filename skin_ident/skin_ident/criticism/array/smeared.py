@@ -1,7 +1,7 @@
-"""Crosstalk that depends on how fast it is: a taxel repeats its nearest neighbours through a filter, which no change of gains can imitate.
+"""Frequency-dependent crosstalk: a taxel repeats its nearest neighbours through a filter, which no change of gains can imitate.
 
     smeared        y'[i] = y[i] + share z[i]                       they come late, as through a multiplexer that settles slowly
-    capacitive     y'[i] = y[i] + share (n[i] - z[i])              only what changes comes through
+    capacitive     y'[i] = y[i] + share (n[i] - z[i])              only changes come through
     with           tau dz/dt + z = n,   n[i] the sum of y over the nearest taxels of i
 
 Source: T. D'Alessio, Sensors and Actuators A 72 (1999) 71-76.
@@ -20,18 +20,18 @@ from skin_models.parameter import SHAPE, quantity
 from skin_models.signals import Motion, Sample
 from skin_models.spread.footprint import Places
 
-TAUS = (0.03, 0.1, 0.4)  # s
+TAUS = (0.03, 0.1, 0.4)  # s, time constants that are offered to the search
 
 
 @dataclass(frozen=True)
 class Smeared(OverTaxels, Dynamic):
-    """State: the lagged sum of the neighbours, None at rest."""
+    """Crosstalk through a first-order lag. State: the lagged sum of the neighbours, None at rest."""
 
     cause: ClassVar[str] = "crosstalk"
     form: ClassVar[str] = "smeared"
     places: ClassVar = {"taxel": Place.TAXEL}
     source: ClassVar[str] = "D'Alessio 1999"
-    at_once: ClassVar[float] = 0.0  # of what is heard
+    at_once: ClassVar[float] = 0.0  # weight of the neighbours' sum n, and of its lagged value z below
     late: ClassVar[float] = 1.0
 
     taxels: Pairs = ()
@@ -39,7 +39,7 @@ class Smeared(OverTaxels, Dynamic):
     tau: float = quantity("s", 0.05, lower=1e-3, upper=10.0, role=SHAPE, typical=0.05, scan=TAUS, doc="time constant of the filter")
 
     def initial(self, rng=None) -> None:
-        """None: what is heard at the first sample has always been heard."""
+        """None: the neighbours' first readings are taken to have been there for ever."""
         return None
 
     def step(self, state, y, s: Sample, dt: float):
@@ -60,7 +60,7 @@ class Smeared(OverTaxels, Dynamic):
 
 @dataclass(frozen=True)
 class Capacitive(Smeared):
-    """The same state: what comes through is what the lag has not yet followed."""
+    """Crosstalk of changes only: the difference between the neighbours' sum and its lagged value comes through. Same state."""
 
     form: ClassVar[str] = "capacitive"
     at_once: ClassVar[float] = 1.0
@@ -69,5 +69,5 @@ class Capacitive(Smeared):
 
 @lru_cache
 def _next_to(taxels: Pairs) -> Any:
-    """(T, T), one where a taxel is among the nearest of another."""
+    """Matrix (T, T), 1 where a taxel is among the nearest neighbours of another."""
     return (Places(np.array(taxels, float)).neighbours > 0.0).astype(float)

@@ -1,8 +1,8 @@
-"""Sessions that press at different places: each brings its own share of every taxel along, so that one model can be fitted to all.
+"""Sessions that press at different places: each carries its own share of every taxel, so that one model can be fitted to all.
 
-A share is a slope over the record. A taxel that dies part-way, or comes and goes, has a smaller one over the whole of it than its skin
-gives it: every session would then have a share that is wrong by another factor, and the search would name a change of gain, or worse, for
-it. So where something is ruled out the slopes are found again, from the samples that may be believed.
+A share is a slope over the record. A taxel that dies part-way, or comes and goes, has too small a slope over the whole record. The
+session's shares would then be wrong by different factors, and the search would name a gain error or worse. So where samples are ruled out
+the slopes are computed again from the trusted samples.
 """
 
 from dataclasses import replace
@@ -13,9 +13,9 @@ from skin_ident.criticism.array.layout import Layout
 
 
 def with_spread(recordings: list, layout: Layout | str) -> list:
-    """The recordings, with `spread` set where they press at different places: slope of every taxel on depth (on force, where that drives
-    the test) over the largest slope of all. Each has a zero of its own in each recording, which would else be a slope of what it hardly
-    feels."""
+    """The recordings with `spread` set if they press at different places: slope of every taxel on depth (on force, where that drives the
+    test) over the largest slope of all. A zero per taxel and recording is fitted too, since it would be taken for a slope of a taxel that
+    is hardly loaded."""
     if isinstance(layout, str) or not layout.several_contacts:
         return recordings
     slopes = np.array([np.linalg.lstsq(_beside_zero(r), r.taxels.T, rcond=None)[0][0] for r in recordings])
@@ -23,9 +23,8 @@ def with_spread(recordings: list, layout: Layout | str) -> list:
 
 
 def with_believed_spread(recordings: list, bad: list[np.ndarray]) -> list:
-    """The recordings with their `spread` found again where `bad`, masks (C, N) whose last rows are the taxels', rules samples out; zero
-    where a taxel has nothing to be believed. Recordings without a spread, or with nothing ruled out, come back as they are.
-    """
+    """The recordings with `spread` computed again without the samples that `bad` rules out; `bad` are masks (C, N) whose last rows are the
+    taxels. 0 where a taxel has no trusted sample. Recordings without a spread, or without bad samples, are returned unchanged."""
     masks = [b[-len(r.taxels) :] for r, b in zip(recordings, bad, strict=True)]
     if any(r.spread is None for r in recordings) or not any(m.any() for m in masks):
         return recordings
@@ -35,7 +34,7 @@ def with_believed_spread(recordings: list, bad: list[np.ndarray]) -> list:
 
 
 def loads(recording) -> np.ndarray:
-    """What the taxels answer to, (N, 2): depth, and speed, in contact; (N, 1) force, where that drives the test. The elastic slope is that
+    """Regressors of the taxels: depth and speed in contact, (N, 2), or force, (N, 1), where that drives the test. The elastic slope is that
     on the first column."""
     if recording.depth is None:
         return recording.force[:, None]
@@ -48,21 +47,21 @@ def _spread(recordings: list, slopes: np.ndarray, unit: float) -> list:
 
 
 def _beside_zero(recording) -> np.ndarray:
-    """What taxels answer to, and their zero, (N, 3) or (N, 2)."""
+    """The regressors and a column of ones for the zero, (N, 3) or (N, 2)."""
     H = loads(recording)
     return np.column_stack([H, np.ones(len(H))])
 
 
 def _slopes(recording, kept: np.ndarray) -> list[float]:
-    """Elastic slope of every taxel over its samples of a mask (T, N), beside its zero."""
+    """Elastic slope of every taxel over its samples in a mask (T, N), with a free zero."""
     H = _beside_zero(recording)
     return [float(np.linalg.lstsq(H[k], y[k], rcond=None)[0][0]) if k.any() else 0.0 for y, k in zip(recording.taxels, kept, strict=True)]
 
 
 def _unit(slopes: np.ndarray, spread: np.ndarray, touched: np.ndarray) -> float:
-    """The slope that counts as 1, from the largest share (S, T) in which nothing was ruled out; the largest slope where there is none.
+    """The slope that counts as share 1, derived from the largest share (S, T) in which nothing was ruled out; else the largest slope.
 
-    Other taxels may have shares of the same recordings that are not looked at here.
+    It is taken over from the old shares because these recordings may hold only some of the taxels.
     """
     whole = np.where(touched, 0.0, spread)
     if whole.max() <= 0.0:
