@@ -1,12 +1,12 @@
-"""How far what is left stands above what noise alone leaves, from the content of findings.json: for whoever puts a verdict into words."""
+"""How far the residual lies above the noise floor, from the content of findings.json, for code that puts a verdict into words."""
 
 from typing import Any
 
-NEAR = 1.15  # times the floor, up to which what is left is noise: so far apart are the floors of two sessions
+NEAR = 1.15  # ratio to the floor, up to which the residual counts as noise: floors of two sessions differ by as much
 
 
 def above_noise(findings: dict[str, Any]) -> tuple[str, float] | None:
-    """The channel whose error stands furthest above its floor, and how many times that it is; None where all are near it or unknown."""
+    """The channel whose error is the largest multiple of its noise floor, and that multiple; None where all are near it or unknown."""
     floors, gains = _mapping(findings.get("noise_floor")), _mapping(findings.get("gain_by_channel"))
     errors = _mapping(_mapping(findings.get("extended")).get("rmse"))
     ratios = {c: _ratio(floors.get(c), errors.get(c), gains.get(c)) for c in errors}

@@ -64,10 +64,10 @@ from skin_ident.spread_scan import SpreadScan
 from skin_models.errors import ModelError
 from skin_models.model import Model
 
-AS_MUCH = 1.1  # times, within which what two answers leave is alike
-BESIDE = ("adhesion",)  # causes that act in moments which are not compared, and follow from the motion: the curves show them
-BLOCK_S = 10.0  # of a lone session, alternately used to fit and held out;
-FEWEST_BLOCKS = 9  # shorter ones in a session that would have fewer
+AS_MUCH = 1.1  # ratio of errors within which two results count as equally good
+BESIDE = ("adhesion",)  # causes that act only at moments which are not compared; they follow from the motion, so the curves show them
+BLOCK_S = 10.0  # s, length of the blocks of a lone session, of which two are fitted and one is held out in turn;
+FEWEST_BLOCKS = 9  # least number of blocks; shorter blocks in a session that would have fewer
 
 
 def diagnose(
@@ -77,10 +77,10 @@ def diagnose(
     progress: Progress = lambda stage: None,
     twins: list | None = None,
 ) -> Outcome:
-    """Criticise the dispersion model, or `model`, on `recordings`; `hold_out` are sessions never used to fit.
+    """Criticise the dispersion model, or `model`, on `recordings`; `hold_out` are sessions that are never used to fit.
 
-    `twins` are recordings of a simulation of the same motions, one for each session (training sessions first): then those are criticised
-    (see `twin`). Raises `DiagnosisError` where the sessions do not belong together or lack what is needed.
+    `twins` are recordings of a simulation of the same motions, one per session (training sessions first): then these are criticised (see
+    `baseline.twin`). Raises `DiagnosisError` where the sessions do not belong together or lack what is needed.
     """
     hold_out = hold_out or []
     if not recordings:
@@ -113,8 +113,8 @@ def diagnose(
 
 @dataclass(frozen=True)
 class _Known:
-    """What is known of sessions before the search: the mass of the skin, how many of them are for training (the first), what was odd in
-    whole sessions and was put right, and where the taxels lie, or why nobody knows."""
+    """What is known before the search: the mass of the skin, the number of training sessions (the first ones), odd sessions and columns
+    that were corrected (`odd`), and the layout of the taxels, or why there is none."""
 
     mass: KnownMass
     training: int
@@ -122,14 +122,14 @@ class _Known:
     layout: Layout | str
 
     def split(self, sessions: list[Session]) -> tuple[list[Session], list[Session]]:
-        """Training and held-out sessions, of as many samples as a search needs; a lone one is both, in blocks."""
+        """Training and held-out sessions, decimated to what a search needs. A lone session becomes both, by blocks."""
         sessions = thinner(sessions)
         return _blocks(sessions[0]) if len(sessions) == 1 else (with_reference(sessions[: self.training]), sessions[self.training :])
 
 
 @dataclass(frozen=True)
 class _Part:
-    """What the search made of sessions: `seen` are the symptoms that are still in them, `symptoms` all of them."""
+    """The result of the search on one set of sessions. `seen` are the symptoms that are still in the data, `symptoms` all of them."""
 
     looked: Inspected
     train: list[Session]
@@ -142,7 +142,7 @@ class _Part:
 
 
 def _part(every: list, looked: Inspected, known: _Known, model: Model | None, progress: Progress) -> _Part:
-    """The search on sessions as they were `looked` at; `model` is the given one, or what stands in for twins."""
+    """Search and judgement on sessions that were already inspected (`looked`). `model` is the given model, or the surrogate of twins."""
     mass, layout = known.mass.kg, known.layout
     every = every if isinstance(layout, str) else _warned_first(every, unplaced(every))
     train, held = known.split(looked.sessions)
@@ -173,7 +173,7 @@ def _part(every: list, looked: Inspected, known: _Known, model: Model | None, pr
 
 
 def _with_the_dead(c: Criticism, looked: Inspected) -> Criticism:
-    """The criticism with the shares of taxels that were given up, as they were while these lived."""
+    """The criticism with shares for the taxels that were given up, estimated from the time when they lived."""
     if not looked.given_up:
         return c
     fits = {which: getattr(c, which) for which in ("baseline", "extended")}
@@ -182,14 +182,14 @@ def _with_the_dead(c: Criticism, looked: Inspected) -> Criticism:
 
 
 def _warned_first(recordings: list, warnings: Iterable[str]) -> list:
-    """The recordings, the first of which bears warnings that are of all of them."""
+    """The recordings, with warnings that concern all of them attached to the first."""
     first, *others = recordings
     return [first.warned(*warnings), *others]
 
 
 def _of_twins(every: list, twins: list, known: _Known, progress: Progress) -> _Part:
-    """What the search makes of sessions beside a plain surrogate of twins, or, where something is wrong, beside one that has the effects
-    which they hold, if that comes to more."""
+    """The result with a plain surrogate of the twins. If something is wrong, also with a surrogate that contains the effects found in the
+    twins, and the better of both results."""
     looked, mass = inspect(every), known.mass.kg
     twin = read_twins(looked.sessions, every, twins, mass)
     every = [r.warned(*warnings) for r, warnings in zip(every, twin.warnings, strict=True)]
@@ -206,8 +206,8 @@ def _of_twins(every: list, twins: list, known: _Known, progress: Progress) -> _P
 
 
 def _better(plain: _Part, extended: _Part) -> _Part:
-    """Of what a plain and an extended surrogate of twins came to: that which leaves less, or of two that leave as much that with fewer
-    findings, or else the extended one, which is more like the twin."""
+    """The better result of the plain and the extended surrogate: the one with the smaller error; if errors are equal, the one with fewer
+    findings; if these are equal too, the extended one, which is closer to the twin."""
 
     def left(part: _Part) -> float:
         return float(sum(gain["held_out_rmse_after"] for gain in part.findings["gain_by_channel"].values()))
@@ -220,8 +220,8 @@ def _better(plain: _Part, extended: _Part) -> _Part:
 def _outcome(
     part: _Part, findings: dict[str, Any], array: ArrayCriticism | str, model: Model, first: Session, symptoms, seen: set[Key]
 ) -> Outcome:
-    """`model` is the extended one, `first` the first session, with all their taxels; `seen` are causes and places, by the same numbers, of
-    which there is something that is no finding."""
+    """The final result. `model` is the extended one and `first` the first session, both with all taxels; `seen` are causes and places, in
+    the same numbering, of which something was seen that is no finding."""
     c, findings = part.criticism, joined(findings, array, model, seen)
     findings["findings"] = in_all_taxels(findings["findings"], len(model.shares))
     kept, whole = {s.name for s in part.held}, part.looked.whole
@@ -232,7 +232,7 @@ def _outcome(
 
 
 def _of_many(every: list, known: _Known, model: Model | None, progress: Progress) -> Outcome:
-    """The same where the taxels are too many for one search (see `many`)."""
+    """`diagnose` for more taxels than one search can take (see `many`)."""
     chosen, layout = loaded_most(every[: known.training]), known.layout
     few = some(every, chosen)
     progress("inspecting the recordings")
@@ -257,7 +257,7 @@ def _of_many(every: list, known: _Known, model: Model | None, progress: Progress
 
 
 def are_scans(recordings: list) -> bool:
-    """Whether these are static spread scans. Raises `DiagnosisError` for scans among sessions."""
+    """Whether these are static spread scans. Raises `DiagnosisError` if scans and sessions are mixed."""
     scans = [r.name for r in recordings if isinstance(r, SpreadScan)]
     if scans and len(scans) < len(recordings):
         raise DiagnosisError(f"static scans and sessions in time are diagnosed apart: leave out {', '.join(scans[:3])}, or everything else")
@@ -265,15 +265,15 @@ def are_scans(recordings: list) -> bool:
 
 
 def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known: tuple[Symptom, ...]) -> list[Symptom]:
-    """The `known` symptoms that are still in what the extended model leaves, and what else is: noise that is not as declared, steps that
-    bury it."""
+    """The `known` symptoms that are still in the residual of the extended model, and new ones found there: noise that is not as declared,
+    and converter steps so coarse that the noise does not show."""
     model, channels = c.extended.model, sessions[0].channels
     rest = [s.raw - simulated(model, s) for s in sessions]
     calm = [~meeting(motion_under(s, model.dispersion), model.dispersion) for s in sessions]
     slow = [c & at_leisure(s) for c, s in zip(calm, sessions, strict=True)]
     right = [s & ~bad_samples(r, known) for s, r in zip(slow, recordings, strict=True)]  # of each channel
     coarse = {c for s in known if s.cause == "quantization" for c in s.channels}
-    uneven = in_uneven_steps(known)  # where steps grow, what they leave does, too
+    uneven = in_uneven_steps(known)  # where steps grow with the reading, so does their residual
     dts = [r.dt for r in recordings]
     told = [told_of_bursts(s, channels, rest, dts) for s in known if remains(s, recordings, channels, rest, model)]
     rest = between_lines(rest, channels, told, dts)
@@ -285,7 +285,7 @@ def _in_the_rest(c: Criticism, recordings: list, sessions: list[Session], known:
 
 
 def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
-    """One session as two that believe alternate blocks of it."""
+    """One session split into two, with weight on different blocks of it: two of three blocks to fit, one to hold out."""
     length = min(BLOCK_S, float(np.ptp(session.t)) / FEWEST_BLOCKS)
     block = np.floor((session.t - session.t[0]) / length).astype(int) % 3
     fitted = replace(session, name=f"{session.name}{FITTED}", weight=session.weight * (block != 2))
@@ -294,13 +294,13 @@ def _blocks(session: Session) -> tuple[list[Session], list[Session]]:
 
 
 def _with_courses(sessions: list[Session], c: Criticism) -> list[Session]:
-    """The sessions at full rate, each with what was found to be its own; a lone session was criticised under two other names."""
+    """The sessions at full rate, each with what was found to be its own. A lone session was criticised under two other names."""
     own = {s.name: s for s in (*c.train, *c.held)}
     return [with_own_of_few(s, own.get(s.name, c.train[0])) for s in sessions]
 
 
 def _with_layout(model: Model, array: ArrayCriticism | str, first: Session) -> Model:
-    """The model with what the array says; with the shares as measured where no effect of the catalogue may be as large as that."""
+    """The model with what the array shows; with the measured shares if no effect of the catalogue can be so large."""
     try:
         return told(model, array, first)
     except ModelError as error:

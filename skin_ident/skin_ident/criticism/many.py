@@ -1,8 +1,9 @@
-"""Many taxels: a few are searched together with everything that all share, each of the others then for what is its own.
+"""Many taxels: the most loaded ones are searched jointly, then all others in groups.
 
-Every cause at every taxel bends every channel, so a joint search grows with the square of the taxels. Skin, rig, load cell and clock show
-in the taxels that are loaded most; these make the joint search. What it finds stays in the model, and the other taxels are asked in groups
-beside the load cell, for causes of their own alone. The ratios of all taxels are judged together, for that is small.
+Every cause at every taxel changes every channel, so a joint search grows with the square of the number of taxels. Causes of skin, rig, load
+cell and clock show best in the taxels that are loaded most; these make up the joint search. What it finds stays in the model. The other
+taxels are then searched in groups, together with the load cell, for causes of their own only. The ratios of all taxels are judged together,
+since that is a small problem.
 """
 
 import re
@@ -36,18 +37,19 @@ from skin_ident.recordings.chosen import only_taxels
 from skin_models.effect import Effect
 from skin_models.model import Model
 
-FEW = 8  # taxels that are searched together
-JOINT = 6  # of more, those that are
-GROUP = 5  # and of the others at a time
+FEW = 8  # up to so many taxels are searched jointly
+JOINT = 6  # taxels of the joint search if there are more
+GROUP = 5  # taxels per group of the others
 NUMBERED = re.compile(r"\b(taxel[_ ]|share_)(\d+)\b")
-OF_SESSIONS = ("name", "session", "held_out", "tested_on", "most_in")  # keys of findings.json that hold names of sessions, or no text
+# Keys of findings.json whose values are names of sessions, or no text: taxels are not renumbered in them.
+OF_SESSIONS = ("name", "session", "held_out", "tested_on", "most_in")
 
 Split = Callable[[list[Session]], tuple[list[Session], list[Session]]]
 
 
 @dataclass(frozen=True)
 class Rest:
-    """What was found in the taxels beside those of the joint search, under the numbers that all taxels have."""
+    """What was found in the taxels outside the joint search, in the numbering of all taxels."""
 
     named: tuple[Named, ...]
     entries: tuple[dict[str, Any], ...]
@@ -58,9 +60,9 @@ class Rest:
 
 
 def loaded_most(recordings: list) -> list[int]:
-    """The taxels of the joint search: from each session in turn the one that moves most, until they are enough.
+    """The taxels of the joint search: from each session in turn the one whose reading varies most, until there are enough.
 
-    Raises `DiagnosisError` where the recordings are too long for the least of searches.
+    Raises `DiagnosisError` where the recordings are too long even for the smallest search.
     """
     most = affordable(recordings, JOINT)
     moved = np.array([np.std(r.taxels, axis=1) for r in recordings])
@@ -74,7 +76,7 @@ def loaded_most(recordings: list) -> list[int]:
 
 
 def some(recordings: list, taxels: list[int]) -> list:
-    """The recordings with these taxels alone, and without the warnings of reading, which know all taxels (see `with_those_of_reading`)."""
+    """The recordings with these taxels only, without the warnings of reading, which refer to all taxels (see `with_those_of_reading`)."""
     each = [only_taxels([r], [r.taxel_names[i] for i in taxels])[0] for r in recordings]
     return [
         replace(few, spread=None if r.spread is None else r.spread[taxels], warnings=(), declared=replace(few.declared, warnings=()))
@@ -83,15 +85,18 @@ def some(recordings: list, taxels: list[int]) -> list:
 
 
 def with_those_of_reading(findings: dict[str, Any], recordings: list) -> dict[str, Any]:
-    """findings.json of a search of a few taxels with the warnings of all `recordings`: they have the numbers and names of the files."""
+    """findings.json of a search of a few taxels, with the warnings of all `recordings` added. These already use the numbers and names of
+    the files."""
     entries = [{**e, "warnings": [*r.warnings, *e["warnings"]]} for e, r in zip(findings["recordings"], recordings, strict=True)]
     return {**findings, "recordings": entries, "warnings": [*of_reading(recordings), *findings["warnings"]]}
 
 
 def renamed(thing: Any, taxels: list[int], sessions: Collection[str] = ()) -> Any:
-    """Anything made of texts, with the numbers of `taxels` in place of their order among themselves. A text names a taxel as its channel
-    (`taxel_3`, or `taxel 3`) and in no other way. Names of `sessions`, which the whole of findings.json brings itself, are those of files
-    and stay as they are, in the middle of a sentence too."""
+    """Any structure of texts, with taxels renumbered from their position among `taxels` to their number among all.
+
+    A text refers to a taxel only as `taxel_3`, `taxel 3` or `share_3`. Names of `sessions` are file names and stay as they are, also within
+    a sentence; a whole findings.json brings them itself.
+    """
     if isinstance(thing, str):
         either = _numbered_or(sessions)
         return either.sub(lambda m: f"{m[1]}{taxels[int(m[2])]}" if m[2] and int(m[2]) < len(taxels) else m[0], thing)
@@ -104,28 +109,28 @@ def renamed(thing: Any, taxels: list[int], sessions: Collection[str] = ()) -> An
 
 
 def _numbered_or(sessions: Collection[str]) -> re.Pattern[str]:
-    """`NUMBERED`, or the name of a session that would pass for it, which has no groups. One that is nothing but the word for a taxel cannot
-    be told from it in a sentence, where the taxel is meant far more often."""
+    """`NUMBERED`, extended so that the name of a session that contains such a word is matched first, without groups. A session whose whole
+    name is such a word (`taxel_3`) cannot be told from the taxel in a sentence; the taxel is meant far more often."""
     names = sorted((n for n in sessions if NUMBERED.search(n) and not NUMBERED.fullmatch(n)), key=len, reverse=True)
     return re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, names))})(?!\w)|{NUMBERED.pattern}") if names else NUMBERED
 
 
 def symptom_of_all(s: Symptom, taxels: list[int], sessions: Collection[str] = ()) -> Symptom:
-    """A symptom under the numbers that all taxels have; `sessions` are names that its words may hold."""
+    """A symptom in the numbering of all taxels; `sessions` are names that its words may contain."""
     bad = {(session, renamed(channel, taxels)): mask for (session, channel), mask in s.bad.items()}
     words = ("where", "channels", "parameters", "evidence", "alternatives", "apart")
     return replace(s, bad=bad, **{name: renamed(getattr(s, name), taxels, sessions) for name in words})
 
 
 def named_of_all(n: Named, taxels: list[int]) -> Named:
-    """A named cause under the numbers that all taxels have."""
+    """A named cause in the numbering of all taxels."""
     return replace(
         n, where=renamed(n.where, taxels), alternatives=tuple(replace(a, where=renamed(a.where, taxels)) for a in n.alternatives)
     )
 
 
 def model_of_few(model: Model, taxels: list[int]) -> Model:
-    """A given model of all taxels, for these alone."""
+    """A given model of all taxels, reduced to these."""
     place = {f"taxel_{i}": f"taxel_{k}" for k, i in enumerate(taxels)}
     kept = tuple(replace(e, where=place.get(e.where, e.where)) for e in model.effects if e.taxel is None or e.where in place)
     positions = tuple(model.positions[i] for i in taxels) if model.positions else ()
@@ -133,7 +138,7 @@ def model_of_few(model: Model, taxels: list[int]) -> Model:
 
 
 def model_of_all(model: Model, taxels: list[int], shares: dict[int, float], more: tuple[Effect, ...], layout: Layout | str) -> Model:
-    """The model of a few taxels with the `shares` of all others, and `more` effects."""
+    """The model of a few taxels extended by the `shares` of all others and by `more` effects."""
     every = {**shares, **dict(zip(taxels, model.shares, strict=True))}
     effects = tuple(_placed(replace(e, where=renamed(e.where, taxels)), layout) for e in model.effects)
     positions = tuple((float(x), float(y)) for x, y in layout.seen) if model.positions and isinstance(layout, Layout) else ()
@@ -148,7 +153,7 @@ def _placed(e: Effect, layout: Layout | str) -> Effect:
 
 
 def rest_of(c: Criticism, recordings: list, chosen: list[int], layout: Layout | str, split: Split, step: float, progress) -> Rest:
-    """Every taxel that is not `chosen`, asked for what is its own, group by group."""
+    """Search every taxel that is not `chosen` for causes of its own, group by group."""
     rest = [i for i in range(len(recordings[0].taxels)) if i not in chosen]
     groups = [list(map(int, g)) for g in np.array_split(rest, int(np.ceil(len(rest) / GROUP)))]
     parts = []
@@ -160,7 +165,7 @@ def rest_of(c: Criticism, recordings: list, chosen: list[int], layout: Layout | 
 
 
 def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | str, split: Split, step: float) -> Rest:
-    """The same of one group of taxels, given by the numbers that all taxels have."""
+    """The same for one group of taxels, given in the numbering of all taxels."""
     looked = inspect(recordings)
     own = [s for s in looked.symptoms if s.where.startswith("taxel_")]
     k1 = c.extended.model.dispersion.k1
@@ -186,14 +191,14 @@ def _group(c: Criticism, recordings: list, taxels: list[int], layout: Layout | s
 
 
 def _without_taxels(model: Model, count: int, places: list) -> Model:
-    """The model without what single taxels have, for `count` others at `places`."""
+    """The model without effects of single taxels, for `count` others at `places`."""
     seen = tuple((float(x), float(y)) for x, y in places)
     effects = tuple(replace(e, taxels=seen) if is_of_array(e) and hasattr(e, "taxels") else e for e in model.effects if e.taxel is None)
     return replace(model, shares=(1.0,) * count, effects=effects, positions=())
 
 
 def _shares(plain: Model, sessions: list[Session]) -> tuple[float, ...]:
-    """Shares by regression of what is measured on what a share of one would give."""
+    """Shares by regression of the measured readings on those simulated with a share of one."""
     one = [s.measured[s.taxel_rows] - residual(plain, s)[s.taxel_rows] for s in sessions]
     read = [s.measured[s.taxel_rows] for s in sessions]
     weight = [s.weight[s.taxel_rows] for s in sessions]
@@ -205,7 +210,7 @@ def _shares(plain: Model, sessions: list[Session]) -> tuple[float, ...]:
 def criticism_of_all(
     c: Criticism, rest: Rest, recordings: list, chosen: list[int], model: Model, symptoms: tuple, split: Split
 ) -> Criticism:
-    """The criticism with all taxels in its sessions and its model, as the analysis of the array asks for it."""
+    """The criticism with all taxels in its sessions and model, as the analysis of the array needs it."""
     own = {s.name: s for s in (*c.train, *c.held)}
     mended = [mended_depth(r, symptoms) for r in recordings]
     common = common_to(mended, depth_step(mended))
@@ -220,7 +225,8 @@ def criticism_of_all(
 
 
 def _of_all_taxels(few: Session, s: Session, chosen: list[int]) -> Session:
-    """What was found to be a session's own in the `chosen` taxels, laid out as that of all, `s`, would have it; shares are those of `s`."""
+    """What was found to be a session's own in the `chosen` taxels, in the channels of `s`, which has all taxels; shares are those of
+    `s`."""
     beyond, first = None, len(s.channels) - s.n_taxels
     if few.beyond is not None:
         beyond = np.zeros_like(s.raw)
@@ -230,8 +236,8 @@ def _of_all_taxels(few: Session, s: Session, chosen: list[int]) -> Session:
 
 
 def with_rest(findings: dict[str, Any], odd: tuple[Symptom, ...], rest: Rest, chosen: list[int], count: int) -> dict[str, Any]:
-    """findings.json of the joint search with what was found in the other taxels; of a cause that is named, what is in doubt elsewhere
-    stays."""
+    """findings.json of the joint search with what was found in the other taxels. What is in doubt at one place stays listed where the same
+    cause is named at another."""
     entries = [*(seen(s) for s in (*odd, *rest.symptoms)), *findings["findings"], *rest.entries]
     named = {(e["cause"], e["where"]) for e in entries}
     causes, told = {cause for cause, _ in named}, named | {(a["cause"], a["where"]) for e in entries for a in e["alternatives"]}

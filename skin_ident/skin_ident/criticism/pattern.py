@@ -1,7 +1,7 @@
-"""How what each session has of its own goes from session to session, in words: which sessions differ, and since when.
+"""The pattern of numbers over sessions, in words: which sessions differ, and since when.
 
-Numbers that lie on two levels step, if those on one of them are the last ones, or some of the sessions differ; numbers along a straight
-line rise or fall. Of the two that is said which leaves less of them. For the rest there is the range.
+Numbers on two levels are described as a step if one level is that of the last sessions, else as sessions that differ. Numbers along a
+straight line rise or fall. Of the two descriptions the one with the smaller residual is given. Without a pattern only the range is given.
 """
 
 import re
@@ -10,19 +10,19 @@ from typing import Any
 
 import numpy as np
 
-FEWEST = 4  # sessions that make a pattern
-APART, STEP = 8.0, 6.0  # standard deviations within two levels, by which these are apart, and where they follow one another
-OF_FEW = 6.0  # over the squared degrees of freedom: how much more is asked of few sessions
-STRAIGHT = 0.92  # of the variance, that a straight line explains where numbers rise steadily
-IN_ORDER = 0.9  # rank correlation of numbers that rise on the whole
-LISTED = 3  # sessions that are named one by one
-NEARLY_NONE = 0.15  # of what one session has, up to which the others have nothing
-RANGE = "between"  # what begins the words for numbers without a pattern
+FEWEST = 4  # sessions needed for a pattern
+APART, STEP = 8.0, 6.0  # distance of two levels in standard deviations within them, in any order, and as one step in time
+OF_FEW = 6.0  # over the squared degrees of freedom: relative increase of that distance for few sessions
+STRAIGHT = 0.92  # share of the variance that a straight line explains if numbers rise steadily
+IN_ORDER = 0.9  # rank correlation with time of numbers that rise on the whole
+LISTED = 3  # up to so many sessions are listed by name
+NEARLY_NONE = 0.15  # of one session's number, up to which the others count as zero
+RANGE = "between"  # first word for numbers without a pattern
 SIZES = {"1": ("{:+.1f} %", 1e2), "s": ("{:+.2f} ms", 1e3), "m": ("{:+.1f} µm", 1e6), "N": ("{:+.3g} N", 1.0)}
 
 
 def in_order(names: Collection[str]) -> list[str]:
-    """Names of sessions as they follow one another: by the numbers in them, where every one has some, or else as they are given."""
+    """Names of sessions in order: by the numbers in them, if each has one, else as given."""
     return sorted(names, key=_natural) if all(re.search(r"\d", n) for n in names) else list(names)
 
 
@@ -31,14 +31,14 @@ def _natural(name: str) -> list:
 
 
 def shown(names: Collection[str]) -> dict[str, str]:
-    """By name of a session, how it is said: without the ending of a file that all of them share."""
+    """How each session's name is shown: without a file extension that all share."""
     endings = {m[0] if (m := re.search(r"\.[a-z]\w{0,4}$", n)) else "" for n in names}
     ending = endings.pop() if len(endings) == 1 else ""
     return {n: n.removesuffix(ending) for n in names}
 
 
 def when(some: Collection[str], every: Collection[str]) -> str:
-    """In which of `every` session it is so: `from day18 on`, `until day09`, `in day13 alone`, `in 5 of 8 sessions`."""
+    """In which of `every` session something holds: `from day18 on`, `until day09`, `in day13 alone`, `in 5 of 8 sessions`."""
     order, said = in_order(every), shown(every)
     has = [n in some for n in order]
     at = [i for i, h in enumerate(has) if h]
@@ -60,7 +60,7 @@ def when(some: Collection[str], every: Collection[str]) -> str:
 
 
 def in_sessions(some: Collection[str], every: Collection[str]) -> dict[str, Any]:
-    """The same as evidence of a finding: `only_in`, `not_in` and `pattern`; {} where it is so in every session."""
+    """The same as evidence of a finding: `only_in`, `not_in` and `pattern`; {} where it holds in every session, or in none."""
     free = [n for n in every if n not in some]
     has = [n for n in every if n in some]
     return {"only_in": has, "not_in": free, "pattern": when(some, every)} if has and free else {}
@@ -72,7 +72,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def pattern(values: Mapping[str, float], unit: str) -> str:
-    """How numbers of sessions (by name, in the SI `unit`) go, as words that follow a noun; empty where they have no pattern or are few."""
+    """The pattern of numbers by session (in the SI `unit`), as words that follow a noun; "" where there is none or sessions are few."""
     order, said = in_order(values), shown(values)
     y = np.array([values[n] for n in order])
     if len(y) < FEWEST or np.ptp(y) == 0.0:
@@ -102,7 +102,7 @@ def size(value: float, unit: str) -> str:
 
 
 def _upper_level(y: np.ndarray) -> np.ndarray | None:
-    """Which of the numbers are on the upper of two levels; None where they are not on two."""
+    """Mask of the numbers on the upper of two levels; None where there are not two clear levels."""
     cuts = [y > level for level in np.sort(y)[:-1] if (y > level).any()]
     best = min(cuts, key=lambda upper: _left(y, upper))
     free = len(y) - 2
@@ -112,12 +112,12 @@ def _upper_level(y: np.ndarray) -> np.ndarray | None:
 
 
 def _left(y: np.ndarray, upper: np.ndarray) -> float:
-    """Squares that two levels leave."""
+    """Sum of squares within two levels."""
     return float(sum(np.sum((part - part.mean()) ** 2) for part in (y[upper], y[~upper])))
 
 
 def _on_two_levels(y: np.ndarray, upper: np.ndarray, order: list[str], unit: str) -> str:
-    """Numbers on two levels, by session in `order`, in words: a step, one odd session, or some that differ."""
+    """Numbers on two levels, by session in `order`, in words: a step, one odd session, or several that differ."""
     first = upper[0]
     changes = np.flatnonzero(upper[1:] != upper[:-1])
     before, after = y[upper == first], y[upper != first]

@@ -1,4 +1,4 @@
-"""The record's own faults, found before the search for causes and kept out of it."""
+"""Faults of the record, found before the search for causes and kept out of it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -33,17 +33,17 @@ from skin_ident.criticism.telemetry.units import find_unit_faults
 from skin_ident.stretches import runs
 from skin_models.model import Model
 
-TREND = 25  # samples of the running median that is taken for what a force really did
-SAME_RATE = 0.01  # relative; lines are looked for in sessions of one rate
-LOST = 0.5  # of all samples, in which a taxel must be dead to be given up
-HARMLESS = 3  # samples of depth that a straight line replaces to well within the band's noise
+TREND = 25  # samples of the running median that is taken for the true force
+SAME_RATE = 0.01  # relative difference of sampling periods, within which sessions are searched together for interference
+LOST = 0.5  # share of all samples in which a taxel must be dead to be given up
+HARMLESS = 3  # samples of depth that may be bridged by a straight line with an error well below the noise in the band
 
 
 @dataclass(frozen=True)
 class Inspected:
-    """Symptoms in the order of looking, and the sessions without the samples that they rule out.
+    """Symptoms in the order of inspection, and `sessions` without the samples that they rule out.
 
-    `whole` are the same sessions with clipped samples and silent taxels left in, for judging what a model that simulates these is worth.
+    `whole` are the same sessions with clipped samples and silent taxels left in, to judge the gain of a model that simulates these faults.
     """
 
     symptoms: tuple[Symptom, ...]
@@ -52,17 +52,17 @@ class Inspected:
 
     @property
     def dead(self) -> tuple[Symptom, ...]:
-        """Of the taxels that the search does without: those that are silent from the first sample on, and those that are given up."""
+        """Symptoms of the taxels that are left out of the search: silent from the first sample on, or given up."""
         return tuple(s for s in self.symptoms if s.cause == "dead_taxel" and s.channels[0] in self.sessions[0].stuck)
 
     @property
     def given_up(self) -> tuple[str, ...]:
-        """Taxels that lived, and that the search does without."""
+        """Taxels that lived for a while and are left out of the search."""
         return tuple(s.channels[0] for s in self.dead if s.bad)
 
     def carrying(self, beyond: list[np.ndarray], weights: list[np.ndarray]) -> "Inspected":
-        """The same with what each session's twin says beyond the model, (C, N), and where it says something (C, n). A channel that is stuck
-        says what it always says."""
+        """The same with what each session's twin contains beyond the model, (C, N), and with weight only where the twin has samples (C, n).
+        A stuck channel keeps its constant reading."""
 
         def all_of(sessions: list[Session]) -> list[Session]:
             answers = [np.array([c not in s.stuck for c in s.channels])[:, None] for s in sessions]
@@ -72,12 +72,12 @@ class Inspected:
         return replace(self, sessions=all_of(self.sessions), whole=all_of(self.whole))
 
     def weighed(self, heaviest: float) -> "Inspected":
-        """The same where the mass is fitted, too."""
+        """The same with the mass as an unknown, up to `heaviest`, kg."""
         return replace(self, sessions=weighed(self.sessions, heaviest), whole=weighed(self.whole, heaviest))
 
 
 def inspect(recordings: list) -> Inspected:
-    """Look at the records themselves, then at what a first fit leaves at full rate."""
+    """Inspect the records themselves, then the residual of a first fit at full rate."""
     early = _in_the_records(recordings)
     copies = copies_among(early, recordings[0])
     mended = _spread_again([mended_depth(emptied(r, copies), early) for r in recordings], early)
@@ -97,7 +97,7 @@ def inspect(recordings: list) -> Inspected:
 
 
 def _in_the_records(recordings: list) -> list[Symptom]:
-    """What shows before any model. Steps of a channel in another unit are none of its converter."""
+    """Symptoms that show without any model. Converter steps of a channel in a wrong unit are not reported."""
     units, dead = find_unit_faults(recordings), find_dead_taxels(recordings)
     return [
         *find_clock_faults(recordings),
@@ -113,13 +113,14 @@ def _in_the_records(recordings: list) -> list[Symptom]:
 
 
 def _first_look(recordings: list, symptoms: list[Symptom], common: Common) -> tuple[list[Session], Model, list[np.ndarray]]:
-    """The sessions without what `symptoms` rule out, in their `common` band, a first model of them, and what it predicts (C, N), N."""
+    """The sessions without the samples that `symptoms` rule out, in their `common` band, a first model, and its prediction (C, N), N."""
     sessions = [prepare(r, bad_samples(r, symptoms), common) for r in recordings]
     return sessions, *_first_fit(sessions)
 
 
 def _without(symptoms: tuple[Symptom, ...], recordings: list, common: Common, copies: tuple[str, ...]) -> Inspected:
-    """The recordings as sessions without what `symptoms` rule out; `copies` are taxels that repeat another one, and are silent then."""
+    """The recordings as sessions without the samples that `symptoms` rule out. `copies` are taxels that repeat another one and count as
+    silent."""
     clipped = [s for s in symptoms if s.cause == "saturation"]
     whole = [prepare(r, bad_samples(r, [s for s in symptoms if s not in clipped]), common) for r in recordings]
     lost = _given_up(symptoms, recordings)
@@ -134,16 +135,17 @@ def _without(symptoms: tuple[Symptom, ...], recordings: list, common: Common, co
 
 
 def _given_up(symptoms: Sequence[Symptom], recordings: list) -> tuple[str, ...]:
-    """Taxels that are dead for so long that a search does without them: where one channel is not believed, none is, for their noise is one.
-    Not of arrays, whose ratios tell where sessions press."""
+    """Taxels that are dead for so long that the search leaves them out. If it did not, their dead samples would be lost in all channels,
+    since the noise model is joint. Not in sessions with a spread over places, which needs all taxels."""
     every = LOST * sum(map(len, recordings)) if recordings[0].spread is None else np.inf
     dead = (s for s in symptoms if s.cause == "dead_taxel" and s.bad)
     return tuple(s.channels[0] for s in dead if sum(map(np.count_nonzero, s.bad.values())) > every)
 
 
 def _between_levels(early: list[Symptom], late: list[Symptom]) -> tuple[list[Symptom], list[Symptom]]:
-    """Both, where outliers of a channel with uneven steps are taken for jumps from one level to the next, which are not believed either,
-    and what piles up at its topmost level for what would be read anywhere up to the next."""
+    """Early and late symptoms, corrected for channels with uneven converter steps. Their outliers are jumps from one level to the next;
+    these samples are not trusted either, but belong to the quantization. A pile-up at the topmost level is what is read up to the next
+    level, and no saturation."""
     uneven = in_uneven_steps(early)
     jumps = {s.channels[0]: s for s in late if s.cause == "outliers" and s.channels[0] in uneven}
     told = [replace(q, bad=jumps[q.channels[0]].bad) if is_uneven(q) and q.channels[0] in jumps else q for q in early]
@@ -155,18 +157,18 @@ def _spread_again(recordings: list, symptoms) -> list:
 
 
 def _stuck(symptoms) -> dict[str, float]:
-    """Taxels that are silent from the first sample on, and their readings, N."""
+    """Taxels that are silent from the first sample on, with their constant readings, N."""
     return {s.channels[0]: s.parameters["level"]["value"] for s in symptoms if s.cause == "dead_taxel" and not s.bad}
 
 
 def _in_the_drive(recordings: list) -> list[Symptom]:
-    """Spikes of the force that drives a test without depth, against its own running median, and a level at which it stands while a taxel
-    goes on: no simulation predicts it."""
+    """Faults of the force that drives a test without depth, since no simulation predicts it: spikes against its running median, and a level
+    at which it stays while a taxel goes on."""
     if recordings[0].depth is not None:
         return []
     forces = [r.force[None] for r in recordings]
     rest = [y - median_filter(y, (1, TREND)) for y in forces]
-    at_rest = [np.ones(len(r), bool) for r in recordings]  # a force that is held is no frozen one
+    at_rest = [np.ones(len(r), bool) for r in recordings]  # a force that is held constant is not frozen
     said = [Said(r.name, e, y, j, recording=r) for r, e, y, j in zip(recordings, rest, forces, at_rest, strict=True)]
     step = max(r.step("force") or 0.0 for r in recordings)
     spikes = find_outliers(("force",), said, recordings[0].dt, (step,))
@@ -176,8 +178,8 @@ def _in_the_drive(recordings: list) -> list[Symptom]:
 def _in_residuals(
     first: Model, predicted: list[np.ndarray], recordings: list, sessions: list[Session], known: list[Symptom], stepped: bool
 ) -> list[Symptom]:
-    """What shows in measured less `predicted` by the `first` fit, at full rate, beside what is `known`, where depth may be read in coarse
-    steps (`stepped`); outliers are taken out before the rest is looked for."""
+    """Symptoms in the residual of the `first` fit (measured less `predicted`) at full rate, beside what is `known`. Depth may be read in
+    coarse steps (`stepped`). Outliers are bridged before the rest is searched for."""
     wrong = [bad_samples(r, known) for r in recordings]
     raw = [np.where(b, m, s.raw) for s, m, b in zip(sessions, predicted, wrong, strict=True)]
     rest = [y - m for y, m in zip(raw, predicted, strict=True)]
@@ -200,12 +202,12 @@ def _in_residuals(
 
 
 def _beside(rows: list[np.ndarray], recordings: list, symptoms: list[Symptom]) -> list[np.ndarray]:
-    """Rows (C, N) of each recording, bridged where symptoms rule samples out."""
+    """Rows (C, N) of each recording, bridged over the samples that symptoms rule out."""
     return [with_lines(y, bad_samples(r, symptoms)) for y, r in zip(rows, recordings, strict=True)]
 
 
 def _first_fit(sessions: list[Session]) -> tuple[Model, list[np.ndarray]]:
-    """A first model, and what it says of every session (C, N), N, at full rate."""
+    """A first model and its simulation of every session (C, N), N, at full rate."""
     few = thinner(sessions)
     start = dispersion_start(few)
     first = fit(start, few, noise_of(start, few), 4).model
@@ -213,7 +215,7 @@ def _first_fit(sessions: list[Session]) -> tuple[Model, list[np.ndarray]]:
 
 
 def mended_depth(recording, symptoms: list[Symptom]):
-    """The recording with its depth bridged where the encoder was wrong, and its force where that drives the test."""
+    """The recording with its depth bridged where the encoder was wrong, and also its force where that drives the test."""
     for channel in ("depth", "force") if recording.depth is None else ("depth",):
         for mask in _masks(recording.name, channel, symptoms):
             recording = recording.with_channels({channel: with_lines(getattr(recording, channel)[None], mask[None])[0]})
@@ -225,7 +227,8 @@ def _masks(name: str, channel: str, symptoms) -> list[np.ndarray]:
 
 
 def bad_samples(recording, symptoms) -> np.ndarray:
-    """Mask (C, N) of what is not to be believed. Without a depth no channel can be compared, so long gaps of it count for all."""
+    """Mask (C, N) of samples that are not trusted. Where the depth is wrong for long, no channel can be compared, so that counts for all
+    channels."""
     channels = [c for c in recording.channels if c != "force" or recording.depth is not None]
     bad = np.zeros((len(channels), len(recording)), bool)
     for c, channel in enumerate(channels):

@@ -1,13 +1,13 @@
-"""Words for a person that carry their numbers for programs."""
+"""Text for a person that carries its numbers for programs."""
 
 from collections.abc import Iterable
 from typing import Any
 
 
 class Said(str):
-    """A text; `sizes` are its numbers: {"value", "unit"}, with "at_s" for what begins or is met at a moment, and `whole` is what they come
-    to in the end, where they add up. `under_way`: something changed after the session had begun. `crept`: it is another at the end than at
-    the beginning, and no moment is known at which it jumped."""
+    """A text. `sizes` are its numbers: {"value", "unit"}, with "at_s" for a value that begins or is reached at a moment. `whole` is their
+    sum where they add up. `under_way`: something changed after the session had begun. `crept`: the value differs between beginning and end,
+    and no moment of a jump is known."""
 
     sizes: tuple[dict[str, Any], ...] = ()
     under_way: bool = False
@@ -26,7 +26,8 @@ class Said(str):
         crept: bool = False,
         adds_up: bool = False,
     ) -> "Said":
-        """`values` in `unit` (SI), each at its moment, s, unless it is there all the time; `adds_up`: one comes on top of the other."""
+        """`values` in `unit` (SI), each at its moment, s, or without moments if constant throughout. `adds_up`: each is added to those
+        before it."""
         said = cls(words)
         sizes = [{"value": float(v), "unit": unit} for v in values]
         said.sizes = tuple(sizes if moments is None else ({**q, "at_s": float(m)} for q, m in zip(sizes, moments, strict=True)))

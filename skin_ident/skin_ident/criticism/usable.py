@@ -1,7 +1,7 @@
-"""What a diagnosis needs of its recordings: the same channels, a load that moves, a depth whose zero is the surface, and enough samples.
+"""What a diagnosis requires of its recordings: the same channels, a load that moves, a depth whose zero is the surface, and enough samples.
 
-What fails here would end in a name for nothing: a still plunger makes taxels look dead, a depth in the stage's own coordinates makes any
-skin look as if it flowed. Everything is refused in one sentence that says what to do.
+If one of these is missing, the diagnosis would name causes that are not there: a plunger at rest makes taxels look dead, a depth in the
+stage's own coordinates makes any skin seem to flow. Such recordings are refused with one sentence that says what to do.
 """
 
 from dataclasses import replace
@@ -18,19 +18,19 @@ from skin_ident.recordings.repeated import same
 from skin_models.model import Model
 from skin_models.words import counted
 
-IN_CONTACT = 0.05  # of the samples, at least
-SHALLOW = 0.85  # of the greatest depth, to which the least one falls at most where the zero of the depth is the surface,
-VANISHED = 0.1  # if less than so much of the load is left there: a skin would need a force that grows with the 14th power of the depth
-DOUBTED, GONE = 0.3, 0.05  # the same, from which it is doubted
-SHALLOWEST, DEEPEST = 5.0, 95.0  # percentiles
-ABOUT, RUNS, STAYS = 0.02, 0.1, 0.05  # of the greatest depth or force: about zero, what runs, and what rests
-FEWEST = 40  # samples in the common band, of which the noise needs eight to be predicted from
-SELDOM = 5.0  # times the recording's period, between readings that come so seldom that it is said
-LONE_S = 10.0  # s, of a lone session, which is to be fitted and tested by turns
+IN_CONTACT = 0.05  # least share of the samples in contact
+SHALLOW = 0.85  # the depth is refused if it never falls below this share of its maximum,
+VANISHED = 0.1  # while the load there falls below this share: a skin would need a force that grows with the 14th power of the depth
+DOUBTED, GONE = 0.3, 0.05  # the same two shares for a warning only
+SHALLOWEST, DEEPEST = 5.0, 95.0  # percentiles that stand for minimum and maximum
+ABOUT, RUNS, STAYS = 0.02, 0.1, 0.05  # shares of the greatest depth or force: about zero, range of what moves, range of what rests
+FEWEST = 40  # samples in the common band, at least; the noise model predicts from the last eight
+SELDOM = 5.0  # period of a topic over that of the recording, above which the error message mentions it
+LONE_S = 10.0  # s, least length of a lone session, which is both fitted and held out by blocks
 
 
 def belong_together(recordings: list, model: Model | None = None) -> None:
-    """Raise `DiagnosisError` where sessions do not carry the same channels, or lack what a diagnosis needs."""
+    """Raise `DiagnosisError` where sessions do not have the same channels, or lack what a diagnosis needs."""
     kinds = {(r.kind, len(r.taxels), r.force is not None) for r in recordings}
     if len(kinds) > 1:
         said = "; ".join(f"{r.name}: {r.kind} with {counted(len(r.taxels), 'taxel')}" for r in recordings)
@@ -56,7 +56,7 @@ def belong_together(recordings: list, model: Model | None = None) -> None:
 
 
 def are_other_data(recordings: list, hold_out: list) -> None:
-    """Raise `DiagnosisError` where what is held out was fitted: it would be predicted, whatever the model."""
+    """Raise `DiagnosisError` where a held-out session was also fitted: it would be predicted by any model."""
     for kept in hold_out:
         twin = next((r.name for r in recordings if same(r, kept)), None)
         if twin is not None:
@@ -65,9 +65,10 @@ def are_other_data(recordings: list, hold_out: list) -> None:
 
 
 def in_sound_units(recordings: list, model: Model | None = None, twins: list | None = None) -> list:
-    """The recordings, with a warning where all taxels feel next to nothing. Raise `DiagnosisError` for sizes that only a wrong unit gives.
+    """The recordings, with a warning where all taxels feel next to nothing. Raises `DiagnosisError` for sizes that only a wrong unit gives.
 
-    Taxels in counts have no unit to be wrong. Where the given model, or a twin, is of such a size itself, somebody knows better.
+    Not for taxels in counts, which have no unit that could be wrong, nor if the given model, or a twin, is itself of such a size, since
+    then the size is intended.
     """
     known = (model is not None and _is_of_no_skin(model)) or any(impossible(twin) for twin in twins or ())
     asked = [i for i in range(len(recordings[0].taxels)) if in_newtons(recordings, i)]
@@ -83,7 +84,8 @@ def _is_of_no_skin(model: Model) -> bool:
 
 
 def enough_is_compared(train: list, held: list) -> None:
-    """Raise `DiagnosisError` where plunger and skin part, or meet with a jump, nearly all the time."""
+    """Raise `DiagnosisError` where plunger and skin part, or meet with a jump, nearly all the time, so that hardly any sample can be
+    compared."""
     for sessions in filter(None, (train, held)):
         if sum(np.count_nonzero(s.weight, axis=1) for s in sessions).max() < FEWEST:
             raise DiagnosisError(
@@ -93,7 +95,8 @@ def enough_is_compared(train: list, held: list) -> None:
 
 
 def something_moves(recordings: list) -> None:
-    """Raise `DiagnosisError` where what presses never moves in any of the recordings, or a load cell never answers it."""
+    """Raise `DiagnosisError` where depth or driving force is constant in all recordings, or where the load cell, or without one every
+    taxel, does not respond to the depth."""
     where = f"in {recordings[0].name}" if len(recordings) == 1 else f"in any of the {len(recordings)} sessions"
     what = "force" if recordings[0].depth is None else "depth"
     if all(is_still(r.force if r.depth is None else r.depth) for r in recordings):
@@ -113,7 +116,7 @@ def _counts_seconds(r) -> None:
 
 
 def _says_what_is_what(r) -> None:
-    """Without a load cell, columns in volts with the names of a converter: one of them may be it."""
+    """Raise where, without a load cell, several columns in volts have names of converter channels: one of them may be the load cell."""
     volts = [n for n, unit in zip(r.taxel_names, r.taxel_units, strict=True) if unit == "V" and not n.startswith("taxel")]
     if r.force is None and len(volts) > 1:
         raise DiagnosisError(
@@ -123,7 +126,7 @@ def _says_what_is_what(r) -> None:
 
 
 def named_apart(recordings: list) -> list:
-    """Recordings whose names are all different, so that findings can speak of them."""
+    """The recordings with distinct names, so that findings can refer to them."""
     names = [r.name for r in recordings]
     while len(set(names)) < len(names):
         names = [name if names.count(name) == 1 else f"{name} ({i + 1})" for i, name in enumerate(names)]
@@ -131,7 +134,7 @@ def named_apart(recordings: list) -> list:
 
 
 def doubted(r):
-    """The recording, with a warning where the load is gone at a third of the greatest depth or deeper: its zero may be off."""
+    """The recording, with a warning if the load is already gone at a third of the greatest depth: the zero of the depth may be wrong."""
     if r.depth is None:
         return r
     least, most = np.percentile(r.depth, [SHALLOWEST, DEEPEST])
@@ -142,7 +145,7 @@ def doubted(r):
 
 
 def _has_both_sides(r) -> None:
-    """Something that presses, and something that answers."""
+    """Raise where either what presses (depth, force) or what responds is missing."""
     if r.force is None and r.depth is None:
         raise DiagnosisError(f"{r.name} has taxels alone: what pressed on them, depth or force, is needed too")
     if not len(r.taxels) and (r.force is None or r.depth is None):
@@ -153,7 +156,7 @@ def _has_both_sides(r) -> None:
 
 
 def _is_long_enough(r, slowest: float) -> None:
-    """Enough samples for noise to be told, in the band that the slowest topic (a reading every so many s) leaves."""
+    """Raise where the samples are too few to estimate the noise in the common band; `slowest` is the period of the slowest topic, s."""
     band = Band(r.dt, slowest=slowest)
     kept = (len(r) - band.kernel.size) // band.every + 1
     if kept < FEWEST:
@@ -170,7 +173,7 @@ def _touches(r) -> None:
 
 
 def _has_its_zero_at_the_surface(r) -> None:
-    """A depth that never leaves the skin, deeper than that is thick, or where the load is gone though the depth has hardly fallen."""
+    """Raise where the depth nearly always exceeds the skin's thickness, or hardly falls while the load vanishes."""
     if r.depth is None or is_still(r.depth):
         return
     least, most = np.percentile(r.depth, [SHALLOWEST, DEEPEST])
@@ -186,7 +189,8 @@ def _has_its_zero_at_the_surface(r) -> None:
 
 
 def _are_not_exchanged(r) -> None:
-    """A depth that rests at zero while the force runs below it: in the air a plunger moves, and a load cell reads nothing."""
+    """Raise where the depth rests at zero while the force runs below zero: in the air the plunger moves and the load cell reads nothing, so
+    the columns may be exchanged."""
     if r.depth is None or r.force is None:
         return
     deep, strong = (float(np.percentile(y, DEEPEST)) for y in (r.depth, r.force))
@@ -202,7 +206,7 @@ def _are_not_exchanged(r) -> None:
 
 
 def _left(r, least: float, most: float) -> float:
-    """What is left of the load where the depth is least, as a share of that where it is greatest."""
+    """The load at the least depth over that at the greatest."""
     y = r.force if r.force is not None else np.sum(r.taxels, axis=0)
     light, heavy = (abs(float(np.median(y[at]))) for at in (r.depth <= least, r.depth >= most))
     return light / heavy if heavy > 0.0 else 1.0

@@ -1,29 +1,30 @@
-"""The words of a finding: what each cause and place is called, what a cause means, what to do about it, and which experiment would show it.
+"""The vocabulary of findings: the name of each cause and place, what a cause means, what to do about it, and which experiment would show
+it.
 
-The names and their meaning are fixed: reports, tests and other people's tools rely on them.
+Names and meanings are fixed: reports, tests and other people's tools rely on them.
 """
 
 from dataclasses import dataclass
 
 Key = tuple[str, str]  # a cause and its place
 SWALLOWS = "dead_zone"
-SENSORS = ("load_cell", "taxel")  # with which their places begin
+SENSORS = ("load_cell", "taxel")  # beginnings of the places of sensors
 
-# Those that rules of physics speak of.
+# Causes that rules of physics refer to.
 PARAMETERS, DAMPING, STIFFER = ("parameters", "skin"), ("rate_dependence", "skin"), ("nonlinear_stiffness", "skin")
 HYSTERESIS, RELAXATION, ADHESION = ("hysteresis", "skin"), ("stress_relaxation", "skin"), ("adhesion", "skin")
 OFFSET, LATE_DEPTH, LEAKS = ("position_offset", "rig"), ("time_shift", "clock_depth"), ("crosstalk", "taxel")
 LOOP_OF_LOAD_CELL, CREEP_OF_LOAD_CELL = ("hysteresis", "load_cell"), ("drift", "load_cell")
 
-# Kinds of `data_error` that are asked for again.
-EXCHANGED, SWAPPED = "exchanged columns", "swapped columns"  # for a while or by the declared places of taxels, and in whole sessions
-UNIT_FACTOR, UNIT_CHANGE = "unit factor", "unit change"  # throughout a session, and from some moment on
+# Kinds of `data_error` that other code refers to.
+EXCHANGED, SWAPPED = "exchanged columns", "swapped columns"  # for a while, or by taxel positions; in whole sessions
+UNIT_FACTOR, UNIT_CHANGE = "unit factor", "unit change"  # throughout a session; from some moment on
 
 
 @dataclass(frozen=True)
 class Cause:
-    """`means` completes "the simulation lacks …"; `act` is the advice; `needs` the experiment that excites it. `instead` is
-    what can be done where the extended model does not do it: by default the whole advice, which then speaks of no model."""
+    """`means` completes "the simulation lacks …"; `act` is the advice; `needs` is the experiment that excites the cause. `instead` is the
+    part of the advice that holds if the extended model does not simulate the cause; "" if all of `act` does."""
 
     name: str
     means: str
@@ -33,14 +34,14 @@ class Cause:
 
 
 def verdict_of(anything: bool, systematic: bool) -> str:
-    """The verdict where `anything` was found, and where something `systematic` is left."""
+    """The verdict, from whether `anything` was found and whether something `systematic` is left."""
     if anything:
         return "partly_explained" if systematic else "explained"
     return "unexplained" if systematic else "nothing_wrong"
 
 
 def revised(verdict: str, anything: bool, more: bool = False) -> str:
-    """A verdict once more, now that it is known whether `anything` is found, and where `more` is left than was known of."""
+    """A verdict updated: whether `anything` is found in the end, and whether `more` is left than the verdict knew."""
     return verdict_of(anything, more or verdict in ("partly_explained", "unexplained"))
 
 
@@ -209,22 +210,22 @@ PLACES = {
 
 
 def word_of(where: str) -> str:
-    """The word that findings.json has for a place of the catalogue: every clock is `clock`."""
+    """The word for a place in findings.json: every clock is `clock`."""
     return "clock" if where.startswith("clock") else where
 
 
 def where_and_clock(where: str) -> dict[str, str]:
-    """That word, as `where`; which clock it is, where it is not the load cell's, in `channel_clock`."""
+    """That word as `where`, and for a clock other than the load cell's which one it is, as `channel_clock`."""
     return {"where": word_of(where)} | ({} if word_of(where) == where else {"channel_clock": where.partition("_")[2]})
 
 
 def spoken(name: str) -> str:
-    """A name of code as words: `stress_relaxation` becomes `stress relaxation`."""
+    """An identifier as words: `stress_relaxation` becomes `stress relaxation`."""
     return str(name).replace("_", " ").strip()
 
 
 def place(where: str) -> str:
-    """Where something sits: `taxel_3` becomes `taxel 3`."""
+    """A place in words: `taxel_3` becomes `taxel 3`."""
     head, _, index = str(where).partition("_")
     if head == "taxel" and index.isdigit():
         return f"taxel {index}"
@@ -232,7 +233,7 @@ def place(where: str) -> str:
 
 
 def place_of(cause: str, where: str) -> str:
-    """Where a cause sits: the clock of a time shift that is no other channel's is that of the load cell."""
+    """The place of a cause in words: a time shift of `clock` alone is that of the load cell's clock."""
     return "the clock of the load cell" if (cause, where) == ("time_shift", "clock") else place(where)
 
 
