@@ -78,7 +78,8 @@ def tare_of_drive(sessions: list[Session]) -> Tare:
 
 def drive_rests(s: Session) -> np.ndarray:
     """Mask (N,) of the samples at which the driving force is next to nothing."""
-    return np.abs(s.drive) < RESTING * s.drive.max()
+    size = np.abs(s.drive)
+    return size < RESTING * size.max()
 
 
 def _averages_at_rest(s: Session) -> np.ndarray:

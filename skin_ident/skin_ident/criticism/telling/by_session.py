@@ -126,8 +126,9 @@ def _alone(model: Model, s: Session, noise: Whitener) -> _Alone:
     """The numbers that a session determines by itself, from the channels that are trusted."""
     strongest = f"taxel_{int(np.argmax(placed(model, s).shares))}" if model.shares else ""
     heard = _heard(s)
-    fitted = _fitted(model, s, noise, those_told(unknowns(model, s), model, lambda u: _told(u, heard, strongest)), heard)
     pressing = ["force"] if "force" in heard or s.drive is not None else []
+    known = {*pressing, *heard}
+    fitted = _fitted(model, s, noise, those_told(unknowns(model, s), model, lambda u: _is_determined(u, known, strongest)), heard)
     told = [*pressing, *(channel for channel in (strongest,) if channel in heard)]
 
     def number(of: Callable[[Model, str], float], channel: str) -> Number:
@@ -150,13 +151,13 @@ def _heard(s: Session) -> list[str]:
     return [c for c, w in zip(s.channels, s.weight, strict=True) if np.mean(w > 0.0) > MOST and c not in s.stuck]
 
 
-def _told(u: Unknown, heard: list[str], strongest: str) -> bool:
-    """Whether the channels `heard` determine an unknown of the plain model. Without the taxel whose share is 1, the shares are held, and
-    the other taxels determine the sensed branch (k1, b1)."""
+def _is_determined(u: Unknown, known: set[str], strongest: str) -> bool:
+    """Whether the channels that are `known` determine an unknown of the plain model: taxels the sensed branch (k1, b1), the force the
+    dispersed one (k2, b2), and a taxel its share beside that of the `strongest`, which is 1; without this one the shares are held."""
     if u.part == "shares":
-        return strongest in heard and f"taxel_{u.parameter.name}" in heard
-    sensed = u.label in ("b1", "k1") and any(channel != "force" for channel in heard)
-    return u.part == "dispersion" and (sensed or u.label in ("b2", "k2"))
+        return {strongest, f"taxel_{u.parameter.name}"} <= known
+    taxels, force = known - {"force"}, known & {"force"}
+    return u.part == "dispersion" and bool({"b1": taxels, "k1": taxels, "b2": force, "k2": force}.get(u.label))
 
 
 def force_over(model: Model, channel: str) -> float:
