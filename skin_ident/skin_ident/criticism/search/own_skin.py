@@ -35,6 +35,7 @@ from skin_models.model import Model
 FARTHEST = 0.1  # largest relative deviation of any parameter: what changes by more has a cause
 AHEAD = 1.1  # times the score of a course that skin parameters must explain to go before it
 NEARLY = 0.85  # share of that score which is enough where the course may as well be such parameters
+MOSTLY = 0.75  # share of a gain's or zero's score from which it is constant in every session but for details
 MUCH = 0.5  # share of what skin parameters explain, above which a gain or a zero of depth is reported as in doubt
 PATTERN = 4  # sessions from which on a gain that steps looks different from skin that strays
 NATURAL = 0.045  # relative deviation of a stiffness that may occur where specimens differ by a hundredth; a larger one is named
@@ -57,7 +58,15 @@ def take_own_skin(search: Search, explained: float, best: float, runs: list[Run]
     goes from session to session beside other channels; with few sessions or a lone channel it does not. There, a gain that strays no
     farther than skin does is left to the skin, if the skin explains nearly as much. So is a zero of depth anywhere. That it may be one of
     these is noted."""
-    worth = max((r.score * (NEARLY if _may_be_skin(search, r) else AHEAD) for r in runs), default=0.0)
+    whole = {r.course.key: r.score for r in runs if r.course.shape == CONSTANT}
+
+    def worth_of(r: Run) -> float:
+        if not _may_be_skin(search, r):
+            return AHEAD * r.score
+        constant = whole.get(r.course.key, 0.0)  # further steps within sessions are looked for once the skin is another in each
+        return NEARLY * (constant if constant > MOSTLY * r.score else r.score)
+
+    worth = max(map(worth_of, runs), default=0.0)
     if explained <= max(LEAST, reach(best), worth):
         return False
     others = [r for r in runs if r.course.carrier in (SLOPE, DEPTH) and r.score > MUCH * explained]
@@ -75,10 +84,18 @@ def too_few_for_a_pattern(sessions: list[Session]) -> bool:
 def _may_be_skin(search: Search, run: Run) -> bool:
     """Whether a run may as well be skin: a zero of depth, which another slope makes up for; or, where nothing tells a gain from skin, a
     gain that differs between sessions by no more than skin does, from the mean or from one to the next."""
-    if run.course.carrier == DEPTH:
-        return True
-    alike = too_few_for_a_pattern(search.train) or search.train[0].channels == ("force",)
-    return alike and run.course.carrier == SLOPE and run.largest < (NATURAL / 2.0 if run.course.shape == CONSTANT else NATURAL)
+    alike = too_few_for_a_pattern(search.train) or _is_lone(search.train[0])
+    farthest = NATURAL / 2.0 if run.course.shape == CONSTANT else NATURAL
+    return run.course.carrier == DEPTH or (alike and _strays_as_skin(run, farthest))
+
+
+def _is_lone(s: Session) -> bool:
+    """Whether the load cell stands alone: no other channel shows whether its gain is off, or the skin is another."""
+    return s.channels == ("force",)
+
+
+def _strays_as_skin(run: Run, farthest: float) -> bool:
+    return run.course.carrier == SLOPE and run.largest < farthest
 
 
 def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> bool:
@@ -94,8 +111,9 @@ def take_own_skin_of_held(search: Search, of_train: float, runs: list[Run]) -> b
         cost_of(search.present.model, sessions, search.noise)
         for sessions in (search.held, with_own_skin, *(added(search.held, r.values) for r in best))
     )
-    zeros = all(r.course.carrier == DEPTH for r in best)
-    ahead = 1.0 if zeros else AHEAD  # such a zero may be a skin that strays; a gain of held-out sessions alone can be told from one
+    zeros = all(r.course.carrier == DEPTH for r in best)  # such a zero may be a skin that strays
+    gains = _is_lone(search.held[0]) and all(_strays_as_skin(r, NATURAL) for r in best)
+    ahead = 1.0 if zeros else NEARLY if gains else AHEAD
     # Less the charge, because the moments of a course were searched for.
     worth = max((now - cost - r.charge for cost, r in zip(by_course, best, strict=True)), default=0.0)
     return now - by_skin > ahead * worth and take_own_skin(search, explained, 0.0, [])
