@@ -1,11 +1,12 @@
-"""Whether several scans agree in size: a taxel whose gain changed between them, or another stiffness.
+"""Whether several scans agree in size; if not, the taxel's gain changed between them, or the skin's stiffness did.
 
-Every scan has a stiffness of its own in the model, so that scans of different samples can be fitted together; nothing would then be said of
-one taxel that reads 5 % more in the second scan. A static scan cannot tell its gain from the skin's stiffness, but one taxel under one skin
-has one of each: `gain_error` is named, with the stiffness for a rival, where one rig.yaml describes the scans and they differ by more than
-such a taxel repeats. Taxels whose slopes were taken again repeat to 0.3 % to 4.6 % (thesis Table 3-1: one day, several days), to 2.5 % of
-full scale by their maker (thesis 3.3.1), and samples differ by 10 % (thesis Table 4-4): where nothing says that the scans are of one
-skin, a difference is a warning.
+The model fits a stiffness to every scan, so that scans of different samples can be fitted together. A taxel that reads 5 % more in the
+second scan would therefore go unnoticed. A static scan cannot tell the taxel's gain from the skin's stiffness, but one taxel under one skin
+has one of each. So where one rig.yaml describes the scans and they differ by more than a taxel's repeatability, `gain_error` is named,
+with the stiffness as its rival. Where nothing says that the scans are of one skin, a difference is only a warning.
+
+Repeatability: slopes of taxels measured again agree to 0.3 % to 4.6 % (thesis Table 3-1: within a day, over several days), their maker
+states 2.5 % of full scale (thesis 3.3.1). Samples differ by 10 % (thesis Table 4-4).
 """
 
 from dataclasses import dataclass, replace
@@ -23,11 +24,11 @@ from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 
-CLEAR = 4.0  # standard errors
-REPEATS = 0.025  # relative, to which a taxel of the thesis repeats
-FEWEST_DEPTHS = 3  # that scans have in common
-STEPS = 3  # of Gauss and Newton: a reading is hardly bent over its force
-ZEROS = ("shift", "offset")  # which each scan finds anew
+CLEAR = 4.0  # standard errors by which two sizes must differ
+REPEATS = 0.025  # relative repeatability of a taxel in the thesis; smaller differences are not reported
+FEWEST_DEPTHS = 3  # different depths that a scan needs to tell its size from its zeros
+STEPS = 3  # Gauss-Newton iterations; few suffice because a reading is nearly linear in the force
+ZEROS = ("shift", "offset")  # parameters fitted to each scan separately
 CHANGED = "the gain of the taxel changed in between, or the stiffness of the skin did (another sample, place or day)"
 
 
@@ -45,7 +46,7 @@ class Sizes:
 
 
 def between_scans(looked: Looked, found: Search, scans: list[SpreadScan], held: list[SpreadScan], cells: Cells | None) -> Looked:
-    """`looked` with a fault or a warning more where scans, those held out (`cells`) included, differ in size."""
+    """`looked` with one more fault or warning where scans differ in size. Held-out scans, whose cells are `cells`, are compared too."""
     m = found.extended.member
     if len(scans) + len(held) < 2 or not found.baseline.member.k_free or np.any(m.k <= 0.0):
         return looked
@@ -66,7 +67,7 @@ def between_scans(looked: Looked, found: Search, scans: list[SpreadScan], held: 
 
 
 def _believed(scans: list[SpreadScan], cells: Cells | None) -> list[tuple[SpreadScan, Cells]]:
-    """Each scan with its cells, those without any left out."""
+    """Each scan with its trusted cells; scans without any are left out."""
     parts = [] if cells is None else [(s, cells.only(cells.scan == i)) for i, s in enumerate(scans)]
     return [(s, part) for s, part in parts if len(part)]
 
@@ -77,13 +78,13 @@ def _told(first: str, name: str, more: float, std: float) -> str:
 
 
 def sizes_of(parts: list[Cells], m: Member, noise: Noise) -> Sizes:
-    """The size of every scan by generalised least squares, with zeros of depth and force of its own, all else as in `m`."""
+    """The size of every scan by generalised least squares. Each scan gets its own zeros of depth and force; all else is as in `m`."""
     found = [_size(part, m, noise) for part in parts]
     return Sizes(np.array([k for k, _ in found]), np.array([std for _, std in found]))
 
 
 def _size(cells: Cells, m: Member, noise: Noise) -> tuple[float, float]:
-    """Size and standard error for the cells of one scan; infinite where too few depths tell a size from a zero."""
+    """Size and standard error for the cells of one scan. The error is infinite where too few depths tell a size from a zero."""
     alone = replace(cells, scan=np.zeros(len(cells), int))
     own, covariance = Member(m.values, np.array([float(np.mean(m.k))]), m.free, m.scale, m.steps), np.zeros((3, 3))
     for _ in range(STEPS):
@@ -99,6 +100,6 @@ def _size(cells: Cells, m: Member, noise: Noise) -> tuple[float, float]:
 
 
 def same_skin(declared: list[Declared]) -> bool:
-    """Whether one rig.yaml describes all: the same content, and no other place for any of them."""
+    """Whether one rig.yaml describes all scans: there is one, and its content (the place included) is the same for all."""
     bare = [replace(d, warnings=()) for d in declared]
     return bare[0] != Declared() and all(d == bare[0] for d in bare)

@@ -1,4 +1,4 @@
-"""What may be wrong in a static scan, and by which parameters of the family."""
+"""What may be wrong in a static scan, and which parameters of the family describe it."""
 
 from dataclasses import dataclass, replace
 
@@ -7,13 +7,13 @@ import numpy as np
 from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Member
 
-FEWEST_DISTANCES, FEWEST_DEPTHS = 6, 4  # that tell the shape of a spread, and the law of a skin
+FEWEST_DISTANCES, FEWEST_DEPTHS = 6, 4  # needed to test the shape of a spread, and a skin's force over depth
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """One cause in one form. `starts` are first values of its parameters as factors of an ordinary size (see `family.sizes`), added to
-    the value that removes it; `bends` says what it acts on: spread, level or reading."""
+    """One cause in one form. `starts` are initial values of its parameters, relative to their neutral value (the one that removes the
+    cause), in units of a typical magnitude (see `family.sizes`); `bends` says what it acts on: spread, level or reading."""
 
     cause: str
     where: str
@@ -49,7 +49,7 @@ CANDIDATES = (
 
 @dataclass(frozen=True)
 class Excited:
-    """What the scans can speak about at all."""
+    """What the scans excite, and what they can be compared with; this decides which causes they can test."""
 
     depths: int
     distances: int
@@ -76,7 +76,7 @@ class Excited:
 
 
 def excited(cells: Cells, given_width: bool, given_level: bool) -> Excited:
-    """What these cells can speak about."""
+    """What these cells excite. `given_width` and `given_level` say whether there is a width and a level to compare with."""
     distances = max(np.unique(np.round(np.abs(cells.r[cells.scan == s]), 9)).size for s in cells.scans)
     depths = np.unique(np.round(cells.z, 9)).size
     reach = np.abs(cells.r).max()
@@ -85,12 +85,13 @@ def excited(cells: Cells, given_width: bool, given_level: bool) -> Excited:
 
 
 def excited_beside(cells: Cells, start: Member) -> Excited:
-    """The same where a search sets out from `start`: what is not free in it was given."""
+    """The same for a search that begins at `start`: a parameter that is not free there was given."""
     return excited(cells, "width" not in start.free, not start.k_free)
 
 
 def able(x: Excited) -> tuple[Candidate, ...]:
-    """The candidates that these scans can tell about. Another shape brings its own width: that of a given model means nothing for it."""
+    """The candidates that these scans can test. A candidate of another shape frees the width too: a given width belongs to the given shape
+    and means nothing for another."""
     told = (c for c in CANDIDATES if not x.why_not(c.cause) and not _too_free(c, x))
     return tuple(_with_width(c) if x.given_width and c.cause == "spread_shape" else c for c in told)
 
@@ -104,7 +105,7 @@ def _too_free(c: Candidate, x: Excited) -> bool:
 
 
 def rich(x: Excited) -> tuple[str, ...]:
-    """Every direction of the family that these scans excite, for the noise."""
+    """Names of all parameters that these scans excite: the richest member, from whose residual the noise is estimated."""
     names = ["width", "offset"]
     names += ["bend2", "bend3"] if x.distances >= FEWEST_DISTANCES else []
     names += ["bend4"] if x.distances >= FEWEST_DISTANCES + 3 else []
@@ -116,7 +117,7 @@ def rich(x: Excited) -> tuple[str, ...]:
 
 
 def starts(c: Candidate, m: Member) -> list[Member]:
-    """Members from which the fit of a candidate sets out, its parameters free."""
+    """Initial members for the fit of a candidate, with its parameters free."""
     neutral = m.freeing(*c.names)
     if not c.starts:
         return [neutral]
@@ -124,6 +125,6 @@ def starts(c: Candidate, m: Member) -> list[Member]:
 
 
 def _start(m: Member, name: str, factor: float) -> float:
-    if name == "ceiling":  # the size that removes it is infinite: it comes down from the largest reading
+    if name == "ceiling":  # its neutral value is infinite, so the start is below the largest reading instead
         return max(m.steps["largest"] - factor * m.steps[name], 0.1 * m.steps["largest"])
     return m.values[name] + factor * m.steps[name]

@@ -6,15 +6,15 @@ import numpy as np
 
 from skin_ident.spread_scan import SpreadScan
 
-ALONG = {"x": 0.5, "y": -0.5, "": 0.0}  # how a direction enters the logarithm of the width
+ALONG = {"x": 0.5, "y": -0.5, "": 0.0}  # factor of the parameter `ratio` in the logarithm of the width, by direction of the scan
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """N measurements. Rows (one depth of one scan), columns (one distance of one scan) and scans count through all scans.
+    """N measurements. `row` (one depth of one scan) and `column` (one distance of one scan) are numbered through all scans.
 
     y, z, r (N,)  force N, depth m, signed distance m      along (N,)  +1/2 in x, -1/2 in y, 0 unknown
-    order (N,)    place of the row within its scan, 0 first to 1 last
+    order (N,)    position of the row in its scan, from 0 (first) to 1 (last)
     """
 
     y: np.ndarray
@@ -49,7 +49,7 @@ class Cells:
 
 
 def cells_of(scans: list[SpreadScan], directions: list[str], keep: list[np.ndarray] | None = None) -> Cells:
-    """The finite cells of `scans`; `keep` holds a mask (D, R) per scan of cells to believe."""
+    """The finite cells of `scans`; `keep` holds a mask (D, R) of trusted cells per scan, default all."""
     parts, rows, columns = [], 0, 0
     for i, scan in enumerate(scans):
         D, R = scan.force.shape
@@ -63,7 +63,7 @@ def cells_of(scans: list[SpreadScan], directions: list[str], keep: list[np.ndarr
 
 
 def as_tables(values: np.ndarray, cells: Cells, scans: list[SpreadScan]) -> list[np.ndarray]:
-    """Values (N,) of `cells` back in the tables (D, R) of their scans; NaN where there is no cell."""
+    """Values (N,) of `cells` arranged in the tables (D, R) of their scans; NaN where there is no cell."""
     tables = [np.full(s.force.shape, np.nan) for s in scans]
     rows = np.cumsum([0, *(s.depth.size for s in scans)])
     columns = np.cumsum([0, *(s.distance.size for s in scans)])

@@ -1,7 +1,8 @@
-"""Whether scans that are fitted together contradict each other: scans of two skins have no spread in common.
+"""Whether scans that are fitted together contradict each other, as scans of two skins with different spreads do.
 
-What one model of all leaves is then taken for errors of placing, and looks like noise. But each scan by itself, beside the same directions,
-leaves far less; plungers that were placed badly, or readings that are noisy, leave as much of one scan as of all.
+The residual of the joint model is then taken for placing errors, and looks like noise. But each scan fitted by itself, with the same free
+parameters, leaves a far smaller residual. With a badly placed plunger or noisy readings, the residual of one scan is as large as that of
+all.
 """
 
 from dataclasses import replace
@@ -15,12 +16,12 @@ from skin_ident.criticism.scan.trials import Setting
 from skin_ident.criticism.scan.whitening import Noise
 from skin_ident.spread_scan import SpreadScan
 
-ALONE = 0.4  # of what all leave together, the most that every scan leaves by itself
-FEWEST = 2.0  # times as many cells as directions, for a scan to say what is noise in it
+ALONE = 0.4  # scans contradict each other where each alone has a noise of at most this share of the joint one
+FEWEST = 2.0  # cells per free parameter that a scan needs for an estimate of its own noise
 
 
 def contradiction(found: Search, s: Setting, scans: list[SpreadScan]) -> str:
-    """The warning that scans have no spread in common; empty where they have, or cannot tell by themselves."""
+    """The warning that scans have no spread in common; empty where they have, or where a scan has too few cells to be fitted alone."""
     numbers = s.cells.scans
     if numbers.size < 2 or any(np.count_nonzero(s.cells.scan == i) < FEWEST * (len(s.rich) + 1) for i in numbers):
         return ""
@@ -35,7 +36,7 @@ def contradiction(found: Search, s: Setting, scans: list[SpreadScan]) -> str:
 
 
 def _alone(m: Member, scan: int, s: Setting) -> float:
-    """The noise of one scan by itself, N rms, beside all directions in which the family can bend."""
+    """The noise of one scan by itself, N rms, with all excited parameters of the family projected out."""
     cells = s.cells.only(s.cells.scan == scan)
     own = Member(m.values, m.k[[scan]], m.free, m.scale, m.steps, m.k_free)
     return _size(estimate(own, replace(cells, scan=np.zeros(len(cells), int)), s.rich, s.floor).noise)

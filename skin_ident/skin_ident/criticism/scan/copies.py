@@ -4,7 +4,8 @@ Two cells with expected forces m1 and m2, noise sigma and resolution q are equal
 
     P = q / (2 sqrt(pi) sigma) exp(-(m1 - m2)^2 / (4 sigma^2)),  at most 1
 
-so a run of equal cells is worth sum of -log P. Coarse steps and weak forces make equal cells common; they are then worth nothing.
+so the evidence of a run of equal cells is the sum of -log P (nats). Coarse steps and weak forces make equal cells common, and such runs
+count for little.
 """
 
 from collections.abc import Iterator
@@ -19,16 +20,17 @@ from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.spread_scan import SpreadScan
 from skin_models.thesis.tables import scan as thesis_table
 
-DOUBT = np.log(1e4)  # a run must be this much rarer than the number of places it could stand in
-MOST = 0.85  # share of the readings whose last decimal counts: one row in other units has more
-SHORTEST = 4  # equal cells
-FEWEST_VALUES = 4  # different values that a row must have to be recognised in another table
+DOUBT = np.log(1e4)  # nats by which the evidence of a run must exceed the logarithm of the number of places it could stand in
+MOST = 0.85  # share of the readings that must fit the resolution; one row in another unit may have more decimals
+SHORTEST = 4  # equal cells in a row that count as a run
+FEWEST_VALUES = 4  # different values that a row must have to be recognised in the thesis's table
 REFERENCE = "thesis Table 4-10 (4 mm silicone)"
 
 
 @dataclass(frozen=True, eq=False)
 class _Line:
-    """One row (or column) of one scan: positions along it, forces, expected forces, and what it is."""
+    """One row (or column) of one scan: its number `group`, positions `at` along it, forces, expected forces, and its depth (or distance)
+    `place`, m."""
 
     scan: int
     group: int
@@ -49,7 +51,7 @@ def find_copies(cells: Cells, table: Rough, scans: list[SpreadScan], step: float
 
 
 def resolution(y: np.ndarray) -> float:
-    """The last decimal of most readings, N."""
+    """The unit of the last decimal that most readings have, N."""
     for decimals in range(7):
         if np.mean(np.abs(y * 10**decimals - np.round(y * 10**decimals)) < 1e-6) > MOST:
             return 10.0**-decimals
@@ -83,7 +85,7 @@ def _twins(lines: list[_Line], word: str, what: str, cells: Cells, table: Rough,
 
 
 def _run(a: _Line, b: _Line, q: float, sigma: float) -> tuple[float, int, int]:
-    """Worth, start and stop of the stretch of equal cells that is worth most."""
+    """Evidence (nats), start and stop of the run of equal cells with the most evidence."""
     chance = np.log(q / (2.0 * np.sqrt(np.pi) * sigma)) - ((a.expected - b.expected) / (2.0 * sigma)) ** 2
     worth = np.where(a.y == b.y, np.maximum(-chance, 0.0), -np.inf)
     best, total, start = (0.0, 0, 0), 0.0, 0
@@ -97,13 +99,14 @@ def _run(a: _Line, b: _Line, q: float, sigma: float) -> tuple[float, int, int]:
 
 
 def _blame(a: _Line, b: _Line, cut: slice, table: Rough) -> tuple[_Line, _Line]:
-    """The line that fits the rest of the table worse, and the other."""
+    """The line that fits the rest of the table worse (taken for the copy), and the other."""
     off = [float(np.sum(((line.y - line.expected)[cut] / np.hypot(table.sigma, 0.03 * line.expected[cut])) ** 2)) for line in (a, b)]
     return (a, b) if off[0] > off[1] else (b, a)
 
 
 def _from_thesis(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
-    """Rows that stand in the thesis's silicone scan at another depth or at other distances; the table itself is not meant."""
+    """Faults for rows that also occur in the thesis's silicone scan, but there at another depth or other distances. The thesis's own table,
+    where every row is at its place, is no fault."""
     depth, distance, force = thesis_table("4-10")
     for i, scan in enumerate(scans):
         first = int(sum(s.depth.size for s in scans[:i]))

@@ -1,4 +1,4 @@
-"""Noise against what rig.yaml declares."""
+"""Compares the noise of the readings with the noise that rig.yaml declares."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ LOUDER = 1.5  # times the declared noise
 
 
 def declared_noise(looked: Looked, found: Search, declared: Declared) -> Looked:
-    """`looked` with a fault more where the noise beside the converter's steps is well above the declared one."""
+    """`looked` with one more fault where the noise, the converter's steps subtracted, is more than LOUDER times the declared one."""
     said = declared.of_taxel("taxel_noise_n", 0)
     n = found.noise.noise
     own = float(np.sqrt(max(n.sigma**2 + np.mean((n.relative * n.through) ** 2) - looked.floor**2, 0.0)))

@@ -38,11 +38,11 @@ def diagnose_scans(
     model: Model | None = None,
     progress: Callable[[str], None] = lambda stage: None,
 ) -> Outcome:
-    """Criticise the thesis's spread model, or that of `model`, on static scans; `hold_out` are scans never used to fit.
+    """Criticise the thesis's spread model, or `model` where it is given, on static scans; `hold_out` are scans never used to fit.
 
-    The baseline is what the simulated skin does: force = k depth exp(-(r / c)^2), one stiffness per scan and one width for all: that of
-    `spread_width_mm` in rig.yaml, or the fitted one. Raises
-    `DiagnosisError` where pressing makes the readings negative.
+    The baseline is what the simulated skin does: force = k depth exp(-(r / c)^2), with one stiffness k per scan and one width c for all
+    scans. The width is `spread_width_mm` of rig.yaml where that is declared, else it is fitted. Raises `DiagnosisError` where there is
+    no scan, where pressing makes the readings negative, or where no reading of the held-out scans can be trusted.
     """
     if not scans:
         raise DiagnosisError("there is no scan to diagnose")
@@ -68,14 +68,15 @@ def diagnose_scans(
 
 
 def direction(scan: SpreadScan) -> str:
-    """x, y or empty: what the scan says, or a word of its file name (scan_x.csv)."""
+    """x, y or empty: the scan's declared direction, else the one in its file name (scan_x.csv)."""
     words = re.split(r"[^a-z0-9]+", scan.name.lower().rsplit(".", 1)[0])
     named = [w for w in words if w in ("x", "y")]
     return scan.direction or (named[0] if len(named) == 1 else "")
 
 
 def _held(held: list[SpreadScan], declared) -> Cells | None:
-    """The believable cells of held-out scans; their rows count among themselves, their sizes are found anew."""
+    """The trusted cells of held-out scans, None where there are none. Rows, columns and scans are numbered apart from those fitted; the
+    sizes are fitted again when these cells are predicted. Raises `DiagnosisError` where no cell can be trusted."""
     if not held:
         return None
     cells = look(held, [direction(s) for s in held], declared).cells
@@ -85,7 +86,7 @@ def _held(held: list[SpreadScan], declared) -> Cells | None:
 
 
 def _start(cells: Cells, model: Model | None, declared: Declared) -> Member:
-    """A given model says its own width; else that in rig.yaml is criticised, where there is one."""
+    """The baseline: a given model with its own width, else the thesis's model with the width of rig.yaml, else with a fitted width."""
     if model is not None:
         return given_start(cells, model)
     return declared_start(cells, 1e-3 * declared.spread_width_mm) if declared.spread_width_mm else plain_start(cells)
@@ -100,7 +101,7 @@ def _setting(looked: Looked, held: Cells | None, start: Member) -> Setting:
 def _outcome(content: dict, found: Search, scans: list[SpreadScan], model: Model | None) -> Outcome:
     before, after = found.baseline.member, found.extended.member
     model_after = model_of(after, model, NAME)
-    bent = model_after.dispersion.k1 != float(np.mean(after.k)) / after.scale.deepest  # one of several terms has no error of its own
+    bent = model_after.dispersion.k1 != float(np.mean(after.k)) / after.scale.deepest  # k1 is one of several terms: its error is unknown
     std = {} if bent or model else {k: v["std"] for k, v in parameters(found.extended).items() if k == "k1"}
     traces = tuple(trace(s, i, before, after) for i, s in enumerate(scans))
     ranked = tuple(Round(_ranked(trials), name) for trials, name in found.rounds)
@@ -108,7 +109,7 @@ def _outcome(content: dict, found: Search, scans: list[SpreadScan], model: Model
 
 
 def _ranked(trials: tuple[Trial, ...]) -> tuple[tuple[str, str, float], ...]:
-    """The best form of every cause, best first, as a round of the report."""
+    """(cause, where, fall of the cost) of the best form of every cause, best first, for a round of the report."""
     kept: dict[str, Trial] = {}
     for t in sorted(trials, key=lambda t: -t.fall):
         kept.setdefault(t.candidate.cause, t)
@@ -116,7 +117,7 @@ def _ranked(trials: tuple[Trial, ...]) -> tuple[tuple[str, str, float], ...]:
 
 
 def trace(scan: SpreadScan, number: int, before: Member, after: Member) -> ScanTrace:
-    """A scan as measured and as simulated, lost and faulty cells included."""
+    """A scan as measured, and as the baseline and the extended model predict it, lost and faulty cells included."""
     whole = SpreadScan(scan.depth, scan.distance, np.zeros(scan.force.shape), name=scan.name)
     cells = cells_of([whole], [direction(scan)])
     own = [m if number < m.k.size else _resized(m, scan, cells) for m in (before, after)]
@@ -126,7 +127,7 @@ def trace(scan: SpreadScan, number: int, before: Member, after: Member) -> ScanT
 
 
 def _resized(m: Member, scan: SpreadScan, cells: Cells) -> Member:
-    """A member with the size that suits a scan that was held out."""
+    """A member whose sizes are scaled by the least-squares factor for a held-out scan."""
     known = np.isfinite(scan.force.ravel())
     shape = m.through(cells)[known]
     factor = float(shape @ scan.force.ravel()[known]) / max(float(shape @ shape), 1e-300)

@@ -1,4 +1,4 @@
-"""The extended model of a scan as one that the simulated skin loads."""
+"""Writes the extended model of a scan as a model that the simulated skin loads."""
 
 from dataclasses import replace
 from typing import Any
@@ -18,18 +18,18 @@ from skin_models.effects.saturation import Saturation
 from skin_models.model import Model
 from skin_models.parameter import clipped
 
-POINTS = 61  # of the table, up to three widths
-WIDEST = 6.0  # widths, where the table of a shape ends at the latest
+POINTS = 61  # of the table of a spread's shape, between 0 and 3 widths
+WIDEST = 6.0  # widths: the last point of that table
 STATIC = (
     "static spread scan: only k1, the force that reaches the taxel per depth, and the spread were measured; no damping, nothing dispersed"
 )
 
 
 def model_of(m: Member, given: Model | None, name: str) -> Model:
-    """The model of a member. Without a given one it is static: what never was measured is zero, and `source` says so.
+    """A member written as a model. Without a given model it is static: parameters that were not measured are zero, and `source` says so.
 
-    The level is written as k1 x + a square and a cube, fitted over the depths of the scan, and the width as growing linearly: forms
-    that the simulated skin has. A drift with the order of the rows has no place in it, nor has a plunger that stood beside its place.
+    The simulated skin has a level k1 x plus a square and a cube of x, and a width that grows linearly; both are fitted over the depths of
+    the scan. A drift with the order of the rows and an off-centre plunger cannot be written in it.
     """
     base = given or Model(Dispersion(m=0.0, b1=0.0, k1=1.0, b2=0.0, k2=0.0), name=name, source=STATIC)
     width, growth = surface_width(m)
@@ -49,7 +49,7 @@ def baseline_of(m: Member, given: Model | None, name: str) -> Model:
 
 
 def surface_width(m: Member) -> tuple[float, float]:
-    """Width at the surface (m) and its growth per depth (1/m). A power of the depth is written as the straight line nearest to it."""
+    """Width at the surface (m) and its relative growth per depth (1/m), from a least-squares line through the width over depth."""
     z = np.linspace(0.1, 1.0, 40) * m.scale.deepest
     c = m.values["width"] * (1.0 + m.values["growth"] * (z - m.scale.mean)) * (z / m.scale.mean) ** m.values["depth_power"]
     slope, at_zero = np.polyfit(z, c, 1)
@@ -58,9 +58,10 @@ def surface_width(m: Member) -> tuple[float, float]:
 
 
 def _polynomial(m: Member, growth: float) -> tuple[float, float, float]:
-    """k1 (N/m) and the factors of depth^2 and depth^3, for the force right at the centre over the tip's depth.
+    """k1 (N/m) and the factors of depth^2 and depth^3 (N/m^2, N/m^3), for the force at the centre as a function of the tip's depth.
 
-    The simulated skin conserves force: where the width grows, the centre feels less. The level is raised by as much.
+    The simulated skin conserves the total force, so that a growing width lowers the force at the centre. The level is raised to make up
+    for that.
     """
     x = np.linspace(0.05, 1.0, 60) * m.scale.deepest
     values = m.values | {"shift": 0.0}
@@ -73,7 +74,7 @@ def _polynomial(m: Member, growth: float) -> tuple[float, float, float]:
 
 
 def _beside(m: Member, growth: float) -> tuple[float, float]:
-    """Square and cube that a given model, kept as it is, needs beside its own level."""
+    """Factors of depth^2 and depth^3 (N/m^2, N/m^3) that must be added to the level of a given model, which is kept as it is."""
     x = np.linspace(0.05, 1.0, 60) * m.scale.deepest
     own = level(m.values | {"shift": 0.0, "square": 0.0, "cube": 0.0, "exponent": 1.0}, x, m.scale)
     more = float(np.mean(m.k)) * level(m.values | {"shift": 0.0}, x, m.scale) * (1.0 + growth * x) ** 2 - own
@@ -97,7 +98,7 @@ def _effects(m: Member, square: float, cube: float) -> list[Effect]:
 
 
 def _made(cls: type[Effect], where: str, **values: float) -> Effect:
-    """The effect, with what was fitted moved to within its bounds."""
+    """The effect with the fitted values, clipped to its bounds."""
     return cls(where, **clipped(cls, **values))
 
 
@@ -116,7 +117,7 @@ def _notes(m: Member, growth: float) -> dict[str, Any]:
 
 
 def spread_at(m: Member, r: np.ndarray) -> np.ndarray:
-    """The shape (n,) at distances r (m) from the centre, at the mean depth, whatever the direction."""
+    """The spread (n,) at distances r (m) from the centre, at the mean depth, for an unknown direction of the scan."""
     zero, one = np.zeros(r.size), np.ones(r.size)
     number = np.zeros(r.size, int)
     cells = Cells(zero, one * m.scale.mean, r, zero, zero, number, number, number)

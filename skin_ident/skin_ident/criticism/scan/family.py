@@ -1,13 +1,13 @@
-"""Every static force that this criticism can imagine: one family of curves with the thesis's model as its plainest member.
+"""The static forces that this criticism can describe: one parametric family of curves, with the thesis's model as its simplest member.
 
     force(r, z) = min( max(A(z) S(r, z) - threshold, 0) + offset + drift * order, ceiling )
 
-    A(z)   level     k z (1 + square z' + cube z'^2), k z'^exponent, or either met `shift` deeper;   z' = z / deepest
+    A(z)   level     k z' (1 + square z' + cube z'^2), or k z'^exponent;  z' = (z - shift) / deepest, zero above the surface
     S      spread    (1 + tail u^power)^(-1 / tail), which is exp(-u^power) for tail = 0;  or a Gaussian averaged over a disc;
                      or a Gaussian times a polynomial;  u = |r - centre| / c,
     c      width     width (1 + growth (z - mean depth)) (z / mean depth)^depth_power exp(along ratio)
 
-The thesis's model is A = k z (a linear skin) times exp(-(r / c)^2): what the simulated skin does, too.
+The thesis's model is A = k z' (a linear skin) times exp(-(r / c)^2); the simulated skin does the same.
 
 Sources: thesis eq 27 and section 4.3.4; S. Nadarajah, J. Applied Statistics 32 (2005) 685-694 (generalised Gaussian); K. L. Johnson,
 Contact Mechanics, 1985, ch. 3 (tails of an elastic layer); E. Kreyszig, Advanced Engineering Mathematics, 10th ed., section 11.6 (the
@@ -25,7 +25,7 @@ from skin_ident.criticism.scan.cells import Cells
 
 @dataclass(frozen=True)
 class Quantity:
-    """One parameter of the family: the value that removes it, the size that matters (see `sizes`), bounds, unit."""
+    """One parameter of the family: its unit, the neutral value that removes it, and its bounds. `sizes` gives its typical magnitude."""
 
     name: str
     unit: str
@@ -63,12 +63,12 @@ Values = dict[str, float]
 
 
 def plain(width: float) -> Values:
-    """The thesis's model with a width (m): every other parameter at the value that removes it."""
+    """The thesis's model with a width (m): every other parameter at its neutral value."""
     return {name: q.neutral for name, q in QUANTITIES.items()} | {"width": width}
 
 
 def sizes(cells: Cells, width: float) -> Values:
-    """What is an ordinary amount of each parameter in these scans; steps of derivatives and bounds of `excluded` refer to it."""
+    """A typical magnitude of each parameter in these scans: the unit of derivative steps, and what `limits` must be able to detect."""
     deepest = cells.depth_span[1]
     force = float(np.percentile(np.abs(cells.y), 98.0))
     relative = {"power": 0.5, "tail": 0.1, "bend2": 0.05, "bend3": 0.05, "bend4": 0.05, "depth_power": 0.1, "ratio": 0.1}
@@ -79,8 +79,9 @@ def sizes(cells: Cells, width: float) -> Values:
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """Depths that the family is written about, m: fixed once per diagnosis, so that values keep their meaning. `law` maps depth to
-    the level of a given model (N), `shape` r / width to its spread; None: the depth over the deepest, a Gaussian."""
+    """Reference depths of the family, m: fixed once per diagnosis, so that parameter values keep their meaning. `law` maps depth to the
+    level of a given model (N), and `shape` maps r / width to its spread. None stands for the thesis's level and spread: depth over the
+    deepest depth, and a Gaussian."""
 
     mean: float
     deepest: float
@@ -89,7 +90,7 @@ class Scale:
 
 
 def level(p: Values, z: np.ndarray, scale: Scale) -> np.ndarray:
-    """A(z) for a size of 1: the deepest row of a linear skin has level 1."""
+    """A(z) for a size k of 1: at the deepest depth, a linear skin has level 1."""
     tip = np.maximum(z - p["shift"], 0.0)
     d = tip / scale.deepest
     base = scale.law(tip) if scale.law is not None else d
@@ -99,7 +100,7 @@ def level(p: Values, z: np.ndarray, scale: Scale) -> np.ndarray:
 
 
 def spread(p: Values, cells: Cells, scale: Scale) -> np.ndarray:
-    """S(r, z), 1 at the centre. A given shape is bent by as much as the Gaussian would be."""
+    """S(r, z), 1 at the centre. A given shape is multiplied by the ratio of the family's spread to the Gaussian."""
     s, u = _spread(p, cells, scale)
     return s if scale.shape is None else scale.shape(u) * s * np.exp(np.minimum(u * u, 50.0))
 
@@ -135,16 +136,16 @@ _X, _W = np.polynomial.legendre.leggauss(16)
 
 
 def disc_of_gaussian(r: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
-    """A Gaussian of width c averaged over a disc, at distance r, over its value at the centre; all m."""
+    """A Gaussian of width c averaged over a disc, at distance r from its centre, relative to the value at r = 0; all in m."""
     q = 0.5 * radius * (_X + 1.0)
     weight = _W * q
-    c2 = np.maximum(np.asarray(c)[..., None], 0.05 * radius) ** 2  # a sharper edge is a disc for every purpose
+    c2 = np.maximum(np.asarray(c)[..., None], 0.05 * radius) ** 2  # a narrower Gaussian would make no visible difference to the disc's edge
     inner = np.exp(-((r[..., None] - q) ** 2) / c2) * ive(0, 2.0 * r[..., None] * q / c2)
     return (inner @ weight) / (np.exp(-(q**2) / c2) @ weight)
 
 
 def sensed(p: Values, through: np.ndarray, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
-    """What the taxel reads of the force that reaches it (N,), and the derivative of one by the other."""
+    """The taxel's reading (N,) for the force that reaches it, and the derivative of the reading by that force (N,)."""
     passed = through - p["threshold"]
     slope = np.ones_like(through)
     if p["threshold"] > 0.0:

@@ -1,4 +1,4 @@
-"""What a look at the table itself returns: a cause that needs no model, and the cells that must not be believed."""
+"""A fault seen in the table itself, without a model: its cause, and the cells that must not be used in fits."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -10,8 +10,8 @@ from skin_ident.criticism.vocabulary import Key
 
 @dataclass(frozen=True, eq=False)
 class Fault:
-    """`bad` (N,) masks cells; `why` is one sentence; `parameters` as findings.json writes them; `alternatives` are (cause, where);
-    `cells` says of single readings where they stand, what they read and what was expected."""
+    """`bad` (N,) masks the cells to leave out; `why` is one sentence; `parameters` are in the format of findings.json; `alternatives` are
+    (cause, where); `cells` lists single bad readings: where they are, what was read and what was expected."""
 
     cause: str
     where: str
@@ -22,7 +22,7 @@ class Fault:
     cells: tuple[dict[str, Any], ...] = ()
 
     def among(self, mask: np.ndarray) -> "Fault":
-        """A fault of the cells of a mask (N,) as one of all cells."""
+        """The same fault, whose `bad` covers only the cells of a mask (N,), with `bad` extended to all N cells."""
         bad = np.zeros(mask.size, bool)
         bad[mask] = self.bad
         return replace(self, bad=bad)

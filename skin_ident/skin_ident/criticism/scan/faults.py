@@ -1,4 +1,4 @@
-"""Looks at the tables themselves, before any believing: steps, copies, slips of the pen, a taxel that does not answer."""
+"""Inspects the tables before any fit: converter steps, copied rows, slips of the pen, a taxel that does not respond."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,14 +19,15 @@ from skin_ident.criticism.telemetry.symptom import quantity
 from skin_ident.recordings.declared import Declared
 from skin_ident.spread_scan import SpreadScan
 
-ANSWERS = 3e-4  # chance, below which readings are said to follow depth and distance
+ANSWERS = 3e-4  # p-value below which readings are taken to follow depth and distance
 FEWEST = 12  # cells that a search needs
-SANE = {"distance": (5e-5, 0.2), "depth": (1e-6, 0.1), "force": (1e-3, 1e5)}  # m, m, N: widths, depths and largest forces of robot skin
+SANE = {"distance": (5e-5, 0.2), "depth": (1e-6, 0.1), "force": (1e-3, 1e5)}  # m, m, N: plausible widths, depths and largest forces
 
 
 @dataclass(frozen=True, eq=False)
 class Looked:
-    """`cells` are those to believe, `every` all of them; `step` N of the converter or None; `known` words for `limits`."""
+    """The result of the inspection. `every` holds all cells, `cells` those that are trusted; `step` is the converter's, N, or None;
+    `known` says for `limits` which causes were looked for here (see `_words`)."""
 
     every: Cells
     cells: Cells
@@ -37,7 +38,7 @@ class Looked:
 
     @property
     def floor(self) -> float:
-        """The least standard deviation that readings on levels can have, N."""
+        """The standard deviation of rounding to the converter's step (or to the last decimal), N: a lower bound of the noise."""
         return (self.step or resolution(self.every.y)) / np.sqrt(12.0)
 
     @property
@@ -48,7 +49,7 @@ class Looked:
 
 
 def look(scans: list[SpreadScan], directions: list[str], declared: Declared) -> Looked:
-    """Everything that shows without a model. Raises `DiagnosisError` where pressing makes the readings negative."""
+    """All faults that can be seen without a model. Raises `DiagnosisError` where pressing makes the readings negative."""
     cells = cells_of(scans, directions)
     levels = [found for s in scans if (found := find_levels(s.force[np.isfinite(s.force)])) is not None]
     step = float(np.median([f.step for f in levels])) if len(levels) == len(scans) else None
@@ -85,7 +86,8 @@ def _silent(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
 
 
 def answers(cells: Cells) -> bool:
-    """Whether readings grow with depth and fall with distance, whatever the curve: Spearman's rank correlation with a rough guess."""
+    """Whether readings grow with depth and fall with distance, whatever the curve: by Spearman's rank correlation with a depth times a
+    Gaussian, of three widths."""
     if len(cells) < 4 or np.ptp(cells.y) == 0.0:
         return False
     reach = np.abs(cells.r).max()
@@ -104,7 +106,7 @@ def _coarse(cells: Cells, step: float | None, declared: Declared) -> Iterator[Fa
 
 
 def _other_units(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
-    """Whole scans in another unit: against the other scans, or against anything that can be a skin."""
+    """Faults for whole scans in another unit: they differ from earlier scans by a unit's factor, or have sizes that no skin has."""
     answering = [s for s in cells.scans if answers(cells.only(cells.scan == s))]
     parts = [cells.only(cells.scan == s) for s in answering]
     fits = [plain_start(Cells(**{**vars(one), "scan": np.zeros(len(one), int)})) for one in parts]
@@ -122,7 +124,7 @@ def _other_units(cells: Cells, scans: list[SpreadScan]) -> Iterator[Fault]:
 
 
 def _insane(scan: SpreadScan, width: float, n: int) -> Iterator[Fault]:
-    """Sizes that no robot skin has."""
+    """Faults for widths, depths and forces outside the range of robot skin (SANE)."""
     sizes = {"distance": width, "depth": float(scan.depth.max()), "force": float(np.nanmax(np.abs(scan.force)))}
     for what, value in sizes.items():
         unit, (low, high) = "N" if what == "force" else "m", SANE[what]
@@ -132,7 +134,7 @@ def _insane(scan: SpreadScan, width: float, n: int) -> Iterator[Fault]:
 
 
 def _words(declared: Declared, step: float | None) -> dict[str, str]:
-    """For causes that are decided here: empty where it was looked for, or why that could not be."""
+    """For each cause that is decided here: empty where it was looked for, else why it could not be."""
     words = {"outliers": "", "dead_taxel": "", "data_error": "", "quantization": "", "noise": ""}
     if not declared.taxel_step_n:
         words["quantization"] = "rig.yaml does not declare taxel_step_n" + (f"; the readings are {step:.3g} N apart" if step else "")
@@ -142,7 +144,8 @@ def _words(declared: Declared, step: float | None) -> dict[str, str]:
 
 
 def _off_level(scans: list[SpreadScan]) -> Iterator[str]:
-    """Readings on no level of the converter: not wrong enough to matter, but no converter wrote them."""
+    """Warnings for readings on no level of the converter: too small an error to matter in a fit, but the converter cannot have written
+    them."""
     for scan in scans:
         d, j = np.nonzero(np.isfinite(scan.force))
         found: Levels | None = find_levels(scan.force[d, j])

@@ -22,7 +22,7 @@ from skin_ident.estimators.scale import rms
 from skin_ident.spread_scan import SpreadScan
 
 CHANNEL = "taxel_0"
-ALSO = {"parameters": ("gain_error", "taxel")}  # what no static scan can tell from a cause
+ALSO = {"parameters": ("gain_error", "taxel")}  # rivals that no static scan can tell from the cause
 UNSIMULATED = {
     "off_centre": "no: the model is written about the spread's own centre",
     "drift": "no: the simulated skin has no drift that goes by the order of the readings",
@@ -78,7 +78,7 @@ def _name(given: str, s: Setting, found: Search | None = None) -> str:
 
 
 def described(f: Fit, found: Search, s: Setting, name: str) -> dict[str, Any]:
-    """A model as `baseline` and `extended` hold it: parameters and errors."""
+    """The entry `baseline` or `extended` of findings.json: name, parameters and RMSE of a model."""
     m = f.member
     e = s.cells.y - m.predict(s.cells)
     return {
@@ -89,7 +89,7 @@ def described(f: Fit, found: Search, s: Setting, name: str) -> dict[str, Any]:
 
 
 def held_out_rmse(m: Member, found: Search, s: Setting) -> float:
-    """RMSE of whole depths left out in turn (distances, where there are few depths), or of the scans held out; N."""
+    """RMSE of the held-out scans, N; where there are none, of whole depths left out in turn (distances where depths are few)."""
     if s.test.held is not None:
         return rms(held_scans(m, s.test.held, WHOLE))
     group = s.cells.row if np.unique(s.cells.row).size >= FEWEST else s.cells.column
@@ -114,7 +114,7 @@ def sizes(f: Fit) -> dict[str, dict[str, Any]]:
 
 
 def _shown(f: Fit, name: str) -> dict[str, dict[str, Any]]:
-    """One parameter as a reader knows it."""
+    """One parameter under the name and in the form that findings.json uses."""
     v, std = f.member.values[name], f.std(name)
     if name == "shift":
         return {"offset": _value(-v, "m", std)}
@@ -131,7 +131,7 @@ def _value(value: float, unit: str, std: float | None) -> dict[str, Any]:
 
 
 def entry(n: Named, found: Search, s: Setting) -> dict[str, Any]:
-    """One entry of `findings` that a member of the family stands for."""
+    """The entry of `findings` for a cause that is in the extended model."""
     c, f = n.candidate, found.extended
     before = without_candidate(c, f.member, s.test.start)
     shown = {key: value for name in c.names for key, value in _shown(f, name).items()} or sizes(f)
@@ -168,13 +168,13 @@ def _alternative(c: Candidate, short: float) -> dict[str, Any]:
 
 
 def _placed() -> dict[str, Any]:
-    """The plunger stood beside every distance by a little, each time differently."""
+    """The alternative that placing errors, another one at every distance, explain the finding."""
     remark = "a plunger that stood a little beside each distance, differently each time, looks the same"
     return alternative("off_centre", "rig") | {"remark": remark}
 
 
 def together(faults: tuple[Fault, ...]) -> list[Fault]:
-    """One fault per cause and place; several of a kind are told one after the other."""
+    """One fault per cause and place; the sentences of several such faults are joined."""
     groups: dict[Key, list[Fault]] = {}
     for f in faults:
         groups.setdefault((f.cause, f.where), []).append(f)
@@ -194,7 +194,7 @@ def _merged(group: list[Fault]) -> Fault:
 
 
 def seen(f: Fault) -> dict[str, Any]:
-    """One entry of `findings` that the table itself stands for: no term of the model, so no gain to claim."""
+    """The entry of `findings` for a fault of the table. It is no term of the model, so there is no gain."""
     return Entry(
         cause=f.cause,
         where=f.where,
@@ -208,7 +208,7 @@ def seen(f: Fault) -> dict[str, Any]:
 
 
 def noise_floor(found: Search, looked: Looked) -> dict[str, Any]:
-    """RMS of what no cause explains, and its parts."""
+    """RMS of the noise, N, and the standard deviations of its parts."""
     n = found.noise.noise
     parts = {"independent": (n.sigma, "N"), "relative": (n.relative, "1"), "placing": (n.placing, "m"), "repeat": (n.repeat, "1")}
     steps = {"step": {"value": looked.step, "unit": "N"}} if looked.step else {}
@@ -216,7 +216,7 @@ def noise_floor(found: Search, looked: Looked) -> dict[str, Any]:
 
 
 def _doubts(found: Search, scans: list[SpreadScan], held: set[str]) -> list[str]:
-    """What the reader must know before believing any of it."""
+    """Warnings that limit how far the findings can be trusted."""
     n, said = found.noise.noise, []
     if n.placing > 0.0:
         beside = f"as if the plunger had stood about {1e3 * n.placing:.2f} mm beside them"

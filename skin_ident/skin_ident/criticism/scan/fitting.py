@@ -8,14 +8,14 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.family import QUANTITIES, Scale, Values, level, sensed, spread
 from skin_ident.criticism.scan.whitening import Whitener
 
-STEP = 1e-4  # of an ordinary size, for derivatives
+STEP = 1e-4  # finite-difference step, as a share of a parameter's typical magnitude
 
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """One member of the family: parameter values, size k of every scan (N at the deepest depth), and what is free in a fit.
+    """One member of the family: parameter values, size k of every scan (N at the deepest depth), and the names free in a fit.
 
-    `k_free` is False where the level of a given model is taken as it is.
+    `steps` are typical magnitudes of the parameters (see `family.sizes`). `k_free` is False where a given model's level is kept as it is.
     """
 
     values: Values
@@ -34,7 +34,7 @@ class Member:
         return self.k[cells.scan] * level(self.values, cells.z, self.scale) * spread(self.values, cells, self.scale)
 
     def moved(self, **values: float) -> "Member":
-        """The same with other values."""
+        """The same with these parameter values changed."""
         return Member(self.values | values, self.k, self.free, self.scale, self.steps, self.k_free)
 
     def freeing(self, *names: str) -> "Member":
@@ -44,11 +44,11 @@ class Member:
 
     @property
     def unknowns(self) -> np.ndarray:
-        """The free values, the sizes last."""
+        """Values of the free parameters, the sizes last."""
         return np.array([self.values[n] for n in self.free] + (list(self.k) if self.k_free else []))
 
     def at(self, x: np.ndarray) -> "Member":
-        """The member whose unknowns are x, cut to their bounds."""
+        """The member whose unknowns are x, clipped to their bounds."""
         cut = {n: float(np.clip(v, QUANTITIES[n].lower, QUANTITIES[n].upper)) for n, v in zip(self.free, x, strict=False)}
         k = x[len(self.free) :] if self.k_free else self.k
         return Member(self.values | cut, k, self.free, self.scale, self.steps, self.k_free)
@@ -56,7 +56,7 @@ class Member:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """`cost` is the sum of squared whitened residuals; `covariance` of the unknowns, in the noise's own units."""
+    """A fitted member. `cost` is the sum of squared whitened residuals; `covariance` is that of the unknowns."""
 
     member: Member
     cost: float
@@ -74,7 +74,7 @@ class Fit:
 
 
 def tangents(m: Member, cells: Cells, names: tuple[str, ...]) -> np.ndarray:
-    """Derivatives (N, n) of the prediction by parameters, per unit; one-sided at a bound."""
+    """Derivatives (N, n) of the prediction by the parameters `names`: forward differences, backward at an upper bound."""
     here = m.predict(cells)
     columns = [_derivative(m, cells, here, name) for name in names]
     return np.array(columns).T.reshape(len(cells), len(names))
@@ -103,7 +103,7 @@ def jacobian(m: Member, cells: Cells) -> np.ndarray:
 
 
 def fit(start: Member, cells: Cells, noise: Whitener, iterations: int = 40, tolerance: float = 1e-7) -> Fit:
-    """Least squares from `start`. It always returns the best member met."""
+    """Least-squares fit from `start`. It returns the best member found, converged or not."""
     m, damping = start, 1e-3
     e = noise.apply(cells.y - m.predict(cells))
     cost = float(e @ e)
@@ -122,7 +122,7 @@ def fit(start: Member, cells: Cells, noise: Whitener, iterations: int = 40, tole
 
 
 def _step(m: Member, cells: Cells, noise: Whitener, J: np.ndarray, e: np.ndarray, cost: float, damping: float):
-    """One accepted step as (member, residual, cost, damping), or None where none helps."""
+    """One accepted step as (member, whitened residual, cost, damping), or None where no step lowers the cost."""
     if J.shape[1] == 0:
         return None
     H, g, x = J.T @ J, J.T @ e, m.unknowns

@@ -1,10 +1,14 @@
-"""The gate: a cause is believed when depths and distances that were not used to fit it are predicted better.
+"""The gate: a cause is named only where depths and distances that were not used to fit it are predicted better.
 
-Every depth is left out in turn, and every distance in turn (or whole scans, where some are held out for good). A depth left out is
-predicted entirely where the cause bends the level or the reading; where it bends the spread, the size of that depth alone is fitted
-again, from every other column, and the columns between are predicted (or, where these are too few to tell, the depth is predicted
-entirely as well). A distance left out is predicted entirely. The squared errors of
-depths (of distances) are resampled as blocks: B. Efron, R. Tibshirani, An Introduction to the Bootstrap, 1993, ch. 8.
+Every depth is left out in turn, then every distance (or, where scans are held out, those scans are predicted instead).
+
+-   Where the cause bends the level or the reading, all cells of a depth that was left out are predicted.
+-   Where it bends the spread, the size of that depth is first fitted to every other column, and the columns between are predicted. Where
+    the cause does not pass this test, it may pass by predicting the depth without that fit.
+-   All cells of a distance that was left out are predicted.
+
+The squared errors are resampled in blocks, one per depth (or distance): B. Efron, R. Tibshirani, An Introduction to the Bootstrap, 1993,
+ch. 8.
 """
 
 from dataclasses import dataclass, field, replace
@@ -16,28 +20,30 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Member, fit
 from skin_ident.criticism.scan.whitening import Noise
 
-RESAMPLES = 1000  # of the groups
+RESAMPLES = 1000  # bootstrap draws of the groups (depths or distances)
 DOUBT = 10.0  # percentile of the resampled gain that must be above zero
-FEWEST = 4  # groups that must be left out in turn before their resampling means anything
-ITERATIONS, TOLERANCE = 4, 1e-3  # of a fit that begins where that to everything ended
-SIZED_AGAIN, WHOLE = "spread", "whole"  # how a depth is left out: its size is fitted to every other distance, or it is predicted altogether
+FEWEST = 4  # groups needed for a meaningful bootstrap
+ITERATIONS, TOLERANCE = 4, 1e-3  # of a fit without one group, which begins at the fit to all cells
+SIZED_AGAIN, WHOLE = "spread", "whole"  # a depth left out: its size is fitted to every other distance, or all of it is predicted
 
 
 @dataclass(frozen=True, eq=False)
 class Test:
-    """How to hold out: `held` are cells of scans never used to fit; without them depths and distances are left out in turn."""
+    """How to hold out: `held` are cells of scans never used to fit; without them depths and distances are left out in turn. `start` is
+    the baseline from which the search begins."""
 
-    __test__ = False  # no test for pytest
+    __test__ = False  # tells pytest that this is no test class
 
     start: Member
     held: Cells | None = None
-    known: dict = field(default_factory=dict)  # errors of models that were asked for before
+    known: dict = field(default_factory=dict)  # cache of held-out errors, by model
 
 
 @dataclass(frozen=True)
 class Gain:
-    """Held-out RMSE before and after, N, and the 95 % interval of its fall; `relative` is the fall of the weighted mean square over
-    depths left out, `lower` its lower bound, `across` the same over distances left out (NaN where there are too few)."""
+    """Held-out RMSE before and after, N, and the 95 % interval of its fall. `relative` is the relative fall of the weighted mean square
+    over depths left out, `lower` its lower bound (percentile DOUBT), `across` the fall over distances left out (NaN where there are too
+    few). `held_out` says in words what was left out."""
 
     before: float
     after: float
@@ -49,13 +55,13 @@ class Gain:
 
     @property
     def passed(self) -> bool:
-        """Better beyond doubt at depths unseen, not worse at distances unseen, and better in newtons."""
+        """Whether depths left out are predicted better (at the percentile DOUBT), distances left out too, and the RMSE in newtons falls."""
         across_too = not np.isfinite(self.across) or self.across > 0.0
         return self.lower > 0.0 and across_too and self.after < self.before
 
 
 def gain_of(before: Member, after: Member, c: Candidate, noise: Noise, cells: Cells, test: Test) -> Gain:
-    """What `after` gains over `before` on cells that were not used to fit either."""
+    """The gain of `after` over `before` on cells that neither was fitted to."""
     if c.bends != "spread":
         return _gain_by(before, after, WHOLE, noise, cells, test)
     gain = _gain_by(before, after, SIZED_AGAIN, noise, cells, test)
@@ -78,7 +84,7 @@ def _gain_by(before: Member, after: Member, how: str, noise: Noise, cells: Cells
 
 
 def left_out(m: Member, cells: Cells, noise: Noise, groups: np.ndarray, how: str, test: Test | None = None) -> np.ndarray:
-    """Errors (N,) of cells predicted by a fit to all other groups, N."""
+    """Errors (N,), in N, of cells predicted by a fit to all other groups."""
     key = (m.free, m.k_free, tuple(m.values.items()), how, groups is cells.row, id(noise))
     if test is not None and key in test.known:
         return test.known[key][1]
@@ -93,9 +99,10 @@ def left_out(m: Member, cells: Cells, noise: Noise, groups: np.ndarray, how: str
 
 
 def held_scans(m: Member, held: Cells, how: str) -> np.ndarray:
-    """Errors (N,) in scans that were not fitted; the skin's stiffness there is not known, so its size comes from every other column."""
+    """Errors (N,), in N, in scans that were not fitted. The skin's stiffness there is unknown, so the size is fitted to every other column
+    and the columns between are predicted: per depth for SIZED_AGAIN, per scan for WHOLE."""
     group = held.row if how == SIZED_AGAIN else held.scan
-    as_first = replace(held, scan=np.zeros(len(held), int))  # any size of the fit will do: each part changes it until it suits
+    as_first = replace(held, scan=np.zeros(len(held), int))  # which fitted size it begins with does not matter: each part is scaled to fit
     e = np.empty(len(held))
     for part in (group == g for g in np.unique(group)):
         e[part] = _errors(m, as_first.only(part), SIZED_AGAIN)
@@ -114,7 +121,7 @@ def _errors(m: Member, out: Cells, how: str) -> np.ndarray:
 
 
 def resized(m: Member, seen: Cells) -> Member:
-    """`m` with all sizes changed by the factor that fits some cells best (never below zero)."""
+    """`m` with all sizes multiplied by the factor, never negative, that fits the cells `seen` best."""
     factor = 1.0
     for _ in range(3 if m.values["threshold"] or np.isfinite(m.values["ceiling"]) else 1):
         now = Member(m.values, m.k * factor, m.free, m.scale, m.steps, m.k_free)

@@ -1,8 +1,8 @@
-"""What is still wrong when every named cause is in the model.
+"""Whether the residual is still systematic when every named cause is in the model.
 
-All directions in which the family can bend are fitted to the residual of all depths but one and asked to predict that one; then the same
-over distances. If both succeed, something systematic is left that no cause has been given for. What only repeats at the same distances,
-and is not foretold by its neighbours, is as well explained by a plunger that stood a little beside them.
+The tangents of all excited parameters are fitted to the residual of all depths but one, and predict the residual of that one; then the
+same over distances. If both predictions succeed, something systematic is left that no named cause explains. A residual that repeats at
+the same distances, but cannot be predicted from neighbouring distances, is explained as well by placing errors of the plunger.
 """
 
 from dataclasses import dataclass
@@ -15,26 +15,26 @@ from skin_ident.criticism.scan.search import Search
 from skin_ident.criticism.scan.trials import Setting
 from skin_ident.criticism.scan.whitening import Noise
 
-SYSTEMATIC = 0.03  # fall of the held-out mean square that the directions must reach
-DOUBT = 1.0  # percentile of the resampled fall that must be above zero
+SYSTEMATIC = 0.03  # relative fall of the held-out mean square above which the residual counts as systematic
+DOUBT = 1.0  # percentile of the bootstrapped fall that must be above zero
 
 
 @dataclass(frozen=True)
 class Rest:
-    """Fall of the held-out mean square and its lower 99 % bound, over depths and over distances; NaN where there are too few."""
+    """Relative fall of the held-out mean square and its lower 99 % bound, over depths and over distances; NaN where there are too few."""
 
     depths: tuple[float, float]
     distances: tuple[float, float]
 
     @property
     def is_systematic(self) -> bool:
-        """Whether the rest is worth the word `unexplained`."""
+        """Whether the residual can be predicted over depths and over distances, so that something is unexplained."""
         tested = [t for t in (self.depths, self.distances) if np.isfinite(t[0])]
         return bool(tested) and all(lower > 0.0 and fall > SYSTEMATIC for fall, lower in tested)
 
 
 def systematic_rest(found: Search, s: Setting) -> Rest:
-    """What the directions of the family still predict of the residual."""
+    """How much of the residual the tangents of the family predict on depths and distances left out."""
     m, cells = found.extended.member, s.cells
     names = tuple(dict.fromkeys((*m.free, *s.rich)))
     J = np.hstack([tangents(m, cells, names), by_size(m, cells)])

@@ -1,24 +1,24 @@
-"""The levels of a converter in the readings of a scan, found without being told.
+"""The levels of a converter in the readings of a scan, found from the readings alone.
 
-The steps need not be quite equal: readings are often rounded again after conversion (those of thesis Table 4-10 are 0.098 N apart, but
-for every eighth step or so, which is 0.118 N). So a spacing counts as found where the gaps between neighbouring levels pile up at it and
-hardly any is smaller; readings without a converter have gaps of all sizes.
+The steps need not be quite equal, because readings are often rounded again after conversion: those of thesis Table 4-10 are 0.098 N apart,
+except for about every eighth step, which is 0.118 N. So a spacing counts as found where many gaps between neighbouring levels are close to
+it and hardly any gap is smaller. Readings without converter steps have gaps of all sizes.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-FEWEST = 20  # readings
+FEWEST = 20  # readings that are needed
 PILE = 0.2  # share of the gaps that must be one step
-STRAY = 0.08  # share of the gaps that may be smaller than a step
-WITHIN = (0.75, 1.35)  # a gap of one step, in steps
-NEAR = 0.6  # of a step: closer than this is no level of its own
+STRAY = 0.08  # share of the gaps that may be smaller than NEAR steps
+WITHIN = (0.75, 1.35)  # in steps: a gap in this range counts as one step
+NEAR = 0.6  # in steps: two levels closer than this cannot both be levels of the converter
 
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """`step` N between neighbouring levels, and the readings that sit on no level (indices into what was given)."""
+    """`step` N between neighbouring levels, and the indices `off` of readings that are on no level."""
 
     step: float
     off: np.ndarray
@@ -43,10 +43,11 @@ def find_levels(y: np.ndarray) -> Levels | None:
 
 
 def _off(y: np.ndarray, levels: np.ndarray, count: np.ndarray, step: float) -> np.ndarray:
-    """Readings whose level is used less than a neighbour, closer to it than steps are but farther than rounding."""
+    """Indices of readings on no level. Their value is less than NEAR steps from another level, but more than rounding explains, and fewer
+    readings have it than have the other level."""
     rounding = np.array([half_digit(v) for v in levels])
     apart = np.diff(levels)
-    group = np.cumsum(np.r_[0, apart > 1.01 * (rounding[1:] + rounding[:-1])])  # levels that only rounding tells apart
+    group = np.cumsum(np.r_[0, apart > 1.01 * (rounding[1:] + rounding[:-1])])  # levels that differ by rounding only share a group
     used = np.bincount(group, count)
     lonely = np.zeros(levels.size, bool)
     for i in np.flatnonzero((np.diff(group) > 0) & (apart < NEAR * step)):
@@ -56,7 +57,7 @@ def _off(y: np.ndarray, levels: np.ndarray, count: np.ndarray, step: float) -> n
 
 
 def half_digit(v: float) -> float:
-    """Half a unit of the last of three significant digits (or of the digits that the number has)."""
+    """Half a unit of the third significant digit of a number."""
     if v == 0.0:
         return 0.0
     return 0.5 * 10.0 ** (np.floor(np.log10(abs(v))) - 2)

@@ -1,7 +1,7 @@
-"""For every cause that was not named: excluded above so much, or untestable and what would test it.
+"""For every cause that was not named: an upper bound of its size, or that it is untestable and what would test it.
 
-The size of a cause beside all that is in the model is estimated in first order: z with standard error sd. The scans speak about it where
-an ordinary amount (`family.sizes`) would stand out by CLEAR standard errors; it is then excluded above |z| + 1.96 sd.
+The size of a cause, jointly with everything in the model, is estimated to first order: z with standard error sd. The cause is testable
+where a typical magnitude (`family.sizes`) is at least CLEAR standard errors; it is then excluded above |z| + 1.96 sd.
 """
 
 from typing import Any
@@ -40,12 +40,12 @@ NEEDS = {
     "spread_width": "spread_width_mm in rig.yaml, or a given model (--model) with a width to compare with",
     "drift": "scans at three or more depths, best not in the order of depth",
 }
-PLAINEST = {"spread_shape": "power", "spread_depth": "growth", "nonlinear_stiffness": "square"}  # the parameter that a limit is given in
+PLAINEST = {"spread_shape": "power", "spread_depth": "growth", "nonlinear_stiffness": "square"}  # the parameter whose bound is reported
 
 
 def limits(m: Member, cells: Cells, noise: Whitener, x: Excited, named: set[str], known: dict[str, str]) -> tuple[list[dict], list[dict]]:
-    """Entries `excluded` and `untestable` of findings.json for all causes not in `named`. `known` gives the reason for causes that are
-    looked for in the table itself: an empty text means looked for and not seen."""
+    """Entries `excluded` and `untestable` of findings.json for all causes not in `named`. `known` is about causes that are looked for in
+    the table itself: why that was not possible, or an empty text where the cause was looked for and not seen."""
     excluded: list[dict[str, Any]] = []
     untestable: list[dict[str, Any]] = []
     for cause in CAUSES:
@@ -62,7 +62,7 @@ def limits(m: Member, cells: Cells, noise: Whitener, x: Excited, named: set[str]
 
 
 def _tied(cause: str, m: Member, x: Excited) -> str:
-    """Why a cause that could be tested cannot be told from what is in the model."""
+    """Why a cause, though excited, cannot be told from what is in the model; empty where it can."""
     if cause == "off_centre" and not x.both_sides:
         return "from one side of the taxel, a centre that is off looks like another shape of the spread"
     return "another shape was fitted, and it brings its own width" if cause == "spread_width" and "width" in m.free else ""
@@ -79,7 +79,7 @@ def _excluded(m: Member, cells: Cells, noise: Whitener, cause: str) -> dict[str,
 
 def _limit(m: Member, cells: Cells, noise: Whitener, c: Candidate) -> dict[str, Any] | None:
     name = PLAINEST.get(c.cause, c.names[0])
-    if name == "threshold":  # its slope at zero is that of an offset: a little of it stands for more
+    if name == "threshold":  # at zero its tangent equals that of an offset, so the bound is linearised about half a typical magnitude
         m = m.moved(threshold=0.5 * m.steps["threshold"])
     J = noise.apply(jacobian(m.freeing(name), cells))
     position = m.freeing(name).free.index(name)
@@ -93,7 +93,7 @@ def _limit(m: Member, cells: Cells, noise: Whitener, c: Candidate) -> dict[str, 
 
 
 def _size(m: Member, cells: Cells, noise: Whitener) -> dict[str, Any]:
-    """By how much the level of a given model may be wrong, relative."""
+    """The entry `excluded` for `parameters`: the upper bound of the relative error of a given model's level."""
     J = noise.apply(np.hstack([tangents(m, cells, m.free), m.through(cells)[:, None]]))
     covariance = np.linalg.pinv(J.T @ J)
     z = float((covariance @ (J.T @ noise.apply(cells.y - m.predict(cells))))[-1])

@@ -1,9 +1,10 @@
-"""Estimates the noise of a scan from what the richest member of the family leaves, by restricted maximum likelihood.
+"""Estimates the noise of a scan from the residual of the richest member of the family, by restricted maximum likelihood.
 
     -2 log L = log |V| + log |J' V^-1 J| + e' P e        P = V^-1 - V^-1 J (J' V^-1 J)^-1 J' V^-1
 
-with J all directions in which the family can bend (so that no cause is taken for noise) and V as in `whitening`. The overall scale is
-solved for; the other three are searched one after the other. V is diagonal plus low rank: it is inverted by Woodbury's identity.
+J holds the tangents of all excited parameters, so that no cause is taken for noise; V is the covariance described in `whitening`. The
+overall scale sigma has a closed form; the other three components are searched one after the other. V is diagonal plus low rank, and is
+inverted by Woodbury's identity.
 
 Source: D. A. Harville, Journal of the American Statistical Association 72 (1977) 320-338.
 """
@@ -18,32 +19,30 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Member, by_size, tangents
 from skin_ident.criticism.scan.whitening import Noise
 
-HUBER = 2.5  # standard deviations, from which a residual counts by its size alone
-SWEEPS = 2  # through the components, each fitted beside the others
-WORTH = 2.0  # -2 log L that a component of the noise must gain to be kept
+HUBER = 2.5  # standard deviations beyond which a residual is downweighted (Huber)
+SWEEPS = 2  # through the components, each fitted with the others held
+WORTH = 2.0  # fall of -2 log L that a component of the noise must bring to be kept
 
 
 def white(cells: Cells, sigma: float = 1.0) -> Noise:
-    """Equal, independent noise: for first fits."""
+    """Independent noise of equal variance, for first fits."""
     zero, one = np.zeros(len(cells)), np.ones(len(cells))
     return Noise(sigma, 0.0, 0.0, 0.0, zero, zero, one, cells.row, cells.column)
 
 
 @dataclass(frozen=True, eq=False)
 class Estimated:
-    """A noise, -2 log of its restricted likelihood, and the residual (N,) that the richest member leaves, over its standard deviation."""
+    """A noise, -2 log of its restricted likelihood, and the residual (N,) of the richest member over its standard deviation."""
 
     noise: Noise
     deviance: float
     left: np.ndarray
-    spare: int  # cells beyond the directions
+    spare: int  # residual degrees of freedom: cells less independent tangents
 
 
 def estimate(m: Member, cells: Cells, rich: tuple[str, ...], floor: float, placing: bool = True) -> Estimated:
-    """The noise around member `m`, whose directions `rich` are projected out; sigma is at least `floor` (N).
-
-    `placing` False takes every distance for exact.
-    """
+    """The noise of the residual of `m`, with its tangents by the parameters `rich` and the sizes projected out; sigma is at least `floor`
+    (N). With `placing` False all distances are taken as exact."""
     J = _independent(np.hstack([tangents(m, cells, rich), by_size(m, cells)]))
     e = cells.y - m.predict(cells)
     start = replace(white(cells), slope=slope_of(m, cells), through=m.through(cells))
@@ -64,7 +63,7 @@ def slope_of(m: Member, cells: Cells) -> np.ndarray:
 
 
 def _search(n: Noise, J: np.ndarray, e: np.ndarray, cells: Cells, placing: bool) -> Noise:
-    """The ratios of relative, placing and repeat to sigma; a component that is hardly worth it is left out."""
+    """`n` with the likeliest ratios of relative, placing and repeat to sigma. A component that gains less than WORTH is zero."""
     typical = {"relative": n.through, "placing": n.slope, "repeat": n.through}
     groups = {"relative": 4, "placing": np.unique(cells.column).size, "repeat": np.unique(cells.row).size}
     able = [c for c in typical if groups[c] >= 4 and np.any(typical[c]) and (placing or c != "placing")]
@@ -87,7 +86,7 @@ def _component(n: Noise, name: str, unit: float, best: float, J: np.ndarray, e: 
 
 
 def _deviance(n: Noise, J: np.ndarray, e: np.ndarray) -> tuple[float, float]:
-    """-2 log L with the best scale, and that scale, for sigma = 1."""
+    """-2 log L maximised over the overall scale, and that scale; `n` has sigma = 1 and its other components relative to it."""
     _, inverse, log_det = _inverse(n)
     VJ, Ve = inverse(J), inverse(e)
     G = J.T @ VJ
@@ -99,7 +98,7 @@ def _deviance(n: Noise, J: np.ndarray, e: np.ndarray) -> tuple[float, float]:
 
 
 def _inverse(n: Noise) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray], float]:
-    """Variances of the cells by themselves, the function that applies V^-1, and log |V|."""
+    """The cells' independent variances (N,), the function that applies V^-1, and log |V|."""
     v, U = n.variance(), n.shared()
     if U.shape[1] == 0:
         return v, lambda x: (x.T / v).T, float(np.log(v).sum())
@@ -110,16 +109,17 @@ def _inverse(n: Noise) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray], 
 
 
 def _left(n: Noise, J: np.ndarray, e: np.ndarray) -> np.ndarray:
-    """Residual after the directions, over the standard deviation of each cell by itself, rows and columns taken out too."""
+    """Residual (N,) with the tangents J projected out and the estimated row and column errors subtracted, over each cell's own standard
+    deviation."""
     _, inverse, _ = _inverse(n)
     VJ = inverse(J)
     rest = e - J @ np.linalg.solve(J.T @ VJ, VJ.T @ e)
-    own = n.variance() * inverse(rest)  # what is left when the shared parts are predicted as well
+    own = n.variance() * inverse(rest)  # equals the residual less the best estimate of the row and column errors
     return own / np.sqrt(n.variance())
 
 
 def _independent(J: np.ndarray) -> np.ndarray:
-    """An orthonormal basis of the columns, those that add nothing left out."""
+    """An orthonormal basis of the column space of J, without nearly dependent directions."""
     scaled = J / np.maximum(np.linalg.norm(J, axis=0), 1e-300)
     u, s, _ = np.linalg.svd(scaled, full_matrices=False)
     return u[:, s > 1e-4 * s[0]]

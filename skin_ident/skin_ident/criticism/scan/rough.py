@@ -1,4 +1,4 @@
-"""A rough, robust description of a table, good enough to see what does not belong in it: before any believing."""
+"""A rough, robust fit of a table, made before any reading is trusted, and good enough to see which readings do not belong in it."""
 
 from dataclasses import dataclass, replace
 
@@ -11,23 +11,23 @@ from skin_ident.criticism.scan.start import plain_start
 from skin_ident.criticism.scan.whitening import Whitener
 from skin_ident.estimators.scale import normal_scale
 
-ROUNDS = 6  # of reweighting
-TUKEY = 4.7  # standard deviations, from which a reading has no weight (Tukey's biweight)
-WILD = 3.0  # a row or column this many times what its neighbours say takes no part
+ROUNDS = 6  # of iterative reweighting
+TUKEY = 4.7  # standard deviations beyond which a reading has practically no weight (Tukey's biweight)
+WILD = 3.0  # a row or column that is this many times larger or smaller than the others is not fitted
 
 
 @dataclass(frozen=True, eq=False)
 class Rough:
-    """Expected force (N,) and its noise `sigma` (N), from a fit that outvotes single rows, columns and cells."""
+    """Expected force (N,) and noise `sigma` (N), from a fit that is robust against single bad rows, columns and cells."""
 
     member: Member
     expected: np.ndarray
     sigma: float
-    relative: float = 0.03  # of the force, for what a rough description does not describe
-    floor: float = 0.0  # least sigma that readings on levels can have, N
+    relative: float = 0.03  # model error, as a share of the force
+    floor: float = 0.0  # lower bound of sigma from the converter's step, N
 
     def strangeness(self, cells: Cells) -> np.ndarray:
-        """Residual over its standard deviation, (N,)."""
+        """Residual over its tolerance, (N,)."""
         return (cells.y - self.expected) / self.tolerance
 
     def only(self, keep: np.ndarray) -> "Rough":
@@ -36,12 +36,13 @@ class Rough:
 
     @property
     def tolerance(self) -> np.ndarray:
-        """Standard deviation that a rough description deserves, N: the noise, and a share of the force."""
+        """Standard deviation of a reading about the expected force (N,), in N: the noise and the model error."""
         return np.hypot(self.sigma, self.relative * np.abs(self.expected))
 
 
 def rough(cells: Cells, floor: float) -> Rough:
-    """Fit level, shape, offset and centre with Tukey's weights (N,)."""
+    """A robust fit of level, shape, offset, centre and anisotropy, as far as the scans excite them, with Tukey's weights. `floor` is the
+    lower bound of sigma, N."""
     calm = ~_wild_rows(cells)
     calm[calm] = ~_wild_columns(cells.only(calm))
     believed = cells.only(calm)
@@ -61,14 +62,14 @@ def rough(cells: Cells, floor: float) -> Rough:
 
 
 def replace_sizes_for(m: Member, cells: Cells) -> Member:
-    """`m` with a size for every scan of `cells`, also for one that took no part in the start."""
+    """`m` with a size for every scan of `cells`; a scan that was not fitted gets the median size."""
     scans = int(cells.scan.max()) + 1
     k = np.array([m.k[i] if i < m.k.size and m.k[i] else np.median(m.k) for i in range(scans)])
     return Member(m.values, k, m.free, replace(m.scale), m.steps, m.k_free)
 
 
 def _wild_rows(cells: Cells) -> np.ndarray:
-    """Cells (N,) of rows whose force per depth is far from that of most rows of the scan."""
+    """Mask (N,) of cells in rows whose force per depth differs from the scan's median by more than a factor WILD."""
     wild = np.zeros(len(cells), bool)
     for s in cells.scans:
         rows = np.unique(cells.row[cells.scan == s])
@@ -82,13 +83,13 @@ def _wild_rows(cells: Cells) -> np.ndarray:
 
 
 def _top(y: np.ndarray) -> float:
-    """The third largest magnitude of a row, or the largest of a short one, with its sign."""
+    """The reading with the third largest magnitude of a row (the smallest of a shorter row), with its sign."""
     order = np.argsort(-np.abs(y))
     return float(y[order[min(2, y.size - 1)]])
 
 
 def _wild_columns(cells: Cells) -> np.ndarray:
-    """Cells (N,) of columns that stand far above both neighbours, or far below them, in most rows."""
+    """Mask (N,) of cells in columns whose median force per depth is more than a factor WILD above, or below, both neighbours'."""
     wild = np.zeros(len(cells), bool)
     for s in cells.scans:
         mine = cells.scan == s

@@ -1,12 +1,12 @@
-"""How much a cause is worth: a likelihood ratio, brought down for noise that is known from few rows or columns, less a charge.
+"""The score of a cause: a log-likelihood ratio (twice nats), corrected for noise estimated from few rows or columns, less a charge.
 
-The estimate of a cause's size is a weighted sum of the cells. Its variance has a part from the cells by themselves, one from the
-placing of columns and one from the repeat of rows, and each of these is known from its own number of degrees of freedom. By
-Satterthwaite's rule the whole then has about
+The estimate of a cause's size is a weighted sum of the cells. Its variance has three parts: independent noise of the cells, placing errors
+of the columns and repeat errors of the rows. Each is estimated with its own number of degrees of freedom. By Satterthwaite's rule the sum
+has about
 
     nu = (v_cells + v_columns + v_rows)^2 / (v_cells^2 / nu_cells + v_columns^2 / nu_columns + v_rows^2 / nu_rows)
 
-so the fall of the cost is worth nu log(1 + fall / nu), the likelihood ratio where the variance is estimated along.
+degrees of freedom. A fall of the cost then counts as nu log(1 + fall / nu): the likelihood ratio when the variance is estimated too.
 
 Source: F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110-114.
 """
@@ -19,14 +19,15 @@ from skin_ident.criticism.scan.cells import Cells
 from skin_ident.criticism.scan.fitting import Fit, jacobian
 from skin_ident.criticism.scan.whitening import Noise, Whitener
 
-CHARGE = 5.0  # squared units of the noise: about one false name in a hundred scans, before held-out cells have their say
-COARSE = 8.0  # charged more where the converter's steps are most of the noise: they repeat with the force, as a cause does
-USED = 5  # columns' or rows' degrees of freedom that the directions of the family use up, at most
+CHARGE = 5.0  # twice nats, subtracted once per cause: before the gate, about one false name in a hundred scans is left
+COARSE = 8.0  # twice nats, subtracted too where converter steps are most of the noise: they repeat with the force, as a cause does
+USED = 5  # the most degrees of freedom of columns or rows that the family's parameters use up
 
 
 @dataclass(frozen=True, eq=False)
 class Judge:
-    """Judges fits in one noise whose overall scale is known from `spare` degrees of freedom."""
+    """Scores fits in one noise, whose overall scale is estimated with `spare` degrees of freedom. `coarse` says whether converter steps are
+    most of that noise."""
 
     noise: Noise
     whitener: Whitener
@@ -35,18 +36,18 @@ class Judge:
     coarse: bool = False
 
     def score(self, fall: float, after: Fit, names: tuple[str, ...], count: int) -> float:
-        """Worth of a fall of the cost that `count` parameters (among them `names`) gave in the fit `after`."""
+        """Score (twice nats) of a fall of the cost in the fit `after`, brought by `count` more unknowns, `names` among them."""
         if fall <= 0.0 or count == 0:
             return -self.charge
         return worth(fall, self.degrees(after, names)) - count * float(np.log(len(self.cells))) - self.charge
 
     @property
     def charge(self) -> float:
-        """What a cause costs, besides its parameters."""
+        """Charge of a cause (twice nats), besides the charge log N for each of its parameters."""
         return CHARGE + COARSE * self.coarse
 
     def degrees(self, after: Fit, names: tuple[str, ...]) -> float:
-        """The least degrees of freedom behind the estimates of `names`, or of the sizes where there are none."""
+        """The smallest number of degrees of freedom of the variance of any estimate of `names` (of the sizes where none is free)."""
         n, m = self.noise, after.member
         if n.placing == 0.0 and n.repeat == 0.0:
             return float(self.spare)
@@ -68,6 +69,6 @@ def _grouped(x: np.ndarray, group: np.ndarray) -> float:
 
 
 def worth(fall: float, degrees: float) -> float:
-    """-2 log likelihood ratio of a fall of the cost, in a noise known from so many degrees of freedom."""
+    """Log-likelihood ratio (twice nats) of a fall of the cost, in a noise whose variance is estimated with `degrees` of freedom."""
     degrees = max(degrees, 1.0)
     return degrees * float(np.log1p(max(fall, 1e-9) / degrees))

@@ -1,4 +1,4 @@
-"""The loop: estimate the noise, try every cause, let held-out depths and distances decide, repeat, exchange, eliminate."""
+"""The search: estimate the noise, fit every cause in turn, name the best that passes the held-out gate; repeat, exchange, eliminate."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -23,30 +23,32 @@ from skin_ident.criticism.scan.trials import (
     without_candidate,
 )
 
-MOST_FINDINGS = 5
-SHORTLIST = 4  # causes put to the gate before none is named
-PARAMETER = 5.0  # what a form must fit better per parameter that it has more
-REACH = 0.05  # a rival that lacks no more than this share of what the cause explains cannot be told from it
-CLEAR = 20.0  # what a rival lacks is beyond chance where it is more than this, and more than the cause itself lacks
-FINE = 30.0  # score that a shape needs where placing errors could be it instead
+MOST_FINDINGS = 5  # causes that a search names at most
+SHORTLIST = 4  # causes that are tested at the gate before the search gives up
+PARAMETER = 5.0  # fall of the cost that an exchanged form must bring per additional parameter
+REACH = 0.05  # a rival that explains less than the cause by at most this share cannot be told from it
+CLEAR = 20.0  # twice nats: a rival that explains less by more than this is told apart, unless the cause's own misfit is larger still
+FINE = 30.0  # score that a shape needs where placing errors could explain it instead
 
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
 class Named:
-    """One cause in the extended model: what it gained when held out, what it explains, and (score lacking) who might be it instead."""
+    """One cause in the extended model: its held-out gain, its score `explained` (twice nats), and its rivals, each with how much less it
+    explains."""
 
     candidate: Candidate
     gain: Gain
     explained: float
     rivals: tuple[tuple[Candidate, float], ...] = ()
-    or_placing: bool = False  # the same could come from a plunger that stood beside every distance by a little
+    or_placing: bool = False  # placing errors of the plunger could look the same
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What a search found. `rounds` holds every round's trials, the best first, and the cause named in it."""
+    """The result of a search. `rounds` holds for every round its trials, the best first, and the cause named in it; `last` are the trials
+    after the last named cause."""
 
     baseline: Fit
     extended: Fit
@@ -57,7 +59,7 @@ class Search:
 
 
 def search(start: Member, s: Setting, progress: Progress = lambda stage: None) -> Search:
-    """Find what `start` gets wrong on the cells."""
+    """Search for the causes that the model `start` lacks on the cells of `s`."""
     noise = estimate(start, s.cells, s.rich, s.floor)
     baseline = present = fit(start, s.cells, noise.noise.whitener())
     named: list[Named] = []
@@ -90,7 +92,7 @@ def search(start: Member, s: Setting, progress: Progress = lambda stage: None) -
 
 
 def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Setting):
-    """The best trial that held-out cells support, as (fit, finding), or None."""
+    """The first of `trials` that passes the held-out gate, as (fit, finding); None where none of the first SHORTLIST causes does."""
     causes: list[str] = []
     for t in trials:
         if t.candidate.cause in causes:
@@ -105,7 +107,8 @@ def _first_believed(present: Fit, trials: list[Trial], noise: Estimated, s: Sett
 
 
 def _exchanged(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, list[Named]]:
-    """Put another cause, or another form, in the place of a named one wherever the whole then fits better by more than CLOSE."""
+    """Replace a named cause by another one where the whole model then fits better by more than CLOSE, or by another form of the same cause
+    where it fits better by more than 1 (twice nats, less PARAMETER for each additional parameter). The gate must be passed again."""
     for n in named:
         base = without_candidate(n.candidate, present.member, s.test.start)
         others = taken([o.candidate for o in named if o is not n], s)
@@ -124,7 +127,8 @@ def _exchanged(present: Fit, named: list[Named], noise: Estimated, s: Setting) -
 def _better(
     present: Fit, base: Member, old: Candidate, others: set[str], noise: Estimated, s: Setting
 ) -> tuple[Candidate, Fit, float] | None:
-    """The cause that added to `base` fits best and clearly better than the present model: itself, its fit, and by how much."""
+    """The cause or form that, added to `base` in the place of `old`, fits best and clearly better than the present model: the candidate,
+    its fit, and by how much (twice nats)."""
     whitener, best = noise.noise.whitener(), None
     for c in s.able:
         if c == old or c.cause in others or (c.cause == "off_centre" and not s.both_sides):
@@ -137,10 +141,10 @@ def _better(
 
 
 def _fine_shape(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, Named] | None:
-    """A shape that is named only if every distance is taken for exact, as (fit, finding), or None.
+    """A shape of the spread that passes only where all distances are taken as exact, as (fit, finding), or None.
 
-    Placing errors can look like a shape with more bends than the distances resolve. Where the same distances are off at all depths and
-    a shape also predicts the distances left out, both names are given.
+    Placing errors can look like a shape with more bends than the distances resolve. Where the same distances are off at all depths, and a
+    shape also predicts the distances left out, both causes are given.
     """
     causes = {n.candidate.cause for n in named}
     if noise.noise.placing == 0.0 or causes & {"spread_shape", "off_centre"}:
@@ -159,7 +163,8 @@ def _fine_shape(present: Fit, named: list[Named], noise: Estimated, s: Setting) 
 
 
 def _eliminated(present: Fit, named: list[Named], noise: Estimated, s: Setting) -> tuple[Fit, list[Named], bool]:
-    """Take out every cause without which the rest fits and predicts just as well."""
+    """Remove every cause (the last one named excepted) whose score is no longer positive, or which no longer passes the gate, beside the
+    others. Returns the fit, the causes kept, and whether any was removed."""
     dropped = False
     for n in list(reversed(named[:-1])):
         before, score, gain = _worth(present, n, noise, s)
@@ -179,14 +184,14 @@ def _worth(present: Fit, n: Named, noise: Estimated, s: Setting) -> tuple[Fit, f
 
 
 def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Setting) -> tuple[tuple[Candidate, float], ...]:
-    """The causes that in the place of a named one explain nearly as much, with what they lack (squared units of the noise)."""
+    """The causes that explain nearly as much in the place of a named one, each with how much less it explains (twice nats)."""
     j = judge_in(noise, s)
     others = {o.candidate.cause for o in named}
     twins = {"spread_shape", "off_centre"} if not s.both_sides else set()
     base = fit(without_candidate(n.candidate, present.member, s.test.start), s.cells, j.whitener)
     own = _explained(base, present, s)
     degrees = j.degrees(present, n.candidate.names)
-    misfit = max(present.cost - 1.5 * len(s.cells), CLEAR)  # a rival may miss what the cause itself misses, whatever both gain
+    misfit = max(present.cost - 1.5 * len(s.cells), CLEAR)  # a rival may fit worse by the cause's own misfit, however much both explain
     reach = min(REACH * own, misfit)
     best: dict[str, tuple[Candidate, float]] = {}
     for c in (c for c in s.able if c.cause not in others and not _brings(c, n.candidate)):
@@ -200,10 +205,11 @@ def _rivals(present: Fit, n: Named, named: list[Named], noise: Estimated, s: Set
 
 
 def _brings(c: Candidate, other: Candidate) -> bool:
-    """Whether a cause explains whatever another one does because it frees the same and more: a shape with a width of its own."""
+    """Whether `c` explains whatever another cause does, because it frees all its parameters and more: as a shape with a width of its own
+    does beside `spread_width`."""
     return c.cause != other.cause and bool(other.names) and set(other.names) < set(c.names)
 
 
 def _explained(before: Fit, after: Fit, s: Setting) -> float:
-    """Fall of the cost, less what the parameters cost."""
+    """Fall of the cost from `before` to `after`, less log N for each additional unknown (BIC)."""
     return before.cost - after.cost - float(np.log(len(s.cells))) * (after.member.unknowns.size - before.member.unknowns.size)

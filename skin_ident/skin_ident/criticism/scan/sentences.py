@@ -1,4 +1,4 @@
-"""What a finding about a scan says in words: why, and which experiment would tell it from its rivals."""
+"""The sentences of a finding about a scan: why it was named, and which experiment would tell it from its rivals."""
 
 from collections.abc import Iterable
 
@@ -26,7 +26,7 @@ APART = {frozenset(pair.split()): words for pair, words in _PAIRS.items()}
 
 
 def why(cause: str, before: Member, after: Member, cells: Cells) -> str:
-    """One sentence that shows the cause in newtons. `before` lacks it."""
+    """One sentence that says how large the cause is, in newtons or millimetres; empty for other causes. `before` is a member without it."""
     if cause == "nonlinear_stiffness":
         return _law(before, after)
     if cause == "spread_shape":
@@ -74,7 +74,7 @@ def _shape(before: Member, after: Member, cells: Cells) -> str:
 
 
 def _extremes(y: np.ndarray) -> list[int]:
-    """Where a curve is greatest and least, in the order of distance, if it matters."""
+    """Indices of a curve's maximum and minimum in the order of distance; one is left out where it is small beside the other."""
     both = {int(np.argmax(y)), int(np.argmin(y))}
     return sorted(i for i in both if abs(y[i]) > 0.2 * np.abs(y).max())
 
@@ -87,7 +87,8 @@ def _depth(after: Member, cells: Cells) -> str:
 
 
 def separating(causes: Iterable[str], placing: bool = False) -> str:
-    """The experiment that tells rivals apart; empty for one cause alone."""
+    """The experiment that tells the first of `causes` from its rivals; empty where there are none. `placing` says that placing errors of
+    the plunger are a rival."""
     names = list(dict.fromkeys(causes))
     if placing:
         return "scan again with the plunger set anew at every distance: placing errors change, a shape of the skin stays"

@@ -1,7 +1,7 @@
-"""A description of a table that is as sharp as its readings: for single readings that a rough one would forgive.
+"""A robust fit of a table that is as precise as its readings, to find outliers within the tolerance of the rough fit.
 
-All directions in which the family can bend are fitted with Tukey's weights, and the tolerance of a reading is what the other readings
-scatter by: sigma from the smaller half of the forces, and a share of the force from the larger half.
+All excited parameters of the family are fitted with Tukey's weights. The tolerance of a reading is the scatter of the other readings:
+sigma from the smaller half of the forces, and an error proportional to the force from the larger half.
 """
 
 from dataclasses import replace
@@ -15,11 +15,11 @@ from skin_ident.criticism.scan.rough import ROUNDS, TUKEY, Rough
 from skin_ident.criticism.scan.whitening import Whitener
 from skin_ident.estimators.scale import normal_scale
 
-SPARE = 3  # cells per unknown, below which the fit follows single readings and their scatter says nothing
+SPARE = 3  # cells per unknown; with fewer the fit follows single readings, and the scatter says nothing
 
 
 def sharpened(cells: Cells, table: Rough) -> Rough | None:
-    """The sharper description, starting from the rough one; None where there are too few cells."""
+    """The more precise fit, started from the rough one `table`; None where there are too few cells."""
     m = table.member.freeing(*rich(excited(cells, False, False)))
     if len(cells) < SPARE * m.unknowns.size:
         return None
@@ -34,7 +34,7 @@ def sharpened(cells: Cells, table: Rough) -> Rough | None:
 
 
 def _scatter(e: np.ndarray, expected: np.ndarray, floor: float, unknowns: int) -> tuple[float, float]:
-    """Standard deviation (N) of residuals (N,) whatever the force, and what grows with it, relative."""
+    """Standard deviation of residuals `e` (N,): the part that does not depend on the force, in N, and the part proportional to it."""
     size = np.abs(expected)
     large = size > np.median(size)
     inflated = np.sqrt(e.size / (e.size - unknowns))

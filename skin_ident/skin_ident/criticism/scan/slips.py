@@ -1,4 +1,4 @@
-"""Slips of a record: a row, column or reading in another unit, two that were exchanged, single readings far off."""
+"""Slips of the pen in a table: a row, column or reading in another unit, two that were exchanged, single outliers."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,18 +15,18 @@ from skin_ident.spread_scan import SpreadScan
 
 _WORDS = {10.0: "a decimal point, or kgf and N", 100.0: "a decimal point, or gf and N", 1e3: "mN and N", 4.44822: "lbf and N"}
 FACTORS = _WORDS | {1.0 / factor: words for factor, words in _WORDS.items()} | {-1.0: "the sign"}
-NEAR = 0.08  # relative, how close a ratio must come to such a factor
-CLEAR = 6.0  # standard deviations by which a line must miss a factor of 1
-ALONE = 2.5  # times the strangest of all other readings
-FEWEST = 40  # readings that a sharp description needs
-EXCHANGE = 50.0  # fall of the squared strangeness that an exchange must bring
-MOST = 0.7  # of everything strange that an exchange must explain
+NEAR = 0.08  # largest relative difference between a ratio and a unit's factor
+CLEAR = 6.0  # standard deviations by which the ratio of a row or column must differ from 1
+ALONE = 2.5  # an outlier must be this many times as far off as the third worst of the other readings
+FEWEST = 40  # readings that the sharp fit needs
+EXCHANGE = 50.0  # fall of the sum of squared normalised residuals that an exchange must bring
+MOST = 0.7  # share of all excess squared normalised residuals that an exchange must explain
 
 
 @dataclass(frozen=True)
 class Marks:
-    """A single reading is an outlier from `far` standard deviations on; where more than a `share` of the others is beyond `tailed`, the
-    noise has heavy tails and nothing stands out."""
+    """Thresholds: a single reading is an outlier beyond `far` standard deviations. Where more than a `share` of the readings is between
+    `tailed` and `far`, the noise has heavy tails and no reading counts as an outlier."""
 
     far: float
     tailed: float
@@ -34,11 +34,11 @@ class Marks:
 
 
 ROUGHLY = Marks(15.0, 4.0, 1.0 / 200.0)
-SHARPLY = Marks(12.0, 3.0, 1.0 / 100.0)  # where the standard deviation is that of the other readings
+SHARPLY = Marks(12.0, 3.0, 1.0 / 100.0)  # for the sharp fit, whose standard deviation is the scatter of the readings
 
 
 def find_slips(cells: Cells, table: Rough, scans: list[SpreadScan]) -> list[Fault]:
-    """Faults, the gravest kind first; each takes its cells out of the sight of the next."""
+    """Faults, the gravest kind first. Cells of a fault are not searched again for the next kind."""
     found: list[Fault] = []
     clean = np.ones(len(cells), bool)
     for look in (_units_of_rows, _units_of_columns, _exchanged_columns, _exchanged_rows, _exchanged_cells, _strays, _faint_strays):
@@ -50,7 +50,7 @@ def find_slips(cells: Cells, table: Rough, scans: list[SpreadScan]) -> list[Faul
 
 
 def factor_near(ratio: float, doubt: float = 0.0) -> float | None:
-    """The factor of units that a ratio comes close to; `doubt` is its relative standard error."""
+    """The unit's factor that a ratio is close to, or None; `doubt` is the ratio's relative standard error."""
     return next((f for f in FACTORS if abs(ratio / f - 1.0) < NEAR and doubt < NEAR), None)
 
 
@@ -88,7 +88,7 @@ def _exchanged_rows(cells: Cells, table: Rough, scans: list[SpreadScan], clean: 
 
 
 def _exchanged(cells, table: Rough, scans, clean, group: np.ndarray, along: np.ndarray, place: np.ndarray, words: str) -> Iterator[Fault]:
-    """The exchange of two whole lines of one scan that explains most of what is strange."""
+    """The exchange of two whole rows (or columns) of one scan that lowers the squared residuals most, if it explains most of the excess."""
     strange = np.where(clean, table.strangeness(cells) ** 2, 0.0)
     excess = float(np.sum(np.maximum(strange - 1.0, 0.0)))
     best = None
@@ -114,7 +114,7 @@ def _exchanged(cells, table: Rough, scans, clean, group: np.ndarray, along: np.n
 
 
 def _strange_at(cells: Cells, table: Rough, read: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Squared strangeness of the readings of some cells if they stood in the place of others."""
+    """Squared normalised residuals of the readings of cells `read` if they belonged to the cells `place`."""
     return ((cells.y[read] - table.expected[place]) / table.tolerance[place]) ** 2
 
 
@@ -135,7 +135,7 @@ def _exchanged_cells(cells: Cells, table: Rough, scans: list[SpreadScan], clean:
 
 
 def _strays(cells: Cells, table: Rough, scans: list[SpreadScan], clean: np.ndarray, m: Marks = ROUGHLY) -> Iterator[Fault]:
-    """Single readings far off, with nothing strange beside them."""
+    """Single outliers whose neighbours are not off in the same direction."""
     t = table.strangeness(cells)
     e = np.where(clean, np.abs(t), 0.0)
     if np.sum((e > m.tailed) & (e < m.far)) > m.share * len(cells):
@@ -152,7 +152,7 @@ def _strays(cells: Cells, table: Rough, scans: list[SpreadScan], clean: np.ndarr
 
 
 def _faint_strays(cells: Cells, table: Rough, scans: list[SpreadScan], clean: np.ndarray) -> Iterator[Fault]:
-    """The same for what a rough description forgives."""
+    """The same with the sharp fit, for outliers within the tolerance of the rough one."""
     sharp = sharpened(cells.only(clean), table.only(clean)) if clean.sum() >= FEWEST else None
     for fault in () if sharp is None else _strays(cells.only(clean), sharp, scans, np.ones(int(clean.sum()), bool), SHARPLY):
         yield fault.among(clean)

@@ -1,4 +1,4 @@
-"""Where a search sets out: the thesis's model fitted to the cells, with a declared width, or a given model as it is."""
+"""The baseline from which a search begins: the thesis's model with a fitted or a declared width, or a given model as it is."""
 
 from collections.abc import Callable
 
@@ -13,8 +13,8 @@ from skin_models.signals import motion
 from skin_models.spread.kernels import Anisotropic, DepthWidth, Gaussian
 from skin_models.spread.noted import kernel_of, spread_width
 
-WIDTHS = 60  # that are tried first
-POINTS, RAMP = 2001, 1e4  # of the slow ramp that a given model is pressed with; s
+WIDTHS = 60  # widths of the first grid search
+POINTS, RAMP = 2001, 1e4  # samples, and duration in s, of the slow ramp on which a given model is simulated
 
 
 def plain_start(cells: Cells) -> Member:
@@ -29,14 +29,14 @@ def plain_start(cells: Cells) -> Member:
 
 
 def declared_start(cells: Cells, width: float) -> Member:
-    """k z exp(-(r / c)^2) of a declared width c (m), taken as it is; one k per scan by least squares."""
+    """k z exp(-(r / c)^2) with a declared width c (m), which is not fitted; one k per scan by least squares."""
     mean, deepest = cells.depth_span
     m = Member(plain(width), _linear(cells, cells.z / deepest, width)[2], (), Scale(mean, deepest), _steps(cells, width))
     return fit(m, cells, white(cells).whitener()).member
 
 
 def given_start(cells: Cells, model: Model) -> Member:
-    """A given model, its level, width and spread taken as they are."""
+    """A given model as a member; its level, width and spread are not fitted."""
     mean, deepest = cells.depth_span
     width, kernel = spread_width(model.notes), kernel_of(model.notes)
     values = plain(width)
@@ -52,7 +52,8 @@ def given_start(cells: Cells, model: Model) -> Member:
 
 
 def static_law(model: Model, deepest: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Force (N) that the model's first taxel feels right under a plunger at a depth (m) reached so slowly that nothing damps it."""
+    """A function from depth (m) to the force (N) on the model's first taxel right under the plunger, at a ramp so slow that damping does
+    not matter."""
     t = np.arange(POINTS) * (RAMP / (POINTS - 1))
     x = np.linspace(0.0, deepest, POINTS)
     felt = model.simulate(motion(t, x)).taxels_truth[0]
@@ -60,7 +61,7 @@ def static_law(model: Model, deepest: float) -> Callable[[np.ndarray], np.ndarra
 
 
 def _linear(cells: Cells, d: np.ndarray, width: float) -> tuple[float, float, np.ndarray]:
-    """Squared error, width and sizes for one width."""
+    """Sum of squared errors, the width, and the least-squares sizes for that width."""
     s = d * np.exp(-((cells.r / width) ** 2))
     scans = int(cells.scan.max()) + 1
     top, below = (np.bincount(cells.scan, a, scans) for a in (s * cells.y, s * s))

@@ -1,4 +1,4 @@
-"""The thesis as measured data: what its spread model gets wrong on its own scan, and every entry of its tables that cannot be right."""
+"""The thesis's tables as measured data: what its spread model gets wrong on its own scan, and every entry that cannot be right."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,14 @@ from skin_models.thesis import disagreements
 from skin_models.thesis.comparison import Disagreement
 from skin_models.thesis.tables import table
 
-RISE = 2.5  # steps of the converter by which a force may rise with distance before it is told
+RISE = 2.5  # converter steps by which a force may rise with distance before that is reported
 
 
 def thesis_findings() -> list[Disagreement]:
-    """`data_error` in the thesis: every printed entry that its own data cannot give, whatever was rounded.
+    """`data_error` in the thesis: every printed entry that contradicts the thesis's own data by more than rounding.
 
-    Averages and texts against the runs, fits against the scans, copied rows, readings on no level of the converter, and forces that rise
-    with distance. Source: thesis Tables 3-1, 3-2, 4-1 to 4-11.
+    Averages and texts are compared with the runs, and fits with the scans. Copied rows, readings on no level of the converter and forces
+    that rise with distance are listed too. Source: thesis Tables 3-1, 3-2, 4-1 to 4-11.
     """
     found = [*disagreements(), *spread_disagreements(), *_off_level("4-10"), *_rising("4-10")]
     return [d for d in found if not d.within_rounding]
@@ -37,7 +37,7 @@ def _off_level(name: str) -> list[Disagreement]:
 
 
 def _rising(name: str) -> list[Disagreement]:
-    """Neighbouring readings of one depth of which the farther one is greater by several steps."""
+    """Pairs of neighbouring readings of one depth where the farther one is greater by more than RISE steps."""
     scan, t = thesis_scan(name), table(name)
     levels = find_levels(scan.force.ravel())
     rise = np.diff(scan.force, axis=1) / (levels.step if levels else np.inf)
@@ -57,12 +57,16 @@ def _rising(name: str) -> list[Disagreement]:
 
 @dataclass(frozen=True)
 class SpreadGain:
-    """RMSE (N) on distances not fitted, of depths not used for the shape (but for the first, which has a shape of its own).
+    """Held-out RMSE (N) of five models. The first three predict distances that were not fitted:
 
-    table_4_8   a Gaussian with a and c of its own at every depth, as Table 4-8, fitted to every other distance
-    gaussian    one width for all depths, fitted to the other depths; a fitted to every other distance
-    extended    the extended shape likewise
-    `linear` and `nonlinear` predict whole depths left out, with one stiffness for all and with the extended level and shape.
+    table_4_8   a Gaussian with amplitude a and width c at every depth, as in Table 4-8, both fitted to every other distance
+    gaussian    one width for all depths, fitted to the other depths; only a is fitted to every other distance
+    extended    the same with the extended shape
+
+    The last two predict whole depths that were left out:
+
+    linear      one stiffness for all depths, Gaussian spread
+    nonlinear   the extended level and shape
     """
 
     table_4_8: float
@@ -73,7 +77,7 @@ class SpreadGain:
 
 
 def thesis_spread() -> tuple[Outcome, SpreadGain]:
-    """The diagnosis of Table 4-10, and what the extension gains held out by depth."""
+    """The diagnosis of Table 4-10, and the held-out errors of the models that it compares."""
     scan = thesis_scan("4-10")
     outcome = diagnose_scans([scan])
     shape = next(f for f in outcome.findings["findings"] if f["cause"] == "spread_shape")["gain"]
@@ -83,7 +87,7 @@ def thesis_spread() -> tuple[Outcome, SpreadGain]:
 
 
 def _own_gaussians(scan: SpreadScan) -> float:
-    """RMSE of a Gaussian per depth, fitted to every other distance, at the distances between; N."""
+    """RMSE (N) of one Gaussian per depth, fitted to every other distance and evaluated at the distances between."""
     e = []
     for force in scan.force:
         for half in (0, 1):

@@ -1,4 +1,4 @@
-"""Trials: every cause added to a member in turn, in one noise, and judged."""
+"""Trials: each cause is added to the present member in turn, fitted in a given noise, and scored."""
 
 from dataclasses import dataclass, replace
 
@@ -10,40 +10,41 @@ from skin_ident.criticism.scan.gate import Test
 from skin_ident.criticism.scan.noise import Estimated, estimate
 from skin_ident.criticism.scan.score import Judge
 
-AHEAD = 5  # trials that are tried together with every other cause before one is chosen
-NOISE_TRIES = 4  # causes around whose fit the noise is estimated, too
-CLOSE = 6.0  # score within which two causes cannot be told apart: twenty to one
-STEPPED = 0.8  # share of the noise's standard deviation that the converter's steps alone make, from which they are coarse
+AHEAD = 5  # best trials that are fitted together with every other cause before one is chosen
+NOISE_TRIES = 4  # most causes whose residual is also used to estimate the noise
+CLOSE = 6.0  # twice nats: scores closer than this cannot be told apart (likelihood ratio 20 to 1)
+STEPPED = 0.8  # steps are coarse where they alone make more than this share of the noise's standard deviation
 
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """What stays the same through a search: the cells, the causes that can be tested, the directions of the noise, its floor (N)."""
+    """What stays the same through a search: the cells, the testable causes, the parameters `rich` that are projected out before the noise
+    is estimated, and the noise's lower bound `floor` (N)."""
 
     cells: Cells
     able: tuple[Candidate, ...]
     rich: tuple[str, ...]
     floor: float
     test: Test
-    both_sides: bool = True  # without: an offset centre and another shape are two names of one thing
+    both_sides: bool = True  # else an offset centre cannot be told from another shape
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A cause added to a member, fitted: `fall` of the cost, and its score."""
+    """A cause added to a member and fitted: the `fall` of the cost, and the score (see `score`)."""
 
     candidate: Candidate
     fit: Fit
     fall: float
     score: float
-    promise: float = -1e9  # score together with the best other cause
+    promise: float = -1e9  # its score plus that of the best further cause
 
 
 def surveyed(present: Fit, named: list[Candidate], s: Setting) -> tuple[Estimated, tuple[Trial, ...], Fit]:
     """The noise, the trials of every cause that is not in the model, best first, and the present fit in that noise.
 
-    A cause that is not smooth (saturation, a dead zone, an edge of the spread) is in no direction of the family: the noise is estimated
-    around the best few trials of such causes as well, and the likeliest estimate counts.
+    A cause that is not smooth (saturation, a dead zone, an edge of the spread) is not covered by the tangents that are projected out, and
+    would be taken for noise. So the noise is also estimated from the residuals of the best few trials, and the likeliest estimate counts.
     """
     noise = estimate(present.member, s.cells, s.rich, s.floor)
     trials, present = _trials(present, named, noise, s)
@@ -64,13 +65,14 @@ def _trials(present: Fit, named: list[Candidate], noise: Estimated, s: Setting) 
 
 
 def taken(named: list[Candidate], s: Setting) -> set[str]:
-    """The causes that are not tried beside those named."""
+    """The causes that are not tried any more beside those named: these, and what cannot be told from them."""
     causes = {c.cause for c in named}
     return causes | {"spread_shape", "off_centre"} if causes & {"spread_shape", "off_centre"} and not s.both_sides else causes
 
 
 def promising(trials: tuple[Trial, ...], named: list[Candidate], noise: Estimated, s: Setting) -> list[Trial]:
-    """The trials that score, the one first that promises most together with one more cause: two small causes hide in one wrong shape."""
+    """The trials with a positive score, ordered by the score that they reach together with one further cause: one wrong shape can imitate
+    two small causes. From one side of the taxel, `off_centre` comes last where a shape scores too."""
     j = judge_in(noise, s)
     scoring = [t for t in trials if t.score > 0.0]
     ahead = []
@@ -85,13 +87,13 @@ def promising(trials: tuple[Trial, ...], named: list[Candidate], noise: Estimate
 
 
 def judge_in(noise: Estimated, s: Setting) -> Judge:
-    """The judge for a noise."""
+    """The judge that scores fits in a noise."""
     coarse = s.floor > STEPPED * noise.noise.sigma
     return Judge(noise.noise, noise.noise.whitener(), s.cells, noise.spare, coarse)
 
 
 def trial(present: Fit, c: Candidate, j: Judge, s: Setting) -> Trial:
-    """A cause added to the present fit, from its best start."""
+    """The trial of a cause: added to the present fit and fitted from each of its starts, of which the best counts."""
     best = min((fit(m, s.cells, j.whitener) for m in with_candidate(c, present.member)), key=lambda f: f.cost)
     fall = max(present.cost - best.cost, 0.0)
     count = best.member.unknowns.size - present.member.unknowns.size
@@ -99,12 +101,12 @@ def trial(present: Fit, c: Candidate, j: Judge, s: Setting) -> Trial:
 
 
 def with_candidate(c: Candidate, m: Member) -> list[Member]:
-    """The members from which a fit of `m` with the cause sets out."""
+    """Initial members for a fit of `m` with the cause."""
     return [sizes_of(m, True)] if c.cause == "parameters" else starts(c, m)
 
 
 def without_candidate(c: Candidate, m: Member, start: Member) -> Member:
-    """`m` without the cause: its parameters at the values that remove it, and no longer free."""
+    """`m` without the cause: its parameters at their neutral values, the width as in `start`, and free only if they are in `start`."""
     if c.cause == "parameters":
         return sizes_of(m, False, start)
     gone = {n: start.values[n] if n == "width" else QUANTITIES[n].neutral for n in c.names}
@@ -113,5 +115,5 @@ def without_candidate(c: Candidate, m: Member, start: Member) -> Member:
 
 
 def sizes_of(m: Member, free: bool, start: Member | None = None) -> Member:
-    """`m` with its sizes free, or back at those of `start`."""
+    """`m` with its sizes free or fixed (`free`), and set to those of `start` where it is given."""
     return Member(m.values, m.k if start is None else start.k, m.free, m.scale, m.steps, free)

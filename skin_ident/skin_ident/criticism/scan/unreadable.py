@@ -1,4 +1,4 @@
-"""What to say of scans of which too little can be believed to fit anything."""
+"""The outcome for scans with too few trusted readings to fit anything."""
 
 from skin_ident.criticism.scan.faults import Looked
 from skin_ident.criticism.scan.findings import recordings, seen, together
@@ -12,7 +12,7 @@ NOTHING = {"model": "none: too little can be believed to fit one", "parameters":
 
 
 def unreadable(scans: list[SpreadScan], held: list[SpreadScan], looked: Looked) -> Outcome:
-    """The faults of the tables, everything else untestable, no model and no curves."""
+    """The faults of the tables, without model and curves. Causes that were looked for in the tables are excluded, all others untestable."""
     entries = [seen(f) for f in together(looked.faults)]
     named = {entry["cause"] for entry in entries} | {a["cause"] for entry in entries for a in entry["alternatives"]}
     inspected = [c.name for c in CAUSES if looked.known.get(c.name) == "" and c.name not in named and c.name != "noise"]

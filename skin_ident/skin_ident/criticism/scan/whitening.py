@@ -1,11 +1,11 @@
-"""The noise of a scan, and how to make it white.
+"""The noise model of a scan, and how to whiten with it.
 
-    variance of a cell          sigma^2 + (relative * force)^2, more where a reading is out of line (Huber's weights)
-    common to a column          the plunger stood `placing` m beside the distance that the column says
-    common to a row             the plunger went `repeat` (relative) deeper or less deep, or the skin was that much stiffer
+    independent in each cell    variance sigma^2 + (relative * force)^2, larger for outliers (Huber's weights)
+    common to a column          the plunger stood `placing` m (rms) beside the distance that the column says
+    common to a row             the plunger went `repeat` (relative, rms) deeper or less deep, or the skin was that much stiffer
 
-A placing error bends every row alike, as another spread would; a repeat error bends the level, as another stiffness would. To take them
-for white noise finds causes where there are none.
+A placing error bends every row alike, as another spread would. A repeat error changes the level, as another stiffness would. Taking them
+for white noise would lead to causes that are not there.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 @dataclass(frozen=True, eq=False)
 class Whitener:
-    """`factor` is the lower Cholesky factor of the covariance (N, N), or None where `sd` (N,) is all there is."""
+    """Whitens by `factor`, the lower Cholesky factor of the covariance (N, N), or by the standard deviations `sd` (N,) where it is None."""
 
     sd: np.ndarray
     factor: np.ndarray | None = None
@@ -36,8 +36,8 @@ class Whitener:
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """The noise of all cells. `slope` (N,) is d force / d distance, `through` (N,) the force that reaches the taxel, both N per unit;
-    `weight` (N,) is 1, less for a reading out of line."""
+    """The noise of all cells. `slope` (N,) is d force / d distance, N/m; `through` (N,) is the force that reaches the taxel, N; `weight`
+    (N,) is 1, less for an outlier."""
 
     sigma: float
     relative: float
@@ -50,15 +50,15 @@ class Noise:
     column: np.ndarray
 
     def variance(self) -> np.ndarray:
-        """Of every cell by itself, N^2."""
+        """Variance (N,) of the independent noise of every cell, N^2."""
         return (self.sigma**2 + (self.relative * self.through) ** 2) / self.weight
 
     def total(self) -> np.ndarray:
-        """Standard deviation of every cell, everything included, N."""
+        """Standard deviation (N,) of every cell, placing and repeat errors included, N."""
         return np.sqrt(self.variance() + (self.placing * self.slope) ** 2 + (self.repeat * self.through) ** 2)
 
     def whitener(self, keep: np.ndarray | None = None) -> Whitener:
-        """For the cells of a mask (N,), default all."""
+        """The whitener for the cells of a mask (N,), default all."""
         keep = np.ones(self.row.size, bool) if keep is None else keep
         v = self.variance()[keep]
         if self.placing == 0.0 and self.repeat == 0.0:
@@ -67,7 +67,7 @@ class Noise:
         return Whitener(np.sqrt(v), cholesky(np.diag(v) + U @ U.T, lower=True, check_finite=False))
 
     def shared(self) -> np.ndarray:
-        """(N, columns + rows) such that shared() @ shared().T is the covariance between cells."""
+        """Matrix (N, columns + rows) such that shared() @ shared().T is the covariance due to placing and repeat errors."""
         return np.hstack([_blocks(self.placing * self.slope, self.column), _blocks(self.repeat * self.through, self.row)])
 
 
