@@ -1,4 +1,4 @@
-"""Motions that might tell causes apart: profiles at several speeds and amplitudes, and the batteries that are shipped.
+"""Motions that might tell causes apart: profiles at several speeds and amplitudes, and the shipped batteries.
 
 Every candidate begins and ends in free air, so that it can be recorded as a session of its own.
 """
@@ -17,20 +17,20 @@ from skin_motion_profiles.catalogue import entry_from_dict
 from skin_motion_profiles.errors import ProfileError
 from skin_motion_profiles.profile_file import entry_from_words, entry_to_text
 
-LONGEST = 120.0  # s
-BRISK = 500.0  # mm/s^2
-GENTLE = 1.0  # mm/s, up to which loops cross the surface: a jump of the force at contact is taken for a spike, or left out
+LONGEST = 120.0  # s, longest candidate
+BRISK = 500.0  # mm/s^2, acceleration of the profiles
+GENTLE = 1.0  # mm/s: only loops up to this speed cross the surface; faster, the jump at contact is taken for a spike, or left out
 BATTERIES = ("demo", "full", "hysteresis_and_rate", "relaxation", "stiffness", "sinusoidal_identification", "pseudo_random_validation")
 AIR = {"type": "free_air", "duration_s": 1.5}
-SECOND_DRAW = 1000  # added to the seeds of a battery that is recorded again: beyond those of any candidate
-RICH = ("demo", "full", "pseudo_random_validation")
+SECOND_DRAW = 1000  # added to the seeds of a battery that is recorded again, so that no candidate has the same seed
+RICH = ("demo", "full", "pseudo_random_validation")  # batteries that do not repeat themselves (see `Candidate`)
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A battery by its words: YAML text that the profile server runs, and the motion that it makes.
+    """A battery: its name, the YAML text that the profile server runs, and the motion that results.
 
-    `rich` is one that does not repeat itself: from periodic motion alone nobody can tell noise from an effect that repeats with it.
+    `rich` says that the motion does not repeat itself. From periodic motion alone, noise cannot be told from an effect of the same period.
     """
 
     name: str
@@ -40,34 +40,35 @@ class Candidate:
 
     @property
     def seconds(self) -> float:
-        """How long it takes."""
+        """Duration, s."""
         return len(self.motion) * self.motion.dt
 
 
 def candidates(deepest: float, dt: float, seed: int = 0) -> list[Candidate]:
-    """Every motion that goes no deeper than `deepest` (m) and that the rig can make, sampled every `dt` s; `seed` is of random ones."""
+    """Every candidate that goes no deeper than `deepest` (m), lasts no more than LONGEST and is within the rig's limits, sampled every `dt`
+    s; `seed` is that of random motions."""
     found = []
     for name, content, rich in _described(_rounded(deepest * 1e3), seed):
         try:
             entry = entry_from_dict(content)
             motion = planned(entry, dt, within(deepest + 2e-6))
         except ProfileError:
-            continue  # not at this depth, or not by motions alone
+            continue  # impossible at this depth, or not a single motion
         if len(motion) * dt <= LONGEST:
             found.append(Candidate(name, entry_to_text(entry), motion, rich))
     return found
 
 
 def random_motion(deepest: float) -> str:
-    """YAML text of a battery of quick loops, random sines and random ramps up to `deepest` (m): in half the time of the full one it shows a
-    little of everything, and the largest loads."""
+    """YAML text of a battery of quick loops, a multisine and random ramps up to `deepest` (m). It takes half the time of the battery
+    `full`, shows a little of everything, and reaches the largest loads."""
     d = _rounded(deepest * 1e3)
     profiles = [AIR, _quick_loops(d), _multisine(d, 0.4, 0) | {"periods": 1}, _random_ramps(d, 8, 0), dict(AIR)]
     return yaml.safe_dump({"type": "battery", "name": "random motion", "profiles": profiles}, sort_keys=False, width=140)
 
 
 def redrawn(battery: str) -> str:
-    """A battery, as YAML or by name, with other draws of what is random in it, as YAML; one without anything random is given back as it is.
+    """A battery (YAML or name) with other seeds of its random motions, as YAML. A battery without random motions is returned unchanged.
     Raises `ProfileError`."""
     content = yaml.safe_load(entry_to_text(entry_from_words(battery)))
     other = _reseeded(content)
@@ -81,7 +82,7 @@ def _reseeded(value: Any) -> Any:
 
 
 def _rounded(d: float) -> float:
-    """A depth in mm that a person would type: whole hundredths, no deeper."""
+    """A depth `d` (mm) rounded down to hundredths of a mm, as a person would type it; depths up to 0.1 mm are not rounded."""
     return floor(d * 100.0 + 0.2) / 100.0 if d > 0.1 else d
 
 

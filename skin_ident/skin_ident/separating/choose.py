@@ -1,4 +1,4 @@
-"""The motion that decides between rivals in the least time, with its numbers."""
+"""Chooses the motion that decides between rivals in the least time, and says how much it is expected to tell."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -18,24 +18,29 @@ from skin_ident.separating.candidates import Candidate
 from skin_ident.separating.contest import Contender, Contest, contest, rehearsed
 from skin_ident.separating.unrecorded import unrecorded
 
-FLOOR = 100.0  # squared whitened units, ten times the criticism's: causes that nobody thinks of now must not stand between the two
-SHORTEST = 20.0  # s: held-out data are judged by blocks of 2 s, and a few of them say nothing
-MARGIN = 1.5  # times the criticism's own bound: real skins are not quite of the forms that were fitted
-PATIENCE = 75.0  # s of recording, for an experiment that is not sure to decide
-TELLS_NOTHING = 1.0  # expected log likelihood ratio: names for one and the same signal are not worth an experiment
-HELPS = 0.1  # of what is missing to `MARGIN`, which an experiment that does not decide must bring
-MOST_RUNS = 3
-PERIOD = 0.01  # s, at which candidates are simulated
+FLOOR = 100.0  # squared whitened units (ten times the criticism's): the distance of two rivals must exceed what other causes could make
+SHORTEST = 20.0  # s, shortest session: held-out data are resampled in blocks of 2 s, and a few blocks say nothing
+MARGIN = 1.5  # times the criticism's own bound; more than 1 because real skins differ a little from the fitted forms
+PATIENCE = 75.0  # s of recording, the most for an experiment that is not expected to tell any pair apart
+TELLS_NOTHING = 1.0  # expected log-likelihood ratio below which no experiment is proposed: the names stand for one and the same signal
+HELPS = 0.1  # an experiment helps if it closes this share of the gap to MARGIN
+MOST_RUNS = 3  # times that a candidate may be repeated in one session
+PERIOD = 0.01  # s, sampling period of simulated candidates
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A battery to record, and why: the expected log likelihood ratio it adds, beside that of what was recorded.
+    """A battery to record, and how much it is expected to tell.
 
-    Both are of the pair, among those expected to be told apart, for which it adds least. `together` are pairs of rivals that are expected
-    to stay together even so, `hopeless` whether every other motion that was tried leaves them so, too, and `known` those pairs that what
-    was recorded tells apart; `rivals` are the names it was chosen for, the named cause first, and `unasked` the others. Where even the
-    best motion is of no help there is no `name` and no `text`. `apart` says whether the rivals are in skin and rig.
+    `evidence` and `recorded` are expected log-likelihood ratios: of the new recording, and of what was recorded before. Both are for one
+    pair of rivals: of the pairs expected to be told apart (of all, if there are none), the one to which the experiment adds least.
+
+    -   `rivals` are the names it was chosen for, the named cause first; `unasked` are alternatives without a model, which it cannot test.
+    -   `together` are pairs of rivals that are not expected to be told apart even then; `hopeless` says that no other motion that was tried
+        tells any of these pairs apart; `known` are the pairs that the existing recordings tell apart.
+    -   `apart` says that one rival is in the skin and another is not.
+
+    `name` and `text` are empty where even the best motion is of no help.
     """
 
     name: str
@@ -57,11 +62,11 @@ class Experiment:
 
     @property
     def decides(self) -> bool:
-        """Whether one name is then expected to be left."""
+        """Whether the experiment is expected to leave a single name."""
         return not self.together
 
     def sentence(self, file: str) -> str:
-        """What findings.json says of it, where `file` is the battery's name."""
+        """The sentence about the experiment in findings.json; `file` is the battery's file name."""
         if not self.helps:
             other = "; press another skin with the same rig and sensors: what is in these stays, and what is in the skin goes with it"
             none = "no motion that was tried in simulation tells them apart clearly better than what was recorded"
@@ -85,29 +90,30 @@ class Experiment:
 
     @property
     def numbers(self) -> dict[str, float]:
-        """The same for programs: expected log likelihood ratios."""
+        """Expected log-likelihood ratios, for programs that read findings.json."""
         return {"expected": self.evidence, "recorded": self.recorded}
 
 
 @dataclass(frozen=True)
 class _Option:
-    """Candidates to be recorded in one session, and what they add. Sums are lower bounds: one joint refit can imitate less than several."""
+    """Candidates to be recorded in one session, and the contest on them. The contests of several candidates are summed; this is a lower
+    bound, because one fit to all of them can imitate less than a fit to each."""
 
     parts: tuple[Candidate, ...]
     new: Contest
 
     @property
     def seconds(self) -> float:
-        """How long the session lasts."""
+        """Duration of the session, s."""
         return sum(p.seconds for p in self.parts)
 
     def and_then(self, other: "_Option") -> "_Option":
-        """Both in one session."""
+        """The candidates of both options in one session."""
         return _Option((*self.parts, *other.parts), self.new + other.new)
 
     @property
     def name(self) -> str:
-        """Of the session: its candidates, those that come again counted."""
+        """Name of the session: the names of its candidates, with the number of repetitions."""
         counted = Counter(p.name for p in self.parts)
         return " and ".join(name if n == 1 else f"{name}, {n} times" for name, n in counted.items())
 
@@ -119,8 +125,8 @@ def separating_experiment(
     which: tuple[Direction, ...],
     progress: Callable[[str], None] = lambda stage: None,
 ) -> Experiment | None:
-    """The best motion for the rivals of one finding on the sessions `train`; `which` are all directions that were ranked. None where there
-    is no rival, or no depth to command."""
+    """The best experiment for the rivals of one finding on the sessions `train`; `which` are all directions that were ranked. None where
+    there is no rival with a model, where force drives the test, so that no depth can be commanded, or where no candidate is usable."""
     rivals = contenders(named)
     if len(rivals) < 2 or train[0].drive is not None:
         return None
@@ -142,9 +148,10 @@ def separating_experiment(
 def separating_experiments(
     c: Criticism, progress: Callable[[str], None] = lambda stage: None
 ) -> dict[tuple[str, str], tuple[str, Experiment]]:
-    """The best experiment for every finding that has rivals, by its cause and place, with the name of the file it goes to; no file where
-    it is of no help. Judged on the samples that the criticism compares: in those that it leaves out rivals may differ as much as they
-    will, and are not told apart."""
+    """The best experiment for every finding that has rivals, by cause and place, with the name of its file (empty where it does not help).
+
+    Only samples that the criticism compares count. Rivals may differ in samples that it leaves out, but that does not tell them apart.
+    """
     train = list(c.train)
     each = {n.key: separating_experiment(n, train, c.last.noise, c.last.projected.which, progress) for n in c.named}
     wanted = {key: e for key, e in each.items() if e is not None and e.evidence > TELLS_NOTHING}
@@ -159,8 +166,11 @@ def contenders(named: Named) -> tuple[Contender, ...]:
 
 
 def as_criticised(known: Contest, named: Named) -> Contest:
-    """What was recorded, saying no more than the criticism took from it: by so little it explains more with the named cause, and it kept
-    the rival. What the contest sees beyond that is in forms that are free in a criticism and were held here."""
+    """The contest on the existing recordings, with distances no larger than the criticism found them.
+
+    The criticism kept a rival because it explains less than the named cause by only `short_by`. A larger distance comes from forms of the
+    causes that are free in the criticism but fixed in the contest.
+    """
     short = [a.short_by for a in named.alternatives if a.model is not None]
     share = np.clip(np.array(short) / max(named.explained, 1e-300), 0.0, REACH)
     distance = known.distance.copy()
@@ -170,7 +180,7 @@ def as_criticised(known: Contest, named: Named) -> Contest:
 
 
 def _options(singles: list[_Option]) -> Iterator[_Option]:
-    """Every candidate once or several times, and every pair."""
+    """Every candidate, repeated up to MOST_RUNS times, and every pair of candidates."""
     for o in singles:
         repeated = o
         for _ in range(MOST_RUNS):
@@ -185,7 +195,8 @@ def _usable(o: _Option) -> bool:
 
 
 def _cost(known: Contest, o: _Option) -> tuple[int, float]:
-    """How many pairs it leaves together, then its seconds; where it tells none apart, how near it comes within `PATIENCE`."""
+    """Sort key of an option, the smallest being the best: the number of pairs that it leaves together, then its duration. Where it tells no
+    pair apart, the second entry is minus the smallest margin of a pair, or 0 for options longer than PATIENCE."""
     together = _together(known, o)
     if together.sum() < together.size:
         return int(together.sum()), o.seconds
@@ -193,12 +204,12 @@ def _cost(known: Contest, o: _Option) -> tuple[int, float]:
 
 
 def _together(known: Contest, o: _Option) -> np.ndarray:
-    """For every pair of rivals, in the order of `_pairs`, whether it is expected to stay together."""
+    """For every pair of rivals, in the order of `_pairs`, whether it is expected not to be told apart."""
     return (known + o.new).margin(FLOOR, REACH)[_pairs(known)] < MARGIN
 
 
 def _hopeless(known: Contest, best: _Option, options: list[_Option]) -> bool:
-    """Whether no option tells any pair apart that the best leaves together."""
+    """Whether every pair that the best option leaves together is left together by all other options, too."""
     left = _together(known, best)
     return all(bool(np.all(_together(known, o)[left])) for o in options)
 
@@ -220,25 +231,25 @@ def _experiment(rivals: tuple[Contender, ...], known: Contest, best: _Option) ->
 
 
 def _helps(known: Contest, o: _Option) -> bool:
-    """Whether it tells a pair apart that what was recorded does not, or brings one clearly nearer to that."""
+    """Whether an option brings some pair that the existing recordings do not tell apart at least the share HELPS nearer to MARGIN."""
     before, after = (c.margin(FLOOR, REACH)[_pairs(known)] for c in (known, known + o.new))
     return bool(np.any((before < MARGIN) & (after - before > HELPS * (MARGIN - before))))
 
 
 def _text(o: _Option) -> str:
-    """The battery that does all parts of an option, as YAML."""
+    """The battery of all candidates of an option, as YAML."""
     about = {"type": "battery", "name": "separating", "about": o.name}
     return yaml.safe_dump({**about, "profiles": [yaml.safe_load(p.text) for p in o.parts]}, sort_keys=False, width=140)
 
 
 def _words(rivals: tuple[Contender, ...]) -> tuple[str, ...]:
-    """What to call the rivals: by place too where one cause is its own rival."""
+    """The names of the rivals, with their places where one cause occurs at two places."""
     twice = len({r.cause for r in rivals}) < len(rivals)
     return tuple(cause_at(r.cause, r.where) if twice else spoken(r.cause) for r in rivals)
 
 
 def _from(pairs: Sequence[tuple[str, str]], word: str) -> str:
-    """Pairs as they are told apart: by the name that all of them share, where there is one."""
+    """Pairs in words: "a from b", joined by `word`; where all pairs share one name, "name from b, c `word` d"."""
     shared = set.intersection(*map(set, pairs))
     if len(pairs) == 1 or not shared:
         return f", {word} ".join(" from ".join(pair) for pair in pairs)

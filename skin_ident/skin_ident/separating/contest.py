@@ -1,12 +1,13 @@
 """How well a motion tells rival models apart.
 
-If rival i is the truth, its signals on the motion are y_i, and what rival j cannot imitate of them is
+If rival i is the truth, its signals on the motion are y_i. The part of them that rival j cannot imitate is
 
-    D_ij = min |W (y_i - y_j - J_j z - A_j a)|^2
+    D_ij = min |W (y_i - y_j - J_j z - A_j a)|^2    over z and a
 
-with the common band and whitener W, the tangents J_j of everything in j that a fit may change, and the directions A_j of j's own cause
-(within their signs, as in the ranking), so that another form of the same cause is no evidence. Half of D_ij is the expected log likelihood
-ratio. G_i, likewise, is what cause i explains over a model without it: the criticism tells two causes apart when D exceeds a share of G.
+W is the common low-pass and the whitener. J_j are the tangents of all parameters of model j. A_j are the directions of j's own cause, with
+coefficients of the sign that physics allows, as in the ranking, so that another form of the same cause is no evidence. Half of D_ij is the
+expected log-likelihood ratio. G_i is defined likewise as what cause i explains over a model without it. The criticism tells two causes
+apart when D exceeds a share of G.
 """
 
 from dataclasses import dataclass, replace
@@ -25,8 +26,8 @@ from skin_ident.criticism.sessions.session import Session
 from skin_models.model import Model
 from skin_models.signals import Motion
 
-GENTLE = 1.01e-3  # m/s
-HASTY = 0.02  # of a moment that is compared, the most that may be met at more
+GENTLE = 1.01e-3  # m/s, highest speed at which contact may be made in a sample that is compared
+HASTY = 0.02  # largest share of a compared (low-passed) sample that may come from faster contact
 
 
 @dataclass(frozen=True)
@@ -50,11 +51,11 @@ class Contest:
 
     @property
     def evidence(self) -> np.ndarray:
-        """Expected log likelihood ratio of every pair (R, R), whichever of the two is the truth; infinite on the diagonal."""
+        """Expected log-likelihood ratio of every pair (R, R), the smaller of the two possible truths; infinite on the diagonal."""
         return 0.5 * np.minimum(self._apart, self._apart.T)
 
     def margin(self, floor: float, reach: float) -> np.ndarray:
-        """How many times over the criticism's bound every pair (R, R) lies: above 1 one of the two names is left."""
+        """Distance of every pair (R, R) over the bound from which the criticism tells two causes apart; above 1, one of them is left."""
         apart = self._apart / np.maximum(floor, reach * self.explained)[:, None]
         return np.minimum(apart, apart.T)
 
@@ -64,9 +65,10 @@ class Contest:
 
 
 def contest(rivals: tuple[Contender, ...], plain: Model, sessions: list[Session], noise: Whitener, which: tuple[Direction, ...]) -> Contest:
-    """What the motion of `sessions` says about `rivals`; of their measured channels only how loaded they are matters.
+    """Distances and explained energies of `rivals` on the motion of `sessions`. Measured values do not enter, except for the load on the
+    channels, where the noise grows with it.
 
-    `plain` is the model fitted without any of them, `which` are the catalogue's directions.
+    `plain` is the model fitted without any of the rivals; `which` are the catalogue's directions.
     """
     signals = [[s.band.thin(simulated(r.model, s)) for s in sessions] for r in rivals]
     apart = [_unlike(rival, [_minus(y, own) for y in signals], sessions, noise, which) for rival, own in zip(rivals, signals, strict=True)]
@@ -81,7 +83,7 @@ def _minus(y: list[np.ndarray], other: list[np.ndarray]) -> list[np.ndarray]:
 
 
 def _unlike(rival: Contender, differences: list[list[np.ndarray]], sessions, noise, which) -> list[float]:
-    """What of each difference (C, n) per session `rival` cannot imitate."""
+    """The squared whitened norm of the part of each difference (a list of (C, n) per session) that `rival` cannot imitate."""
     mine = tuple(d for d in which if d.key == (rival.cause, rival.where))
     own = stack(tangents(rival.model, sessions, unknowns(rival.model, sessions[0])), sessions, noise)
     forms = stack(bank(rival.model, mine, sessions), sessions, noise)
@@ -96,9 +98,10 @@ def _left(mine: tuple[Direction, ...], forms: np.ndarray, own: np.ndarray, diffe
 
 
 def rehearsed(motion: Motion, like: Session, model: Model) -> Session:
-    """A session of `motion` with the channels of `like`, as `model` says they would read, less the moments that a criticism leaves out.
+    """A session of `motion` with the channels of `like` as `model` simulates them, without the samples that a criticism leaves out.
 
-    Contact met at speed is left out too: there the rivals differ by a jump between two samples, which telemetry takes for a spike.
+    Samples where contact is made at more than GENTLE are left out too: there the rivals differ by a jump between two samples, which
+    telemetry takes for a spike.
     """
     band = Band(motion.dt, like.band.cutoff)
     t = band.times(motion.t)

@@ -1,7 +1,7 @@
 """The closed loop: record, criticise, record what would separate the rivals that are left, and so on until one name is left.
 
-Every experiment is recorded twice, once to fit and once to be predicted, by another draw of what is random in its motion; everything
-recorded so far is criticised together.
+Every experiment is recorded twice, to fit and to hold out; the second time with other seeds of its random motions. Everything recorded so
+far is criticised together.
 """
 
 from collections.abc import Callable
@@ -12,13 +12,13 @@ from skin_ident.criticism.telling.outcome import Outcome
 from skin_ident.recordings.recording import Recording
 from skin_ident.separating.candidates import random_motion, redrawn
 
-Record = Callable[[str, str], Recording]  # words or YAML of a battery, and a name for the session
+Record = Callable[[str, str], Recording]  # from the name or YAML of a battery, and a name for the session
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Step:
-    """One experiment and the criticism of everything up to it: `left` are the names of every finding, the first being the one chosen."""
+    """One experiment and the criticism of everything recorded up to it. `left` holds for every finding its cause, then its rivals."""
 
     battery: str
     seconds: float
@@ -27,12 +27,12 @@ class Step:
 
     @property
     def unnamed(self) -> bool:
-        """Whether nothing has a name, or something that is left has none."""
+        """Whether no cause was named, or the verdict is that something remains unexplained beside the named causes."""
         return not self.left or self.verdict == "partly_explained"
 
     @property
     def words(self) -> str:
-        """What is left, as a person says it."""
+        """What is left, in words."""
         unnamed = "something without a name" if self.verdict == "unexplained" else "nothing"
         return "; ".join(" or ".join(names) for names in self.left) or unnamed
 
@@ -47,16 +47,16 @@ class Course:
 
     @property
     def seconds(self) -> float:
-        """Length of everything recorded."""
+        """Duration of everything recorded."""
         return sum(s.seconds for s in self.steps)
 
 
 def until_named(record: Record, first: str, rich: str, budget: float, progress: Progress = lambda stage: None) -> Course:
     """Begin with the battery `first` and go on until one name is left, `budget` (s of recording) is spent, or nothing would help.
 
-    A name that was not among those left before is none yet: in a poor battery its rivals, and whatever else is wrong, may not show. It is
-    held against random motion first, as the thesis validates what it fitted to sines (section 4.3.2). Where something has no name the
-    battery may have been too poor to show one: then the battery `rich` is next, once.
+    A new name, which was not among those of the step before, is not final yet: a poor battery may not excite its rivals, or other causes.
+    It is tested on random motion first, as the thesis validates what it fitted to sines (section 4.3.2). Where something has no name, the
+    battery may have excited too little: then the battery `rich` is recorded next, once.
     """
     train, held, steps, battery = [], [], [], first
     while battery:
@@ -74,8 +74,8 @@ def until_named(record: Record, first: str, rich: str, budget: float, progress: 
 
 
 def _next(steps: list[Step], outcome: Outcome, rich: str, deepest: float) -> str:
-    """What to record next, no deeper than `deepest` (m): what separates rivals, what may show what has no name yet, what a new name is held
-    against; empty where there is nothing to ask any more."""
+    """The battery to record next, no deeper than `deepest` (m), empty where there is none. In this order: one that separates rivals; the
+    battery `rich` where something has no name; random motion where a name is new. No battery is recorded again."""
     done = [s.battery for s in steps]
     before = {name for names in steps[-2].left for name in names} if len(steps) > 1 else set()
     new = any(before.isdisjoint(names) for names in steps[-1].left)

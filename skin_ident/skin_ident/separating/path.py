@@ -1,4 +1,4 @@
-"""From a battery to the sampled motion that the profile server would make of it."""
+"""Turns a battery into the sampled motion that the profile server would make."""
 
 import numpy as np
 
@@ -9,18 +9,18 @@ from skin_motion_profiles.limits import Limits
 from skin_motion_profiles.plan import Travel, stages
 
 START = -1e-3  # m, above the surface
-TRAVEL = Travel(speed=5e-3, acceleration=0.5)  # between profiles, which tells little; the profile server itself goes slower unless told
+TRAVEL = Travel(speed=5e-3, acceleration=0.5)  # m/s, m/s^2 between profiles, where little is learnt; the profile server's default is slower
 
 
 def within(deepest: float) -> Limits:
-    """What a rig of the thesis's kind allows (its section 3.1), no deeper than `deepest` (m)."""
+    """The limits of the thesis's rig (its section 3.1), with a largest depth of `deepest` (m)."""
     return Limits(min_depth=-5e-3, max_depth=deepest, max_speed=20e-3, max_acceleration=1.0)
 
 
 def planned(entry: Entry, dt: float, limits: Limits | None = None) -> Motion:
     """The whole motion of a battery, sampled every `dt` s, from rest above the surface.
 
-    Raises `ProfileError` where it holds more than one uninterrupted motion, or leaves the limits.
+    Raises `ProfileError` where the battery is not a single uninterrupted motion, or leaves the limits.
     """
     rows = stages(entry)
     if len(rows) != 1 or not rows[0].is_motion:

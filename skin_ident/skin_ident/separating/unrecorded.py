@@ -1,4 +1,4 @@
-"""Which candidates are news: a motion that was recorded, and did not tell the rivals apart, will not do so when it is recorded again."""
+"""Which candidates are new: a motion that was recorded and did not tell the rivals apart will not do so when it is recorded again."""
 
 import numpy as np
 
@@ -6,13 +6,13 @@ from skin_ident.criticism.sessions.session import Session
 from skin_ident.separating.candidates import Candidate, candidates
 from skin_models.signals import Motion
 
-DRAWS = 4  # seeds of random motions that are tried, the first that was not recorded being taken
-SAME = 0.1  # rms of the difference from a recorded motion, as a share of how much the motion varies, below which it is the same
-FEWEST = 20  # samples under load, without which a motion is not looked for
+DRAWS = 4  # seeds of random motions that are tried until one was not recorded yet
+SAME = 0.1  # a motion counts as recorded if the rms difference is below this share of its own standard deviation
+FEWEST = 20  # samples under load; motions with fewer are taken as not recorded
 
 
 def unrecorded(deepest: float, dt: float, sessions: list[Session]) -> list[Candidate]:
-    """Every candidate (see `candidates`) whose motion under load no session holds; random ones are drawn anew where one does."""
+    """Every candidate (see `candidates`) whose motion under load is in no session. Random motions that were recorded are drawn again."""
     found: dict[str, Candidate] = {}
     for seed in range(DRAWS):
         missing = [k for k in candidates(deepest, dt, seed) if k.name not in found]
@@ -23,8 +23,8 @@ def unrecorded(deepest: float, dt: float, sessions: list[Session]) -> list[Candi
 
 
 def holds(recorded: Motion, motion: Motion) -> bool:
-    """Whether a recorded motion has in it, at any time, what `motion` does between its first and its last contact. Where the surface lies
-    is not compared: the one is recorded, the other commanded."""
+    """Whether a recorded motion contains, at any time, what `motion` does between its first and its last sample under load. A constant
+    difference of depth is ignored, because the recorded and the commanded motion may have different zeros."""
     under = np.flatnonzero(motion.x > 0.0)
     if under.size < FEWEST:
         return False
@@ -36,7 +36,7 @@ def holds(recorded: Motion, motion: Motion) -> bool:
 
 
 def _least_difference(x: np.ndarray, wanted: np.ndarray) -> float:
-    """The least variance of x - wanted over all places of `wanted` in `x`."""
+    """The smallest variance of x - wanted over all shifts of `wanted` along `x`."""
     n, wanted = wanted.size, wanted - wanted.mean()
     total, squares = (np.concatenate([[0.0], np.cumsum(y)]) for y in (x, x**2))
     mean, square = ((y[n:] - y[:-n]) / n for y in (total, squares))
