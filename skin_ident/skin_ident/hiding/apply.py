@@ -1,7 +1,8 @@
-"""Putting an effect into a recording.
+"""Puts an effect into a recording.
 
-What a sensor or a clock does is done to the measured channel. What the skin or the rig does cannot be done to a recording: the difference
-that the effect makes to a simulation of the same motion is added to the measured channels instead.
+An effect of a force sensor is applied to the measured channel itself, and so are coarse steps of the depth encoder. Any other effect
+cannot be applied to a recording: it is simulated on the same motion, and the difference from a simulation without it is added to the
+measured channels.
 """
 
 from dataclasses import replace
@@ -19,9 +20,12 @@ SENSORS = (Place.LOAD_CELL, Place.TAXEL)
 
 
 def applied(effect: Effect, recording: Recording, session: Session, model: Model, seed: int) -> Recording:
-    """The recording as it would have been with `effect`. Channels that change fall on the declared steps of their converters again: what
-    is added to readings of a force, on the one below or above by chance, as often as noise would have carried it there. What is hidden is
-    done to the recording's samples, whatever a topic's own readings were."""
+    """The recording as it would have been with `effect`.
+
+    Channels that change are rounded to the declared steps of their converters again: to the nearest step for effects of a sensor, else to
+    the step below or above at random, with the probability that keeps the mean, as noise would do. The effect is applied to the recording's
+    samples; single readings of topics (`readings`) are dropped.
+    """
     recording = replace(recording, readings={})
     after = changed(effect, recording, session, model, seed)
     if effect.cause == QUANTIZATION:
@@ -30,7 +34,7 @@ def applied(effect: Effect, recording: Recording, session: Session, model: Model
 
 
 def changed(effect: Effect, recording: Recording, session: Session, model: Model, seed: int) -> Recording:
-    """The same before the converters."""
+    """The recording with `effect`, before the rounding by converters."""
     rng = np.random.default_rng([seed, 11])
     if effect.cause == QUANTIZATION and effect.place is Place.DEPTH:
         return replace(recording, depth=effect.batch(recording.depth, session.motion, rng))
@@ -47,13 +51,13 @@ def changed(effect: Effect, recording: Recording, session: Session, model: Model
 
 
 def _added(y: np.ndarray, difference: np.ndarray, pulls: bool) -> np.ndarray:
-    """`y` and what the effect adds. One that `pulls` not leaves nothing where it takes more than there is: the skin that the model still
-    presses is left by then."""
+    """`y` plus what the effect adds. Unless it `pulls`, the effect cannot push a reading below zero (or below `y`, where that is negative):
+    where it takes away more force than there is, the plunger has left the skin that the model still presses."""
     return y + difference if pulls else np.maximum(y + difference, np.minimum(y, 0.0))
 
 
 def _converted(before: Recording, after: Recording, rng: np.random.Generator | None) -> Recording:
-    """Where a converter's step is declared and the channel changed, its values are whole steps again."""
+    """`after` with every channel that changed rounded to the declared step of its converter, where one is declared."""
     declared = before.declared
     steps = [declared.of_taxel("taxel_step_n", i) for i in range(len(after.taxels))]
     taxels = [_steps(a, b, step, rng) for a, b, step in zip(after.taxels, before.taxels, steps, strict=True)]

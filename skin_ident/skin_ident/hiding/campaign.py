@@ -1,7 +1,7 @@
 """Campaigns of hide and seek on simulated recordings: hide, diagnose, compare with the truth and with an oracle that knows it.
 
-Every case is a new specimen and new noise: several sessions of one battery, the last held out. Results are kept as JSON lines, one per
-case, so that an interrupted campaign goes on where it was.
+Every seed is a new specimen and new noise, with several sessions of one battery, the last held out. Results are kept as JSON lines, one
+per case, so that an interrupted campaign continues where it stopped.
 """
 
 import json
@@ -23,16 +23,17 @@ from skin_motion_profiles.battery_file import read_battery
 from skin_motion_profiles.catalogue import entry_from_dict
 
 NULL = "null"
-SESSIONS = 3
+SESSIONS = 3  # per case
 SKIN = "silicone_4mm"
-SHARES = (1.0, 0.35, 0.1, 0.05)  # of the taxels, the first under the plunger
-UNPLAYED = {"skipped", "failed"}  # either is the reason why a result holds nothing but its case;
-FOUND = {"where", "form", "imitated", "named", "alternatives", "verdict", "over_oracle", "seconds_per_session"}  # any other holds all these
+SHARES = (1.0, 0.35, 0.1, 0.05)  # of the force that each taxel feels; the first is under the plunger
+UNPLAYED = {"skipped", "failed"}  # a result with one of these holds the reason, and nothing else but its case
+FOUND = {"where", "form", "imitated", "named", "alternatives", "verdict", "over_oracle", "seconds_per_session"}  # in every other result
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is hidden in which recordings. Equal cases give equal results."""
+    """What is hidden in which recordings; equal cases give equal results. `cause` is NULL where nothing is hidden; `size` is in units of
+    the noise."""
 
     cause: str
     size: float
@@ -42,7 +43,8 @@ class Case:
 
 
 def cases(causes: Iterable[str], sizes: Iterable[float], seeds: int, protocol: str, taxels: int) -> list[Case]:
-    """Every combination; nothing has no size. Seed by seed, so that a campaign that is stopped has seen a little of everything."""
+    """Every combination of cause, size and seed; NULL (nothing hidden) is taken once per seed, with size 0. Cases are ordered by seed, so
+    that a campaign that is stopped has seen a little of everything."""
     sizes = list(sizes)
     pairs = [(seed, cause, size) for seed, cause in product(range(seeds), causes) for size in (sizes if cause != NULL else [0.0])]
     return [Case(cause, size, seed, protocol, taxels) for seed, cause, size in pairs]
@@ -59,14 +61,14 @@ def recordings(case: Case) -> list[Recording]:
 
 
 def result(case: Case) -> dict[str, Any]:
-    """One case, played to its end: a line of the result file."""
+    """The result of one case, as written to the result file. Errors are part of it and are not raised."""
     try:
         plain = recordings(case)
         changed, hidden = (plain, None) if case.cause == NULL else hide(plain, case.cause, size=case.size, seed=case.seed)
         return {**asdict(case), **_sought(changed, hidden, case.taxels)}
     except HidingError as error:
         return {**asdict(case), "skipped": str(error)}
-    except Exception as error:  # a campaign of hours must survive a mistake, and show it
+    except Exception as error:  # a campaign of hours must survive an error, and report it
         return {**asdict(case), "failed": f"{type(error).__name__}: {' '.join(str(error).split())}"}
 
 
@@ -87,25 +89,25 @@ def _sought(changed: list[Recording], hidden: Hidden | None, taxels: int) -> dic
 
 
 def _plain(where: str, taxels: int) -> str:
-    """A lone taxel has no number."""
+    """The place without the taxel's number where there is only one taxel."""
     return "taxel" if taxels == 1 and where.startswith("taxel") else where
 
 
 def _over_oracle(findings: dict[str, Any], changed: list[Recording], hidden: Hidden | None) -> float | None:
-    """Held-out error of the extended model over the oracle's, in the channel where it is worst; None where no model can know the truth."""
+    """Held-out error of the extended model over the oracle's, in the channel where the ratio is largest; None where there is no oracle."""
     errors = oracle_errors(changed[:-1], changed[-1:], hidden)
     own = {channel: e["held_out"] for channel, e in findings["extended"]["rmse"].items()}
     return None if errors is None else max(own[channel] / error for channel, error in errors.items())
 
 
 def kept(file: Path) -> Iterator[dict[str, Any]]:
-    """The results of a campaign so far; lines that an interruption cut short, or that hold anything else, are left out."""
+    """The results of a campaign so far; lines that were cut short by an interruption, or are no results, are left out."""
     if not file.exists():
         return
     for line in file.read_text(encoding="utf-8", errors="replace").splitlines():
         try:
             entry = json.loads(line)
-            hash(key(entry))  # it is looked up by its case
+            hash(key(entry))  # the case must be hashable: results are looked up by it
         except (ValueError, KeyError, TypeError):
             continue
         if entry.keys() & UNPLAYED or entry.keys() >= FOUND:
@@ -113,7 +115,7 @@ def kept(file: Path) -> Iterator[dict[str, Any]]:
 
 
 def keep(entry: dict[str, Any], file: Path) -> None:
-    """Add a result to those so far: on a line of its own, also after one that was cut short."""
+    """Append a result to the file, on a new line even where the last line was cut short."""
     cut = file.exists() and file.read_bytes()[-1:] not in (b"", b"\n")
     with file.open("a", encoding="utf-8") as lines:
         lines.write("\n" * cut + json.dumps(entry) + "\n")

@@ -1,4 +1,4 @@
-"""Which effect to hide: the cause, its place and its form, drawn by a seed where they are left open."""
+"""Which effect to hide: its cause, place and form, drawn at random where they are left open."""
 
 import numpy as np
 
@@ -12,22 +12,22 @@ from skin_models.parameter import AMPLITUDE, Parameter, parameters_of
 
 ANYTHING = "any"
 APART = {"time_shift": ("delay", "skew")}  # amplitudes of which only one is hidden at a time
-ARRAY = ("crosstalk",)  # causes that one taxel cannot show
-POSSIBLE = {  # where a fit may look beyond
-    ("crosstalk", "share"): (0.0, 0.5),  # what leaks adds, and the larger part stays where it is
-    ("mount_compliance", "late"): (0.0, 0.1),  # s, of skin that damps by 1 kN s/m on a mount that gives 0.1 mm under 1 N
+ARRAY = ("crosstalk",)  # causes that need more than one taxel
+POSSIBLE = {  # physically possible ranges, where the bounds for fits are wider
+    ("crosstalk", "share"): (0.0, 0.5),  # a leak adds to the neighbour, and at least half of the force stays where it is
+    ("mount_compliance", "late"): (0.0, 0.1),  # s: skin with a damping of 1 kN s/m on a mount that gives 0.1 mm under 1 N
 }
-KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that stay at their typical value
+KEPT = {"outliers": ("rate",), "dead_taxel": ("lost",)}  # amplitudes that are not scaled but keep their typical value
 
 
 def check_cause(cause: str) -> None:
-    """Raises `HidingError` for a word that is no cause of the vocabulary; whether a recording can carry it is another matter."""
+    """Raises `HidingError` for a word that is no cause of the vocabulary. Whether a recording can carry the cause is not checked here."""
     if cause != ANYTHING and cause not in BY_NAME:
         raise HidingError(f"{cause!r} is no cause; choose from {', '.join(sorted(BY_NAME))}")
 
 
 def hideable(session: Session) -> dict[str, list[tuple[type[Effect], str]]]:
-    """Classes and places by cause, as far as the channels of the recording can carry them."""
+    """Effect classes and places by cause, as far as the channels and the motion of the recording can carry them."""
     found: dict[str, list[tuple[type[Effect], str]]] = {}
     for cls in effects():
         if cls.cause in ARRAY and session.n_taxels < 2:
@@ -57,14 +57,14 @@ def draw(session: Session, cause: str, where: str, rng: np.random.Generator) -> 
 
 
 def _is_at(where: str, place: str) -> bool:
-    """Whether a place is the one that was asked for; the clocks of the catalogue are one `clock` to whoever asks."""
+    """Whether `place` is the one that was asked for. All clocks of the catalogue also answer to `clock`."""
     return where in (ANYTHING, place, place.split("_")[0] if "clock" in place else place)
 
 
 def _drawn(cls: type[Effect], place: str, session: Session, rng: np.random.Generator) -> Effect:
     shapes = list(cls.shapes(session.motion))
     effect = cls.typical(place, **shapes[rng.integers(len(shapes))])
-    if cls.cause == "interference":  # within the band in which sizes are measured
+    if cls.cause == "interference":  # Hz, within the band in which sizes are measured
         effect = effect.with_values(frequency=float(rng.uniform(0.1, 0.8) * session.band.edge))
     if cls.cause in APART:
         names = APART[cls.cause]
@@ -74,7 +74,7 @@ def _drawn(cls: type[Effect], place: str, session: Session, rng: np.random.Gener
 
 
 def scaled(effect: Effect, times: float) -> Effect:
-    """The effect with its amplitudes multiplied, as far as their bounds, and what is possible, allow."""
+    """The effect with its amplitudes multiplied by `times`, clipped to their bounds and to what is physically possible."""
     free = [p for p in parameters_of(effect) if p.role == AMPLITUDE and p.name not in KEPT.get(effect.cause, ())]
     return effect.with_values(**{p.name: float(np.clip(times * p.value, *_limits(effect, p))) for p in free})
 
@@ -84,5 +84,5 @@ def _either_sign(effect: Effect) -> bool:
 
 
 def _limits(effect: Effect, p: Parameter) -> tuple[float, float]:
-    """Between which a parameter is hidden."""
+    """Lower and upper limit of a parameter of a hidden effect."""
     return POSSIBLE.get((effect.cause, p.name), (p.lower, p.upper))

@@ -1,7 +1,7 @@
-"""What cannot be hidden."""
+"""The error for effects that cannot be hidden."""
 
 from skin_models.errors import SkinError
 
 
 class HidingError(SkinError):
-    """An effect that cannot be hidden in a recording."""
+    """An effect cannot be hidden in a recording."""

@@ -1,4 +1,4 @@
-"""What an effect is hidden against: the dispersion model fitted to the recordings, and the noise that no cause explains."""
+"""What the size of a hidden effect is measured against: the dispersion model fitted to the recordings, and their noise."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,8 @@ from skin_models.model import Model
 
 @dataclass(frozen=True)
 class Ground:
-    """The recordings as sessions, the model fitted to all, the noise's RMS (C,) in N, and the first session's tangents (U, C, n)."""
+    """The recordings, also as sessions; the model fitted to all; the noise's RMS (C,) in N; and the model's tangents (U, C, n) on the first
+    session."""
 
     recordings: tuple[Recording, ...]
     sessions: tuple[Session, ...]
@@ -28,7 +29,7 @@ class Ground:
 
 
 def ground(recordings: list[Recording]) -> Ground:
-    """Fit the dispersion model and measure the noise in the common band."""
+    """Fit the dispersion model, and take as noise the residual of the first session that no cause explains, in the common band."""
     sessions = [prepare(r) for r in recordings]
     which = directions(sessions[0])
     start = dispersion_start(sessions, known_mass(recordings[0].declared).kg)
@@ -40,5 +41,5 @@ def ground(recordings: list[Recording]) -> Ground:
 
 
 def rms(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Root mean square of every row (C, n) over the samples that are believed."""
+    """Root mean square (C,) of every row (C, n) over the trusted samples (those with weight)."""
     return np.sqrt((rows**2 * weight).sum(axis=1) / np.maximum(weight.sum(axis=1), 1.0))

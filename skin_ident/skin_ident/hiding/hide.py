@@ -1,8 +1,8 @@
 """Hide one effect in recordings, at a size given in units of their own noise.
 
-The size is the RMS, in the common band, of what the effect changes in the channel that shows it best, over the RMS of that channel's noise:
-of that part of the change which the model's own parameters cannot imitate, as far as there is one. An effect that they imitate by more
-than nine tenths, such as the gain of a lone taxel, is measured by all of its change instead, and the truth says so.
+The size is the RMS of the visible change over the RMS of the noise, in the common band and in the channel where this ratio is largest. The
+visible change is the part that the model's own parameters cannot imitate. Where they imitate more than nine tenths, as for the gain of a
+lone taxel, the whole change is taken instead, and the truth says so.
 """
 
 from collections.abc import Callable
@@ -21,16 +21,17 @@ from skin_ident.recordings.recording import Recording
 from skin_models.effect import Effect
 from skin_models.parameter import parameters_of
 
-IMITATED = 0.1  # share of the change that must be left for it to count
-REACHED = 0.9  # of the size asked for
-PRECISE = 0.01  # relative, of the amplitude
-DRAWS = 30
-FACTOR = 1e4  # how far from its typical size an effect may be scaled
+IMITATED = 0.1  # where less than this share of the change is visible, the whole change is measured
+REACHED = 0.9  # the size reached must be between this share of the size asked for and its inverse
+PRECISE = 0.01  # relative tolerance of the bisection for the amplitude
+DRAWS = 30  # effects that are drawn before hiding fails
+FACTOR = 1e4  # an effect is scaled by about this factor at most, up or down
 
 
 @dataclass(frozen=True)
 class Hidden:
-    """The truth. `change` and `visible` are RMS over noise by channel: of all that changed, and of what the model cannot imitate."""
+    """The truth about a hidden effect. `change` and `visible` are RMS over noise by channel: of the whole change, and of the part that the
+    model cannot imitate."""
 
     effect: Effect
     size: float
@@ -40,7 +41,7 @@ class Hidden:
 
     @property
     def hardly_seen(self) -> str:
-        """Where the model's own parameters imitate nearly all of it: how little of it can be seen, and why; empty elsewhere."""
+        """Where the model's own parameters imitate nearly all of it, a sentence saying how little can be seen, and why; else empty."""
         if not self.imitated:
             return ""
         return (
@@ -76,9 +77,9 @@ class Hidden:
 def hide(
     recordings: list[Recording], cause: str = ANYTHING, where: str = ANYTHING, size: float = 1.0, seed: int = 0, on: Ground | None = None
 ) -> tuple[list[Recording], Hidden]:
-    """Recordings with an effect in them, and the truth. `on` saves fitting the recordings again.
+    """The recordings with an effect hidden in them, and the truth. `on`, where given, is their `ground`, which then need not be computed.
 
-    Raises `HidingError` for a cause that they cannot carry, or not at that size.
+    Raises `HidingError` for a cause that the recordings cannot carry, or not at that size.
     """
     check_size(size)
     on = on or ground(recordings)
@@ -93,7 +94,7 @@ def hide(
 
 
 def check_size(size: float) -> None:
-    """Raises `HidingError` for a size that nothing can have."""
+    """Raises `HidingError` for a size that is not positive or is too large."""
     if not 0.0 < size < 1e4:
         raise HidingError(f"a size is positive and below 10000, in units of the noise, not {size:g}")
 
@@ -118,7 +119,8 @@ def _sized(effect: Effect, size: float, seed: int, on: Ground) -> Hidden | None:
 
 
 def _solved(at: Callable[[float], float], size: float) -> float:
-    """The factor at which `at` gives `size`, by bisection; a level that clips is the stronger the lower it is."""
+    """The factor at which `at` gives `size`, by bisection. The change may also grow with a smaller factor: a clipping level changes more
+    the lower it is."""
     step = 4.0 if at(4.0) >= at(0.25) else 0.25
     weak = strong = 1.0
     while at(strong) < size and 1.0 / FACTOR < strong < FACTOR:
@@ -132,11 +134,11 @@ def _solved(at: Callable[[float], float], size: float) -> float:
 
 
 def _measure(effect: Effect, seed: int, on: Ground) -> tuple[np.ndarray, np.ndarray]:
-    """By channel of the first recording, the change and what of it is visible, over the noise."""
+    """RMS over noise (C,) in the first recording: of the whole change, and of its visible part."""
     first, session = on.recordings[0], on.sessions[0]
     after = changed(effect, first, session, on.model, seed)
     change = stacked(after)[1] - session.raw
-    if after.depth is not first.depth:  # an encoder's error counts by the force that it would have meant
+    if after.depth is not first.depth:  # an error of the depth counts as the force that it would make
         each = [stiffness(on.model, channel) for channel in session.channels]
         change = change + np.outer(each, after.depth - first.depth)
     change = session.band.thin(change) / on.noise[:, None]

@@ -1,4 +1,4 @@
-"""The oracle: a model that has exactly the effect that was hidden, fitted to the same sessions."""
+"""The oracle: a model with exactly the effect that was hidden, fitted to the same sessions."""
 
 from skin_ident.criticism.baseline.fitting import fit
 from skin_ident.criticism.baseline.residual import residual, rmse
@@ -12,12 +12,12 @@ from skin_ident.recordings.mass import known_mass
 from skin_ident.recordings.recording import Recording
 from skin_models.model import Model
 
-UNKNOWABLE = ("outliers", "noise", "dead_taxel", "quantization")  # chance or loss: no model predicts them
-RANDOM = ("random_walk",)
+UNKNOWABLE = ("outliers", "noise", "dead_taxel", "quantization")  # causes that no model predicts: random, or a loss of information
+RANDOM = ("random_walk",)  # forms that no model predicts
 
 
 def oracle_errors(train: list[Recording], held: list[Recording], hidden: Hidden | None) -> dict[str, float] | None:
-    """Held-out RMSE by channel, N, of the oracle; None where even that could not predict what was hidden."""
+    """Held-out RMSE (N) of the oracle by channel; None where no model can predict what was hidden."""
     if hidden is not None and (hidden.effect.cause in UNKNOWABLE or hidden.effect.form in RANDOM):
         return None
     fitted, tried = [prepare(r) for r in train], [prepare(r) for r in held]

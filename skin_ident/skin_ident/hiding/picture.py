@@ -10,7 +10,7 @@ from skin_ident.hiding.tally import NOTHING, Result, confusion
 
 
 def save_confusion(results: list[Result], path: Path) -> None:
-    """Write a PNG: rows are what was hidden, columns what was named, shades the share of the row."""
+    """Write the confusion matrix as a PNG: rows are what was hidden, columns what was named, shades the share of the row's cases."""
     causes, names, counts = confusion([r for r in results if "verdict" in r])
     share = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1)
     figure = Figure(figsize=(2.6 + 0.42 * len(names), 2.2 + 0.34 * len(causes)), layout="constrained")

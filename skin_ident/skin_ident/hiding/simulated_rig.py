@@ -1,4 +1,4 @@
-"""Recordings of a simulated rig with the errors of a real one: coloured noise, converters' steps, an encoder that wobbles."""
+"""Recordings of a simulated rig with the errors of a real one: coloured noise, converter steps, and depth noise."""
 
 from dataclasses import dataclass, replace
 
@@ -15,9 +15,10 @@ from skin_motion_profiles.entry import Entry
 
 @dataclass(frozen=True)
 class SimulatedRig:
-    """Sensor errors; the steps are those of the thesis's converters (its sections 3.1 and 3.3).
+    """A rig's sensor errors; the steps are those of the thesis's converters (its sections 3.1 and 3.3).
 
-    `noise_steps` is the noise's standard deviation in converter steps, `colour` its AR(1) coefficient.
+    `noise_steps` is the standard deviation of the force noise in converter steps, `colour` its AR(1) coefficient; `wobble` is the standard
+    deviation of white noise on the plunger's depth.
     """
 
     rate: float = 100.0  # Hz
@@ -29,7 +30,7 @@ class SimulatedRig:
     colour: float = 0.5
 
     def record(self, model: Model, battery: Entry, seed: int, name: str = "") -> Recording:
-        """One session of `battery` on a specimen that behaves as `model`, as the sensors say it. Raises `ProfileError`."""
+        """One session of `battery` on a specimen that behaves as `model`, as the sensors read it. Raises `ProfileError`."""
         path = planned(battery, 1.0 / self.rate)
         rng = np.random.default_rng([seed, 3])
         x = path.x + self.wobble * rng.standard_normal(len(path))

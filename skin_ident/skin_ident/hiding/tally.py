@@ -1,4 +1,4 @@
-"""What a campaign says: rates with counts and intervals, the confusion matrix, and tables of both."""
+"""The results of a campaign: rates with counts and confidence intervals, the confusion matrix, and tables."""
 
 import csv
 from collections import Counter
@@ -25,7 +25,7 @@ def interval(hits: int, of: int, level: float = 0.95) -> tuple[float, float]:
 
 
 def rate(hits: int, of: int) -> str:
-    """A rate as a person reads it: `19 of 20, 95 % (75 to 100 %)`."""
+    """A rate in words, with its 95 % interval: `19 of 20, 95 % (75.1 to 99.9 %)`."""
     if not of:
         return "none tried"
     low, high = interval(hits, of)
@@ -33,8 +33,8 @@ def rate(hits: int, of: int) -> str:
 
 
 def right(r: Result, place: bool = True) -> bool:
-    """Whether the truth is named, or honestly given as a rival of what is named. Silence is right where nothing was hidden, and where the
-    model's own parameters imitate what was."""
+    """Whether the truth is named, or given as a rival of what is named; its place must be right too, unless `place` is False. Naming
+    nothing is right where nothing was hidden, or where the model's own parameters imitate what was hidden."""
     said = [tuple(n) for n in (*r["named"], *r["alternatives"])]
     if r["cause"] == NULL:
         return not r["named"]
@@ -44,13 +44,13 @@ def right(r: Result, place: bool = True) -> bool:
 
 
 def extra(r: Result) -> list[str]:
-    """Names that were not hidden, beside one that was or that has it among its rivals."""
+    """Named causes that were not hidden. Where the truth is only a rival, the first name is taken to stand for it."""
     names = [n[0] for n in r["named"]]
     return names[1:] if right(r) and r["cause"] not in names else [n for n in names if n != r["cause"]]
 
 
 def confusion(results: Iterable[Result]) -> tuple[list[str], list[str], np.ndarray]:
-    """Causes (R), names (C) and counts (R, C): the name of a case is the truth where it was given, or else the first."""
+    """Hidden causes (R), names (C) and counts (R, C). The name of a case is the hidden cause where it was named, else the first name."""
     pairs = Counter((r["cause"], _name(r)) for r in results)
     causes = sorted({c for c, _ in pairs}, key=lambda c: (c == NULL, c))
     others = sorted({n for _, n in pairs} - set(causes) - {NOTHING})
@@ -64,7 +64,7 @@ def _name(r: Result) -> str:
 
 
 def summary(results: list[Result]) -> str:
-    """All rates, as text."""
+    """The summary of a campaign as text: confusion, rates, errors over the oracle's, and cases that were skipped or failed."""
     done = [r for r in results if "verdict" in r]
     return "\n".join([*_matrix(done), "", *_rates(done), *_prices(done), *_left_out(results)])
 

@@ -1,4 +1,4 @@
-"""Recordings as tables, with the rig.yaml that says what is known of them."""
+"""Writes recordings as tables, with a rig.yaml that says what is known of them."""
 
 from dataclasses import fields
 from pathlib import Path
@@ -14,7 +14,7 @@ from skin_models.whole_file import whole_file
 
 
 def check_free(folder: Path) -> None:
-    """Raise `HidingError` for a folder that holds recordings or a rig.yaml: they may be somebody's own, or of another hiding."""
+    """Raise `HidingError` for a folder that holds recordings or a rig.yaml: they may be somebody's own, or from an earlier run."""
     taken = (p for p in folder.glob("*") if p.name == FILE_NAME or p.suffix.lower() in RECORDED or p.name.startswith("session_"))
     there = sorted(p.name for p in taken)
     if there:
@@ -22,8 +22,8 @@ def check_free(folder: Path) -> None:
 
 
 def write_recordings(recordings: list[Recording], folder: Path) -> list[Path]:
-    """One table per session; a folder for each where they do not share one rig. Returns the tables. Raises `HidingError` where the folder
-    is not free."""
+    """Write one table per session with its rig.yaml, each in a folder of its own where the sessions do not share one rig. Returns the paths
+    of the tables. Raises `HidingError` where the folder is not free."""
     check_free(folder)
     alike = all(r.declared == recordings[0].declared for r in recordings)
     tables = []
