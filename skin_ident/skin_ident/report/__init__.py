@@ -1,7 +1,7 @@
 """The report of a diagnosis: one page that opens offline, the same in markdown, and pictures.
 
 `write_report(outcome, directory)` writes it; `save_traces(outcome, directory)` keeps the curves, so that `load_outcome(directory)` and
-the command `report DIR` can render it again without fitting anything. Everything else in here is private to the report.
+the command `report DIR` can render it again without fitting anything. Everything else in this package is private to the report.
 """
 
 from skin_ident.report.errors import ReportError

@@ -1,4 +1,4 @@
-"""The tables at the end: parameters, what was ruled out, what could not be tested, the recordings, and how to read it all."""
+"""The last sections of the page: parameters, what was ruled out, what could not be tested, the recordings, and a glossary."""
 
 from collections.abc import Iterator
 
@@ -12,15 +12,15 @@ from skin_ident.report.view import View
 from skin_ident.report.words import capital, effect_words, label, meaning, role, sentence
 
 SPREAD = "Standard errors are of noise alone: what the form of a model gets wrong, as of a real skin it always does, is not in them."
-MOST_ROWS = 15  # of a table, before it is folded
-ELSEWHERE = ("by_itself", "rmse", "stands_out")  # of a recording: see `sessions`
-FORMS = {"step": "a step within a session"}  # in words, where the name of a form does not say which it is
-GIVEN = {False: "that was given", True: "that was recorded as a twin"}  # by whether it is one
-GIVEN_NUMBERS = {False: "were given", True: "are those of the recorded twin, as a model of it has them"}
+MOST_ROWS = 15  # a longer table is folded
+ELSEWHERE = ("by_itself", "rmse", "stands_out")  # entries of a recording that `sessions` shows
+FORMS = {"step": "a step within a session"}  # words for forms whose names do not explain themselves
+GIVEN = {False: "that was given", True: "that was recorded as a twin"}  # key: whether the given simulation is a twin
+GIVEN_NUMBERS = {False: "were given", True: "are those of the recorded twin, as a model of it has them"}  # likewise
 
 
 def parameters(v: View) -> Safe | None:
-    """The section of the model's parameters, those before beside those after; None where neither is known."""
+    """The section of the model's parameters before and after; None where neither is known."""
     if not v.before and not v.after:
         return None
     note = (
@@ -44,12 +44,12 @@ def parameters(v: View) -> Safe | None:
 
 
 def held_at(v: View) -> list[str]:
-    """What was not fitted, and where it is from."""
+    """Sentences about parameters that were held and not fitted: their values and where these come from."""
     return [f"{a.words} was not fitted: it is held at {amount(a.value, a.unit)}, {source}" for a, source in v.held]
 
 
 def excluded(v: View) -> Safe | None:
-    """Causes that would have been seen."""
+    """The section of causes that were tested and not found, with the upper bound of each."""
     if not v.excluded:
         return None
     rows = [[_name(e), size_ruled_out(e, v), sentence(meaning(text(e.get("cause"))))] for e in v.excluded]
@@ -59,7 +59,7 @@ def excluded(v: View) -> Safe | None:
 
 
 def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
-    """The entries of another table that are about the same cause at the same place."""
+    """The entries of `others` about the same cause at the same place; an entry without a place matches any."""
 
     def named(x: dict) -> tuple[str, str]:
         return text(x.get("cause")), place_in(x)
@@ -68,22 +68,22 @@ def _also(e: dict, others: tuple[dict, ...]) -> list[dict]:
 
 
 def size_ruled_out(e: dict, v: View) -> str:
-    """How small an excluded cause must be, and whether that is all of it."""
+    """The upper bound of an excluded cause, in words, and whether part of the cause could not be tested."""
     limit = f"; limited by {text(e['limited_by'])}" if e.get("limited_by") else ""
     return bound(e) + limit + ("; only this of it, see what could not be tested" if _also(e, v.untestable) else "")
 
 
 def why_untestable(e: dict, v: View) -> str:
-    """Why a cause could not be tested; where some of it was ruled out, that this is the rest."""
+    """Why a cause could not be tested, as a sentence. Where some of its forms were ruled out, it says that the reason is about the rest."""
     because, ruled_out = with_spoken_taxels(text(e.get("because"))), _also(e, v.excluded)
-    if not ruled_out or "form" in e:  # which says itself that it is of this form alone
+    if not ruled_out or "form" in e:  # an entry with a form already says that it is about this form only
         return sentence(because)
     forms = " and ".join(dict.fromkeys(spoken(text(o.get("form"))) for o in ruled_out if o.get("form")))
     return f"Ruled out in part only{f' (its form {forms})' if forms else ''}: {because.rstrip('.')}."
 
 
 def untestable_rows(v: View) -> Iterator[tuple[str, str, str]]:
-    """What could not be tested, why, and what would test it; causes at one place in one row where they share both."""
+    """Rows of (causes, why they could not be tested, what would test them). Causes at one place share a row where both are the same."""
     rows: dict[tuple[str, str, str], list[dict]] = {}
     for e in v.untestable:
         shared = place_in(e), why_untestable(e, v), with_spoken_taxels(text(e.get("needs")))
@@ -94,7 +94,7 @@ def untestable_rows(v: View) -> Iterator[tuple[str, str, str]]:
 
 
 def bound(e: dict) -> str:
-    """How small an excluded cause must be, in words."""
+    """The upper bound of an excluded cause, in words, or why there is none."""
     if finite(e.get("below")) is None:
         return text(e.get("because")) or "not seen"
     cause, where, name = text(e.get("cause")), place_in(e), text(e.get("parameter"))
@@ -108,7 +108,7 @@ def bound(e: dict) -> str:
 
 
 def _folded(body: Safe, entries: tuple[dict, ...]) -> Safe:
-    """A long table behind a click."""
+    """The table, folded behind a summary where it has more than MOST_ROWS rows."""
     if len(entries) <= MOST_ROWS:
         return body
     causes = dict.fromkeys(spoken(text(e.get("cause"))) for e in entries)
@@ -120,7 +120,7 @@ def _name(e: dict) -> str:
 
 
 def untestable(v: View) -> Safe | None:
-    """Causes that these data could not show."""
+    """The section of causes that these data could not show."""
     if not v.untestable:
         return None
     rows = [[capital(names), why, sentence(needs)] for names, why, needs in untestable_rows(v)]
@@ -133,7 +133,7 @@ def untestable(v: View) -> Safe | None:
 
 
 def recordings(v: View) -> Safe | None:
-    """What was read, and what was odd about it."""
+    """The section of the recordings that were read, with their warnings."""
     said = set(v.warnings)
     items = [el("li", _recording(r, said)) for r in v.recordings]
     warned = [el("p", el("b", "Warnings")), el("ul", [el("li", w) for w in warning_sentences(v)])] if v.warnings else []
@@ -156,7 +156,7 @@ def _recording(r, said: set[str]) -> Safe:
 
 
 def _facts(r: dict) -> Iterator[str]:
-    """What is known of a recording, in words."""
+    """Facts about a recording, in words."""
     known = {"name", "session", "path", "warnings", "seconds", "samples", "rate_hz", "held_out", "compared", *ELSEWHERE}
     if r.get("seconds") is not None:
         yield amount(r["seconds"], "s")
@@ -172,15 +172,15 @@ def _facts(r: dict) -> Iterator[str]:
 
 
 def _before_after(v: View) -> str:
-    """What the two simulations are that are compared."""
+    """What the words before and after mean: the two simulations that are compared."""
     if v.given:
         return f"before: the simulation {GIVEN[v.is_twin]}, not fitted to these data; after: with what is named here, fitted to them"
     return "the simulation without and with the causes named here, both fitted to the same data"
 
 
 def reading(v: View, folder: str) -> Safe:
-    """A glossary, and where the other files are: beside the page, or what belongs to the diagnosis in its `folder`. Of records in which too
-    little can be believed there is no model."""
+    """The glossary, and where the other files are. `folder` holds the files of the diagnosis where they are not beside the page. There is
+    no model where too few samples could be trusted."""
     words = (
         *([("before, after", _before_after(v))] if v.findings else []),
         ("measured − simulated", "what the simulation misses; zero is perfect"),

@@ -10,12 +10,12 @@ from skin_ident.report.story import explaining, named_cause
 from skin_ident.report.view import Amount, ChannelError, View
 from skin_ident.report.words import capital, channel
 
-MOST_RANKED = 8
+MOST_RANKED = 8  # causes that are shown in a round
 
 
 def error_table(v: View) -> Safe:
-    """Error of every channel before and after, with bars on a scale of their own and the noise floor as a tick; of the one simulation that
-    there is where nothing is named."""
+    """The error of every channel before and after, with bars (each channel to its own scale) and the noise floor as a tick. Where nothing
+    is named there is only one simulation, and one error per channel."""
     errors = v.errors
     both = any(None not in e.held_out for e in errors)
     head = ["channel", "before", "after", "change", "fall, 95 % interval", "noise alone", ""] + ["on training data"] * both
@@ -46,7 +46,7 @@ def _bar(value: float | None, top: float, kind: str) -> Safe | None:
 
 
 def ranking(round_: Round, number: int, top: float) -> Safe:
-    """One round of the search: what each cause explains, the longest bar first; `top` fills the width in every round."""
+    """One round of the search as bars: what each cause explains, the best first. A bar of the value `top` has full width, in all rounds."""
     ranked = explaining(round_, MOST_RANKED)
     named = named_cause(round_.named or "")
     title = f"Round {number}: {cause_at(named, '')} named" if named else f"Round {number}: nothing more could be named"
@@ -71,8 +71,8 @@ def ranking(round_: Round, number: int, top: float) -> Safe:
 
 
 def parameter_table(v: View) -> Safe:
-    """The model's parameters before and after; a change beyond three standard errors and 5 % is marked as where the error was hiding, or,
-    of numbers that were given, as another one."""
+    """The model's parameters before and after. A change of more than three standard errors and 5 % is marked: as where the error was
+    hiding, or, for given numbers, as differing from what was given."""
     before, after = {a.name: a for a in v.before}, {a.name: a for a in v.after}
     rows = [_parameter_row(before.get(name), after.get(name), v) for name in dict.fromkeys([*before, *after])]
     head = ["parameter", "name", v.begun, "after", "change", ""]

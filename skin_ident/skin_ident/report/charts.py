@@ -1,4 +1,4 @@
-"""The charts of a recording in time: measured against simulated, and what is left."""
+"""The charts of the page: measured against simulated over time, and the residual over time, depth, speed and frequency."""
 
 from collections.abc import Callable, Sequence
 
@@ -14,18 +14,18 @@ from skin_ident.report.view import View, unit_of
 from skin_ident.report.words import channel
 from skin_ident.stretches import runs
 
-CUT = 0.1  # of an axis, from which it is said that something goes beyond it
+CUT = 0.1  # share of an axis by which a curve must go beyond it before that is noted
 
 
 def simulations(trace: Trace | ScanTrace) -> tuple[tuple[str, str, np.ndarray], ...]:
-    """(kind, name, curves) of each simulation to draw: one where the extended model is the baseline."""
+    """(kind, name, curves) of each simulation to draw; only one where the extended model equals the baseline."""
     if not differs(trace):
         return (("after", "simulated", trace.extended),)
     return (("before", "simulated before", trace.baseline), ("after", "simulated after", trace.extended))
 
 
 def in_drawing_order(both: Sequence[tuple[str, str, np.ndarray]]) -> list[tuple[str, str, np.ndarray]]:
-    """In the order to draw them: what was simulated before lies striped over what is now, so that both show where they are alike."""
+    """The simulations in drawing order: the earlier one is drawn last and dashed, so that both can be seen where they agree."""
     return [(f"{kind} over" if kind == "before" else kind, name, y) for kind, name, y in reversed(both)]
 
 
@@ -38,12 +38,13 @@ def key(trace: Trace | ScanTrace) -> Safe:
 
 
 def key_left(trace: Trace | ScanTrace) -> Safe:
-    """The legend of what is left."""
+    """The legend of the residuals."""
     return legend(*((kind, name.replace("simulated", "what is left").strip()) for kind, name, _ in simulations(trace)))
 
 
 def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
-    """Measured against simulated over what is left (in the band in which errors are counted), for the samples in `cut`."""
+    """A chart of measured against simulated, above a chart of the residuals (in the band in which errors are counted), for the samples in
+    `cut`."""
     t, y, unit = trace.t[cut], trace.measured[row], unit_of(v, trace.channels[row])
     x = Axis(float(t[0]), float(t[-1]), "time, s")
     both = [(kind, name, curves[row]) for kind, name, curves in simulations(trace)]
@@ -68,19 +69,19 @@ def overlay(trace: Trace, row: int, v: View, cut: slice, buckets: int) -> Safe:
 
 
 def cut_off(trace: Trace, row: int, v: View, cut: slice) -> bool:
-    """Whether what is left leaves the lower picture, whose axis holds what was compared and most of the rest."""
+    """Whether a residual goes beyond the axis of the lower chart, which holds all compared samples and most of the others."""
     return goes_beyond(left_in_band(trace, row, v, cut), trace.compared[cut])
 
 
 def left_in_band(trace: Trace, row: int, v: View, cut: slice) -> list[tuple[str, str, np.ndarray]]:
-    """(kind, name, what is left in the band of errors) of each simulation."""
+    """(kind, name, residual in the band in which errors are counted) of each simulation."""
     y = trace.measured[row]
     return [(kind, name, smooth(trace.t, y - curves[row], v.band_hz)[cut]) for kind, name, curves in simulations(trace)]
 
 
 def shown_range(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> tuple[float, float]:
-    """The range that an axis of what is left holds: what was compared, and of the rest all that goes no more than as far again beyond, or
-    else its middle 96 % as far as that."""
+    """The range of an axis of residuals. It holds zero and all compared samples. The other samples widen it by at most its own length at
+    either end; where they go further, only their middle 96 % counts."""
     every = np.stack([r for _, _, r in left])
     inside, every = every[:, judged], every[np.isfinite(every)]
     inside = inside[np.isfinite(inside)]
@@ -95,7 +96,7 @@ def shown_range(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> 
 
 
 def goes_beyond(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> bool:
-    """Whether what is left clearly leaves the axis that holds it."""
+    """Whether a residual goes beyond its axis (see `shown_range`) by more than CUT of the axis."""
     every = np.stack([r for _, _, r in left])
     if not np.isfinite(every).any():
         return False
@@ -105,7 +106,7 @@ def goes_beyond(left: list[tuple[str, str, np.ndarray]], judged: np.ndarray) -> 
 
 
 def _not_compared(t: np.ndarray, judged: np.ndarray) -> Callable[[Axis], list[Line]]:
-    """What shades, over the height of an axis, the stretches that were not compared."""
+    """A function that returns, for an axis, the shading of the stretches that were not compared."""
     pairs = [(t[a], t[min(b, t.size - 1)]) for a, b in zip(*runs(~judged), strict=True)]
 
     def shade(y: Axis) -> list[Line]:
@@ -117,7 +118,7 @@ def _not_compared(t: np.ndarray, judged: np.ndarray) -> Callable[[Axis], list[Li
 
 
 def below_band(v: View) -> str:
-    """In which band errors are counted, where that is known: ` below 8 Hz`."""
+    """The band in which errors are counted, as ` below 8 Hz`; empty where it is not known."""
     return f" below {v.band_hz:.3g}\u00a0Hz" if v.band_hz else ""
 
 
@@ -126,26 +127,27 @@ def _briefly(name: str) -> str:
 
 
 def against_motion(trace: Trace, row: int, v: View) -> list[Safe]:
-    """Residual against depth and against speed; nothing where the recording has neither."""
+    """Charts of the residual against depth and against speed, as far as the recording has them."""
     panels = []
     depth, speed = (trace.depth, "depth, mm", True), (trace.speed, "speed, mm/s (pressing is positive)", False)
     for quantity, label, by_depth in (depth, speed):
         found = span_of(quantity)
         if found is not None:
-            found = (max(found[0], 0.0), found[1]) if by_depth and found[1] > 0.0 else found  # in the air nothing is left
+            found = (max(found[0], 0.0), found[1]) if by_depth and found[1] > 0.0 else found  # in the air there is no residual
             apart = trace.speed if by_depth and np.isfinite(trace.speed).all() else None
             panels.append(_against(quantity, _left(trace, row), found, label, 1e3, v, unit_of(v, trace.channels[row]), apart))
     return [p for p in panels if p is not None]
 
 
 def _left(trace: Trace, row: int) -> list[tuple[str, np.ndarray]]:
-    """(kind, residual) of each simulation."""
+    """(kind, residual) of each simulation; NaN in samples that were not compared."""
     out = np.where(trace.compared, 0.0, np.nan)
     return [(kind, trace.measured[row] - curves[row] + out) for kind, _, curves in simulations(trace)]
 
 
 def _against(quantity, pair, found, label: str, factor: float, v: View, unit: str, speed: np.ndarray | None) -> Safe | None:
-    """The residuals of a `pair` of simulations over a quantity; by the sign of the `speed`, where that is given."""
+    """A chart of the residuals of a `pair` of simulations over a quantity, in separate lines for pressing and releasing where `speed` is
+    given."""
     (low, high), split = found, speed is not None
     sides = ((speed > 0, "", "pressing"), (speed < 0, " dashed", "releasing")) if split else ((np.isfinite(quantity), "", ""),)
     parts: list[tuple[Binned, str, str]] = []
@@ -208,7 +210,7 @@ def _scan_panel(scan: ScanTrace, i: int, x: Axis, factor: float, printed: str, h
 
 
 def scan_picture(scan: ScanTrace) -> Safe:
-    """The depth whose error fell most, measured against simulated; and what is left of it."""
+    """Measured against simulated at the depth whose squared error fell most, above its residual."""
     before, after = (np.nansum((scan.measured - y) ** 2, axis=1) for y in (scan.baseline, scan.extended))
     i = int(np.argmax(before - after))
     x = axis([1e3 * scan.distance], "distance from the taxel's centre, mm")
@@ -221,7 +223,7 @@ def scan_picture(scan: ScanTrace) -> Safe:
 
 
 def scan_left(scan: ScanTrace) -> list[Safe]:
-    """What is left of a scan, against distance (all depths) and against depth (root mean square of each)."""
+    """The residual of a scan against distance (all depths), and its root mean square against depth."""
     left = [(kind, scan.measured - curves) for kind, _, curves in simulations(scan)]
     factor, printed = scale(max(float(np.nanmax(np.abs(e), initial=0.0)) for _, e in left), "N")
     r, d = 1e3 * scan.distance, 1e3 * scan.depth

@@ -1,4 +1,4 @@
-"""How sure we are, whether a sensor must be rebuilt, and what to do next: the part of the story that a decision hangs on."""
+"""How sure the result is, whether a sensor must be rebuilt, and what to do next: what the reader needs for a decision."""
 
 from collections.abc import Iterator
 
@@ -16,13 +16,13 @@ TESTED = {
     UNTESTED: "the data it was fitted to",
 }
 NOT_PROVEN, NEITHER = "Not proven", "Not sure, neither of the gain nor of the name"
-MOST_ADVICE = 4
+MOST_ADVICE = 4  # pieces of advice on the first screen
 GAIN = "gain_error"
 LATER, BY_HAND = "not before the next experiment", "not before a check by hand"
 
 
 def sure(v: View) -> tuple[str, tuple[str, ...]]:
-    """How sure, in a word or two, and why."""
+    """How sure the result is, in a few words, and the reasons."""
     rivals = sum(bool(f.alternatives) for f in v.findings)
     because = [*_on_held_out(v)]
     if rivals and len(v.findings) > 1:
@@ -38,13 +38,13 @@ def sure(v: View) -> tuple[str, tuple[str, ...]]:
 
 
 def unsure(v: View) -> str:
-    """What a headline that names something must bear where even the gain is not sure, or was never tested; empty elsewhere."""
+    """The caveat of a headline that names something, where the gain is not significant or was never tested; else empty."""
     graded = _grade(v, any(f.alternatives for f in v.findings)) if v.judged else ""
     return {NEITHER: "not surely", NOT_PROVEN: "not proven"}.get(graded, "")
 
 
 def _of_the_drive(v: View) -> Iterator[str]:
-    """That the load cell is a candidate, where nothing but its own force says what it should read: no error of it is told."""
+    """A sentence saying that the load cell itself may be wrong, where its force drives the simulation, so that it has no residual."""
     driven = bool(v.errors) and not v.is_scan and all(e.channel != "force" for e in v.errors)
     if driven and any(where == "load_cell" for f in v.findings for _, where in f.names):
         yield "There is no depth, and the force of the load cell drives the simulation: the load cell itself may be what is wrong."
@@ -92,7 +92,7 @@ def _on_held_out(v: View) -> Iterator[str]:
 
 
 def rebuild_answer(v: View) -> tuple[str, str]:
-    """Must a sensor be rebuilt? The gravest answer among the findings, and a reason that follows "because"."""
+    """Whether a sensor must be rebuilt: the most serious answer among the findings, and a reason that follows "because"."""
     if not v.findings and v.verdict == NOTHING and not v.unsettled:
         return "No", f"nothing in these data speaks against the sensor{_but_a_gain(v)}"
     if not v.findings:
@@ -107,12 +107,12 @@ def rebuild_answer(v: View) -> tuple[str, str]:
 
 
 def _but_a_gain(v: View) -> str:
-    """What must be said beside a no: a slope that is wrong throughout looks like another skin, unless something else tells."""
+    """The caveat of a "no" where a gain error could not be tested: a constant error of gain looks like another stiffness of the skin."""
     return ". Not testable here: a constant error of gain" if any(e.get("cause") == GAIN for e in v.untestable) else ""
 
 
 def _of_all_names(f: Finding) -> Rebuild:
-    """What is true of a finding whichever of its names it is: a reason holds that all share."""
+    """The answer that holds for a finding whichever of its names is the true one, with a reason that they share."""
     each = [rebuild(cause, where) for cause, where in f.names]
     answers, reasons = {a.answer for a in each}, {a.because for a in each}
     later = BY_HAND if f.by_hand else LATER
@@ -130,7 +130,7 @@ def _of_all_names(f: Finding) -> Rebuild:
 
 
 def next_steps(v: View, folder: str = "") -> Iterator[str]:
-    """What to do, the most pressing first. `folder` holds the model and the batteries, where they are not beside the report."""
+    """Sentences on what to do, the most urgent first. `folder` holds the model and the batteries where they are not beside the report."""
     for f in v.findings:
         if f.battery:
             yield sentence(f.separating.replace(f.battery, f"{folder}/{f.battery}" if folder else f.battery, 1))
@@ -158,7 +158,7 @@ def next_steps(v: View, folder: str = "") -> Iterator[str]:
 
 
 def _by_hand(f: Finding) -> Iterator[str]:
-    """What a person can do where no motion tells the names of a finding apart: what is to be done about each, one at a time."""
+    """Advice where no motion tells the names of a finding apart: what to do about each of them, one at a time."""
     yield sentence(f"{_between(f)}: {f.separating}")
     each = [(cause_at(*name), f.act if name == f.names[0] else advice(name[0])) for name in f.names]
     yield from (sentence(f"If it is {name}: {act}") for name, act in each if act)
@@ -170,14 +170,15 @@ def _between(f: Finding) -> str:
 
 
 def _carried(v: View) -> str:
-    """How much of what is named is in the model. Not all that a scan shows has a place in it: a finding of one must say that it has."""
-    own = any(dict(f.evidence).get("of_each_session") for f in v.findings)  # no simulation can know it beforehand
+    """How much of what is named is in the model. Some findings of a scan cannot be simulated, so a finding of a scan counts only if it says
+    that it is in the model."""
+    own = any(dict(f.evidence).get("of_each_session") for f in v.findings)  # per-session values cannot be simulated in advance
     whole = not own and all(f.carried and (f.says_whether_simulated or not v.is_scan) for f in v.findings)
     return "everything" if whole else "what can be simulated of what is"
 
 
 def _advice(v: View) -> Iterator[str]:
-    """Advice on each finding, what touches hardware first; more than a few are left to the cards below."""
+    """Advice on each finding without a rival, what concerns hardware first. More than MOST_ADVICE are left to the cards below."""
     order = ["yes", "perhaps", "cannot say", "no"]
     clear = [f for f in v.findings if f.act and not f.alternatives]
     ranked = sorted(clear, key=lambda f: (order.index(rebuild(f.cause, f.where).answer), f.where == "skin"))

@@ -1,4 +1,4 @@
-"""What can go wrong with a report."""
+"""The error that a report raises."""
 
 from skin_models.errors import SkinError
 

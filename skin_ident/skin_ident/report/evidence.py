@@ -12,7 +12,7 @@ from skin_ident.report.tolerant import sequence, text
 from skin_ident.report.view import Amount, Finding, View
 from skin_ident.report.words import EVIDENCE, SHARES, capital, channel, sentence, signal
 
-UNTOLD = (  # said elsewhere, or for programs
+UNTOLD = (  # entries of the evidence that are shown elsewhere, or are for programs only
     "likelihood_gain", "held_out_fall_of_mean_square", "why", "unlike_simulated", "stuck", "count", "excursions", "ratio", "std",
     "sessions", "in_model", "predicts_nothing_for", "only_in", "not_in",
     "whole", "pattern", "of_each_session", "dead_from_s",
@@ -20,7 +20,7 @@ UNTOLD = (  # said elsewhere, or for programs
 
 
 def evidence(outcome: Outcome, v: View) -> Safe | None:
-    """Each finding on a card, then the ranking of every round."""
+    """The section with a card for each finding, then the ranking of every round."""
     cards = [_card(f, v, i + 1) for i, f in enumerate(v.findings)]
     top = max((gain for r in outcome.rounds for _, _, gain in r.ranked), default=0.0)
     rounds = [ranking(r, i + 1, top) for i, r in enumerate(outcome.rounds)]
@@ -55,14 +55,14 @@ def _card(f: Finding, v: View, number: int) -> Safe:
 
 
 def _other(f: Finding, which: int) -> Safe:
-    """Another name, how near it comes, and how large it would be."""
+    """One alternative name of a finding, with how well it explains the data and how large it would be."""
     cause, where, why = f.alternatives[which]
     said = [s for s in (why, *rival_sizes(f, which)) if s]
     return join([cause_at(cause, where), f" ({'; '.join(said)})" if said else ""])
 
 
 def _bent(before: Amount, after: Amount, v: View) -> str:
-    """A parameter before the cause was named and after: at the end, as the table has it, where no other cause came between."""
+    """A parameter before and after the cause was named. With a single finding, "after" is the final value, as in the table."""
     at_the_end = next((a for a in v.after if a.name == before.name), after)
     after = at_the_end if len(v.findings) == 1 else after
     like = [before.value, after.value]

@@ -1,4 +1,4 @@
-"""How much better the extended model is: the number that stands out on the first screen, and the sentences that hold it."""
+"""How much better the extended model is: the large number on the first screen, and the sentences that support it."""
 
 from dataclasses import dataclass
 
@@ -9,9 +9,9 @@ from skin_ident.report.numbers import amount, fall_span, percent
 from skin_ident.report.view import IN_TURN, PARTLY, UNEXPLAINED, ChannelError, View
 from skin_ident.report.words import capital, signal
 
-ALIKE = 1.02  # times the floor: the same number to a reader
-ANY_SCALE = "at any scale"  # what a finding that was judged so says it was tested on
-LEAST = 0.05  # relative fall of a channel's error that is worth saying
+ALIKE = 1.02  # times the noise floor: an error up to this is shown as equal to the noise
+ANY_SCALE = "at any scale"  # ends the `held_out` text of findings that were judged with a scale fitted to each session
+LEAST = 0.05  # smallest relative fall of a channel's error that is reported
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,8 @@ class Figure:
 
 
 def better(v: View) -> Figure:
-    """The gain in the sensor in which the first judged finding lies, in the channel that it names, or in the one that gained most."""
+    """The gain to show: in the sensor in which the first judged finding lies, else in the channel that it names, else in the channel that
+    gained most."""
     told = [e for e in v.errors if None not in e.pair and e.pair[0]]
     if not told:
         return Figure("Not measured", "", () if v.errors else ("No simulation was compared with these data.",))
@@ -46,7 +47,7 @@ def fall(e: ChannelError) -> float:
 
 
 def _no_gain(v: View, told: list[ChannelError]) -> Figure:
-    """Nothing was added: where the model stands against the noise."""
+    """The figure where nothing was added to the model: its error compared with the noise."""
     at_noise = all(e.floor is not None and e.pair[1] < NEAR * e.floor for e in told)
     said = [f"Typical error of the {signal(e.channel)}: {error(e.pair[1], e, v)}{_when_fitted(e, v)}." + _floor(e, v) for e in told[:2]]
     said += filter(None, [allowed(v)])
@@ -61,13 +62,13 @@ def _no_gain(v: View, told: list[ChannelError]) -> Figure:
 
 
 def error(x: float | None, e: ChannelError, v: View) -> str:
-    """An error of a channel, in the unit that all have."""
+    """An error of a channel, in the unit that all errors share."""
     return amount(x, e.unit, like=v.loudest or [*e.pair, e.floor])
 
 
 def allowed(v: View) -> str:
-    """Where nothing is named: what the simulation was let have that is no fault, and what its error would be without. No gain is claimed of
-    it; empty where it makes no difference to a reader."""
+    """Where nothing is named: which freedom the simulation was allowed that is no fault (such as zeros of each session), and what its error
+    would be without it. No gain is claimed for it. Empty where it hardly changes the error."""
     changed = [e for e in v.errors if None not in e.pair and fall(e) > LEAST and e.channel not in v.silent]
     if v.findings or not changed:
         return ""
@@ -78,7 +79,7 @@ def allowed(v: View) -> str:
 
 
 def _when_fitted(e: ChannelError, v: View) -> str:
-    """The error on the sessions that were fitted, where it is clearly more than on those that were not."""
+    """A clause with the error on the sessions that were fitted, where it is clearly larger than on the held-out ones."""
     fitted = e.train[1]
     if fitted is None or e.held_out[1] is None or fitted < NEAR * e.held_out[1]:
         return ""
@@ -108,15 +109,16 @@ def _gain(e: ChannelError, v: View) -> Figure:
 
 
 def _tested_pair(e: ChannelError, v: View) -> tuple[float, float]:
-    """Error before and after on data that test it. With sessions held out in turn, only the findings carry it."""
+    """Error before and after on data that test the gain. Where sessions were held out in turn, or each had its own scale, only the findings
+    hold these errors."""
     steps = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.before and f.gain.after is not None]
     by_finding = (v.tested == IN_TURN and not v.in_turn) or at_any_scale(e, v)
     return (steps[0].before, steps[-1].after) if by_finding and steps else e.pair
 
 
 def at_any_scale(e: ChannelError, v: View) -> bool:
-    """Whether the gain in a channel is only seen where each session has a scale of its own: findings were judged so, and the plain error
-    does not surely fall."""
+    """Whether the gain in a channel only shows when each session has a scale of its own: the findings were judged so, and the fall of the
+    plain error is not significant."""
     own = [f.gain for f in v.judged if f.gain.channel == e.channel and f.gain.before and f.gain.after is not None]
     plainly = e.interval is not None and e.interval[0] > 0.0
     return bool(own) and not plainly and all(g.held_out.endswith(ANY_SCALE) for g in own)
@@ -142,7 +144,7 @@ def _interval(v: View, e: ChannelError) -> str:
 
 
 def _fall_said(step: str, what: str, low: float, high: float, before: float | None, unit: str, v: View) -> str:
-    """The interval of a fall as a sentence; of one that may be none, that it may."""
+    """The 95 % interval of a fall as a sentence; where it includes zero, that the fall may be chance."""
     if low > 0.0:
         return f"{step} {fall_span(low, high, before, unit, v.loudest)} with 95 % confidence."
     other = f"rise by {amount(-low, unit, like=v.loudest or None, digits=2)}" if low else "stay as it is"
@@ -150,7 +152,7 @@ def _fall_said(step: str, what: str, low: float, high: float, before: float | No
 
 
 def _where_it_lies(e: ChannelError, v: View) -> str:
-    """The gain in the taxel in which the first finding lies, where the number that stands out is of another channel."""
+    """A sentence with the errors of the taxel in which the first finding lies, where the large number is of another channel `e`."""
     own = next((o for o in v.errors if v.findings and o.channel == v.findings[0].where), None)
     if own is None or own.channel == e.channel or own.channel in v.silent or None in own.pair or not own.pair[0]:
         return ""

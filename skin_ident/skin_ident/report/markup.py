@@ -5,7 +5,7 @@ from typing import Any
 
 
 class Safe(str):
-    """Text that is markup already."""
+    """Text that is already markup and needs no escaping."""
 
     __slots__ = ()
 
@@ -38,7 +38,7 @@ def _attribute(key: str, value: Any) -> str:
 
 
 def table(head: list[str], rows: list[list[Any]], numeric: tuple[int, ...] = (), class_: str = "") -> Safe:
-    """A table that a phone stacks into cards: every cell carries the name of its column."""
+    """A table that the style sheet stacks into cards on a phone: every cell carries the name of its column."""
     top = el("tr", [el("th", h, scope="col", class_="num" if i in numeric else None) for i, h in enumerate(head)])
     body = [
         el("tr", [el("td", cell, data_label=head[i], class_="num" if i in numeric else None) for i, cell in enumerate(row)]) for row in rows

@@ -1,4 +1,4 @@
-"""How numbers are printed: three significant digits, a unit a person uses, and never a NaN."""
+"""How numbers are printed: three significant digits, a customary unit, and never a NaN."""
 
 import math
 from typing import Any
@@ -10,7 +10,7 @@ _ABSURD = 1e150
 _SPACE, _THIN = "\u00a0", "\u202f"
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
-# SI unit: (smallest magnitude, factor, unit as printed), the largest first; a value below all of them takes the last.
+# By SI unit: (smallest magnitude, factor, unit as printed), the largest first; a value below all of them takes the last.
 _SCALES = {
     "N": ((0.1, 1.0, "N"), (1e-4, 1e3, "mN"), (0.0, 1e6, "µN")),
     "m": ((5e-5, 1e3, "mm"), (0.0, 1e6, "µm")),
@@ -26,7 +26,7 @@ _SCALES = {
 
 
 def finite(value: Any) -> float | None:
-    """`value` as a float, or None where it is no finite number (or one that no measurement has: beyond 1e150)."""
+    """`value` as a float, or None where it is not a finite number or is too large for any measurement (1e150)."""
     if isinstance(value, (bool, str)) or value is None:
         return None
     try:
@@ -54,12 +54,12 @@ def plain(value: Any, digits: int = 3) -> str:
 
 
 def _exponent(number: float, digits: int) -> int:
-    """The power of ten of the first of `digits` significant digits, once the number is rounded to them: 9.996 to three has that of 10."""
+    """The decimal exponent of the number once it is rounded to `digits` significant digits: for 9.996 and three digits that of 10."""
     return math.floor(math.log10(abs(float(f"{number:.{digits - 1}e}"))))
 
 
 def printed_unit(unit: str) -> str:
-    """A unit as it is printed: `N*s/m` becomes N·s/m, `N/m^3` N/m³, and a pure number has none."""
+    """A unit as it is printed: `N*s/m` becomes N·s/m, `N/m^3` becomes N/m³, and the unit of a pure number is empty."""
     if unit == "1":
         return ""
     head, mark, power = unit.partition("^")
@@ -80,7 +80,7 @@ def scale(values: Any, unit: str) -> tuple[float, str]:
 
 
 def amount(value: Any, unit: str, std: Any = None, like: Any = None, digits: int = 3) -> str:
-    """`value` (SI, in `unit`) with its unit and, where known, its standard error. `like` are values whose scale it shares."""
+    """`value` (in the SI unit `unit`) with its unit and, where known, its standard error. `like` are values whose scale it shares."""
     number, spread = finite(value), finite(std)
     if number is None:
         return UNKNOWN
@@ -90,16 +90,17 @@ def amount(value: Any, unit: str, std: Any = None, like: Any = None, digits: int
 
 
 def bare(value: Any, unit: str, std: Any = None, like: Any = None) -> str:
-    """The same without the unit, for a table whose head has it."""
+    """The same without the unit, for a table with the unit in its head."""
     return amount(value, unit, std, like).removesuffix(f"{_SPACE}{scale(like if like is not None else value, unit)[1]}")
 
 
 def _with_spread(value: float, std: float) -> str:
-    """`0.800 ± 0.008`, `58 ± 4`, `9.7 ± 1.6`: as many digits (up to six) as the standard error makes worth printing."""
+    """A value with its standard error: `0.800 ± 0.008`, `58 ± 4`, `9.7 ± 1.6`. The standard error decides how many digits (up to six) are
+    printed."""
     if value == 0.0 or std < 1e-6 * abs(value):
         return f"{plain(value)}{_SPACE}±{_SPACE}{plain(std, 1)}" if value == 0.0 else plain(value)
     power = math.floor(math.log10(std))
-    counts = power - (1.05 < std / 10.0**power < 1.95)  # of the last digit that does; of a 1 in front two do
+    counts = power - (1.05 < std / 10.0**power < 1.95)  # exponent of the last digit: one digit of the error, two after a 1
     digits = min(max(1, 1 + math.floor(math.log10(abs(value))) - counts), 6)
     text = plain(value, digits)
     if "×" in text:
@@ -112,22 +113,22 @@ def _with_spread(value: float, std: float) -> str:
 
 
 def span(low: Any, high: Any, unit: str, instead: Any = ()) -> str:
-    """An interval, `1.0 to 2.0 N`. `instead` are values whose scale it takes, where there are any."""
+    """An interval, `1.0 to 2.0 N`. `instead` are values that decide its scale; without any, the ends do."""
     factor, name = scale([*instead] or [low, high], unit)
     low, high = finite(low), finite(high)
     if low is None or high is None:
         return UNKNOWN
     ends = [low * factor, high * factor]
     said = [plain(end, 2) for end in ends]
-    if any("×" in s for s in said) and 1e-9 < max(map(abs, ends)) < 1.0:  # beside other numbers of that unit, which have no exponent
+    if any("×" in s for s in said) and 1e-9 < max(map(abs, ends)) < 1.0:  # no exponent, as the other numbers in that unit have none
         decimals = 1 - _exponent(max(ends, key=abs), 2)
         said = [f"{end:.{decimals}f}".replace("-", "−") for end in ends]
     return f"{said[0]} to {said[1]}{_SPACE}{name}".rstrip()
 
 
 def fall_span(low: float, high: float, before: float | None, unit: str, instead: Any = ()) -> str:
-    """What an error falls by. Where the interval ends beyond the error itself only its beginning is said: the error before was redrawn with
-    the fall, and what falls by more than all of it reads like a slip."""
+    """The interval of an error's fall in words. Where its upper end is larger than the error itself, only the lower end is given ("at
+    least"). This can happen because the bootstrap redraws the error together with the fall, but it would read like a mistake."""
     if before is not None and high > before:
         return f"at least {amount(low, unit, like=[*instead] or [low, before], digits=2)}"
     return span(low, high, unit, instead)

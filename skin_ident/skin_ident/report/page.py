@@ -86,7 +86,7 @@ def _tile(kind: str, title: str, answer: str, caption: str, said: tuple[str, ...
 
 
 def _list(wrong: tuple[Wrong, ...]) -> Safe:
-    """What is wrong, with what belongs to one of it below that."""
+    """The list of what is wrong, with entries that belong to another one (`of_last`) nested below it."""
     groups: list[tuple[Wrong, list[Wrong]]] = []
     for w in wrong:
         groups[-1][1].append(w) if w.of_last else groups.append((w, []))
@@ -109,7 +109,7 @@ def _picture(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
 
 
 def _contents(parts: list[Safe]) -> Safe:
-    """Links to the sections that are there."""
+    """Links to the sections that the page has."""
     names = {
         "measured": "Measured against simulated", "left": "What is left", "evidence": "Evidence", "sessions": "Session by session",
         "parameters": "Parameters", "excluded": "Ruled out", "untestable": "Not tested", "recordings": "Recordings",

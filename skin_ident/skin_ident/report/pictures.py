@@ -1,4 +1,4 @@
-"""The pictures beside the report: measured against simulated before and after, what is left, and how the causes compare."""
+"""The pictures beside the report: measured against simulated before and after, the residual, and how the causes compare."""
 
 from collections.abc import Callable
 
@@ -19,12 +19,12 @@ from skin_ident.stretches import runs
 
 COLOURS = {"measured": "#9aa0aa", "before": "#c8500a", "after": "#0068b0"}
 WIDTHS = {"measured": 4.0, "before": 1.3, "after": 1.3}
-POINTS = 1500
-MOST_RANKED, MOST_ROUNDS = 6, 6
+POINTS = 1500  # buckets of a curve (see `thinned`)
+MOST_RANKED, MOST_ROUNDS = 6, 6  # causes of a round, and rounds, in the picture of the evidence
 
 
 def pictures(told: Told) -> dict[str, Callable[[], Figure]]:
-    """File name to the function that draws it; `before_after.png` is the one picture. Empty without any curves."""
+    """File names with the functions that draw them; `before_after.png` is the main picture. A picture without data is left out."""
     outcome, v, seen = told.outcome, told.view, told.seen
     drawn: dict[str, Callable[[], Figure]] = {}
     if seen is not None:
@@ -43,7 +43,7 @@ def save(figure: Figure, target) -> None:
 
 
 def _before_after(seen: Focus, v: View, title: str) -> Figure:
-    """Measured against simulated above, the residual below; left the most telling seconds, right the whole session."""
+    """Measured against simulated above, the residual below; the most telling seconds on the left, the whole session on the right."""
     parts = [(seen.start, seen.stop)] if seen.is_whole else [(seen.start, seen.stop), (0, seen.trace.t.size)]
     figure = Figure(figsize=(6.5 * len(parts) + 0.5, 6.2), dpi=110, layout="constrained")
     axes = figure.subplots(2, len(parts), squeeze=False, sharex="col", sharey="row", gridspec_kw={"height_ratios": (2, 1)})
@@ -72,18 +72,18 @@ def _title(told: Told, session: str) -> str:
 
 
 def _curves(seen: Focus, cut: slice, v: View, axes) -> None:
-    """Measured and simulated, in the unit that suits what was measured."""
+    """Draws measured and simulated curves, in a unit that suits the measurement."""
     t, unit = seen.trace.t[cut], unit_of(v, seen.channel)
     factor, _ = scale(np.nanmax(np.abs(seen.trace.measured[seen.row]), initial=0.0), unit)
     drawn = (("measured", "measured", seen.trace.measured), *reversed(simulations(seen.trace)))
     for order, (kind, label, curves) in enumerate(drawn):
-        style = (0, (5, 4)) if kind == "before" else "-"  # striped over what is simulated now, so that both show where they are alike
+        style = (0, (5, 4)) if kind == "before" else "-"  # dashed and on top, so that both simulations can be seen where they agree
         line = thinned(t, factor * curves[seen.row][cut], POINTS)
         axes.plot(*line, color=COLOURS[kind], lw=WIDTHS[kind], ls=style, label=label, zorder=2 + order)
 
 
 def _curves_left(seen: Focus, cut: slice, v: View, below) -> None:
-    """What is left in the band of errors, on an axis that holds that of the whole session."""
+    """Draws the residuals in the band in which errors are counted, on an axis that suits the whole session."""
     small, name = _small(seen, unit_of(v, seen.channel), v)
     left = left_in_band(seen.trace, seen.row, v, slice(None))
     for kind, _, r in left:
@@ -98,14 +98,14 @@ def _curves_left(seen: Focus, cut: slice, v: View, below) -> None:
 
 
 def _shaded(trace: Trace, cut: slice, axes) -> None:
-    """The stretches that were not compared, in grey."""
+    """Shades the stretches that were not compared."""
     t = trace.t[cut]
     for i, (a, b) in enumerate(zip(*runs(~trace.compared[cut]), strict=True)):
         axes.axvspan(t[a], t[min(b, t.size - 1)], color="#e3e5e9", lw=0, zorder=0, label="" if i else "not compared")
 
 
 def _small(seen: Focus, unit: str, v: View) -> tuple[float, str]:
-    """Factor and unit that suit what is left, those of all errors."""
+    """Factor and unit for residuals: those of all errors on the page, or, without any, what suits the residuals."""
     return scale(v.loudest or max(float(np.nanmax(np.abs(r), initial=0.0)) for r in residuals(seen.trace, seen.row)), unit)
 
 
@@ -146,7 +146,7 @@ def _left(seen: Focus, v: View) -> Figure:
 
 
 def _scan(scan: ScanTrace, title: str) -> Figure:
-    """Force over distance at four depths above, what is left below."""
+    """Force over distance at up to four depths above, the residual below."""
     picked = np.unique(np.linspace(0, scan.depth.size - 1, min(4, scan.depth.size)).round().astype(int))
     figure = Figure(figsize=(3.4 * picked.size + 0.5, 5.8), dpi=110, layout="constrained")
     axes = figure.subplots(2, picked.size, squeeze=False, sharex=True, sharey="row", gridspec_kw={"height_ratios": (2, 1)})
@@ -167,7 +167,7 @@ def _scan(scan: ScanTrace, title: str) -> Figure:
 
 
 def _evidence(outcome: Outcome) -> Figure:
-    """The ranking of every round in which anything explains something, the named cause in blue."""
+    """The ranking of every round in which some cause explains something, the named cause in blue."""
     rounds = [(i, r.named, best) for i, r in enumerate(outcome.rounds, 1) if (best := explaining(r, MOST_RANKED))][:MOST_ROUNDS]
     heights = [len(best) + 2 for _, _, best in rounds]
     figure = Figure(figsize=(8.5, 0.3 + 0.25 * sum(heights)), dpi=110, layout="constrained")

@@ -17,7 +17,7 @@ WIDTH, HEIGHT = 2000, 1000
 
 @dataclass(frozen=True)
 class Axis:
-    """`low` to `high` in printed units; `log` for decades."""
+    """An axis from `low` to `high` in printed units, logarithmic if `log`."""
 
     low: float
     high: float
@@ -54,7 +54,7 @@ def axis(values: Sequence[np.ndarray], label: str, margin: float = 0.04, zero: b
 
 
 def plot(lines: Sequence[Line], x: Axis, y: Axis, height: str = "tall", title: str = "", live: bool = True) -> Safe:
-    """The chart as a figure. `height` is a class of the style sheet (`bare`: no text below it); `live` lets the pointer read values."""
+    """The chart as a figure. `height` is a class of the style sheet (`bare`: no text below it); with `live` the pointer can read values."""
     zero = el("line", x1=0, x2=WIDTH, y1=_y0(y), y2=_y0(y), class_="zero") if not y.log and y.low < 0 < y.high else None
     x_ticks, y_ticks = ticks(x, 7), ticks(y, 5)
     grid = [el("line", x1=0, x2=WIDTH, y1=_down(y, v), y2=_down(y, v), class_="grid") for v, _ in y_ticks]
@@ -84,12 +84,12 @@ def plot(lines: Sequence[Line], x: Axis, y: Axis, height: str = "tall", title: s
 
 
 def legend(*entries: tuple[str, str]) -> Safe:
-    """A row of (kind, name)."""
+    """The legend: a row of entries (kind, name)."""
     return el("div", [el("span", el("b", class_=f"key {kind}"), name) for kind, name in entries], class_="legend")
 
 
 def ticks(a: Axis, most: int) -> list[tuple[float, str]]:
-    """Round values on an axis with their text."""
+    """Round values on an axis, at most about `most`, with their text."""
     if a.log:
         decades = range(math.ceil(math.log10(a.low) - 1e-9), math.floor(math.log10(a.high) + 1e-9) + 1)
         if len(decades) < 3:
@@ -132,13 +132,13 @@ def _piece(line: Line, x: Axis, y: Axis, piece: np.ndarray) -> str:
     across = np.rint(WIDTH * x.place(line.x[piece])).astype(int)
     down = np.rint(HEIGHT * (1.0 - np.clip(y.place(line.y[piece]), -1.0, 2.0))).astype(int)
     if " dots" in line.kind:
-        # A dot is a stroke of no length with a round end: it stays round however the picture is stretched.
+        # A dot is a stroke of zero length with a round end, which stays round however the chart is stretched.
         return "".join(f"M{a} {b}h0" for a, b in zip(across, down, strict=True))
     return path(across, down) + ("z" if " band" in line.kind else "")
 
 
 def path(across: np.ndarray, down: np.ndarray) -> str:
-    """Relative moves through whole points (n,)."""
+    """The SVG path through points with whole coordinates (n,), as relative moves."""
     steps = np.diff(np.stack([across, down], axis=1), axis=0)
     moves = " ".join(f"{a} {b}" for a, b in steps.tolist())
     return f"M{across[0]} {down[0]}" + (f"l{moves.replace(' -', '-')}" if moves else "")

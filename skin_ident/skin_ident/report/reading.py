@@ -1,4 +1,4 @@
-"""Reads findings.json into a `View`, forgiving about what an older or newer writer left out or added."""
+"""Reads findings.json into a `View`, tolerating entries that an older or newer version left out or added."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from skin_ident.report.view import Amount, ChannelError, Finding, Gain, View
 from skin_ident.report.words import advice, declared, effect_words, label, meaning, sentence
 
 LONE = "taxel_alone"  # the place of a lone taxel, in words.PLACES
-PLACED = ("findings", "excluded", "untestable")
+PLACED = ("findings", "excluded", "untestable")  # entries of findings.json that hold places
 _KNOWN = {
     "schema",
     "recordings",
@@ -57,19 +57,19 @@ def view(findings: dict[str, Any]) -> View:
 
 
 def _band(floors: dict[str, Any]) -> float | None:
-    """The edge of the band in which errors are counted, as the first floor has it that says so."""
+    """The edge (Hz) of the band in which errors are counted, from the first noise floor that has it; None where none has."""
     edges = (finite(mapping(floor).get("band_hz")) for floor in floors.values())
     return next((hz for hz in edges if hz is not None), None)
 
 
 def _lone_taxel(findings: dict[str, Any]) -> dict[str, Any]:
-    """Where there is only one taxel, `taxel` means that one, not all alike."""
+    """The findings with the place `taxel` replaced where there is only one taxel: it then means that taxel, not all taxels alike."""
     channels = [c for c in mapping(mapping(findings.get("baseline")).get("rmse")) if str(c).startswith("taxel")]
     return {**findings, **{k: lone(v) for k, v in findings.items() if k in PLACED}} if len(channels) == 1 else findings
 
 
 def lone(thing: Any) -> Any:
-    """The same with every place `taxel` as that of a lone one."""
+    """A copy in which every place `taxel` is replaced by that of a lone taxel."""
     if isinstance(thing, list):
         return [lone(x) for x in thing]
     if isinstance(thing, dict):
@@ -84,13 +84,13 @@ def recording_name(r: Any) -> str:
 
 
 def warning_sentences(v: View) -> list[str]:
-    """The warnings as sentences; the name of a session that one begins with is written as it is."""
+    """The warnings as sentences. A session's name at the beginning is not capitalised."""
     names = tuple(f"{recording_name(r)}:" for r in v.recordings)
     return [sentence(w, begins_with_name=w.startswith(names)) for w in v.warnings]
 
 
 def _model_amounts(entries: Any) -> tuple[Amount, ...]:
-    """Parameters of a model: its own (`k1`), and those of its effects (`stress_relaxation.skin.tau`)."""
+    """The parameters of a model: those of the dispersion model (`k1`), and those of its effects (`stress_relaxation.skin.tau`)."""
     entries = {str(name): entry for name, entry in mapping(entries).items()}
     parts: dict[tuple[str, str], list[str]] = {}
     for name in entries:
@@ -167,7 +167,7 @@ def _gain(g: dict[str, Any], channels: tuple[str, ...], baseline: dict[str, Any]
 
 
 def _interval(gain: dict[str, Any]) -> tuple[float | None, float | None]:
-    """The ends of what a gain lies between; None where one is not known."""
+    """The ends of a gain's 95 % interval; None where one is not known."""
     low, high, *_ = (*map(finite, sequence(gain.get("ci95"))), None, None)
     return low, high
 
@@ -183,7 +183,7 @@ def _alternative(a: Any, evidence: dict[str, Any]) -> tuple[str, str, str]:
 
 
 def _behind(a: Any, evidence: dict[str, Any]) -> float | None:
-    """By which share of what the named cause explains an alternative explains less; None where that may be chance, or is not known."""
+    """How much less an alternative explains, as a share of what the named cause explains; None where that may be chance or is not known."""
     less, whole = (finite(x) for x in (_short_by(a), evidence.get("likelihood_gain")))
     return less / whole if less is not None and whole and less > CHANCE and less < whole else None
 
@@ -208,5 +208,5 @@ def _error(channel: str, before: dict, after: dict, floor: Any, gain: dict) -> C
     interval = None if low is None or high is None or low == high == 0.0 else (low, high)
     floor = finite(floor)
     left = pairs[1][1] if pairs[1][1] is not None else pairs[0][1]
-    floor = floor if floor is None or left is None else min(floor, left)  # another session's noise may be more than this one's
+    floor = floor if floor is None or left is None else min(floor, left)  # the floor may be of another session, which was noisier
     return ChannelError(channel, text(before.get("unit") or after.get("unit")) or "N", *pairs, floor, interval)

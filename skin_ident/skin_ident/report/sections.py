@@ -1,4 +1,4 @@
-"""Measured against simulated, and what is left: the charts below the first screen."""
+"""The sections of charts below the first screen: measured against simulated, and the residual."""
 
 import numpy as np
 
@@ -13,13 +13,13 @@ from skin_ident.report.numbers import plain
 from skin_ident.report.view import IN_TURN, UNTESTED, View
 from skin_ident.report.words import capital, channel, role, short
 
-MOST_SESSIONS = 6
-MOST_CHANNELS = 4
+MOST_SESSIONS = 6  # that are drawn
+MOST_CHANNELS = 4  # of a session that are drawn
 MOST_POINTS = 160_000  # points in all charts together: about 1 MB of text
 
 
 def measured(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
-    """Measured against simulated: the errors of every channel, then whole sessions."""
+    """The section of measured against simulated: the errors of every channel, then whole sessions."""
     table_ = [el("p", _error_note(v), class_="note"), error_table(v)] if v.errors else []
     if seen is None and not outcome.scans:
         return section("measured", "Measured against simulated", table_) if table_ else None
@@ -43,7 +43,7 @@ def _error_note(v: View) -> str:
 
 
 def _told_on_cards(v: View) -> bool:
-    """Whether sessions were held out in turn, and errors by channel are those of the fit."""
+    """Whether sessions were held out in turn while the errors by channel are those of the fit; then only the cards have held-out errors."""
     return v.tested == IN_TURN and not v.in_turn
 
 
@@ -76,7 +76,7 @@ def _scans(outcome: Outcome) -> list[Safe]:
 
 
 def left(outcome: Outcome, v: View, seen: Focus | None) -> Safe | None:
-    """What is left: against depth, speed and frequency (time is above)."""
+    """The section of the residual: against depth, speed and frequency (against time is in the section above)."""
     blocks = []
     if seen is not None:
         for row in by_fall(seen.trace, v.silent)[:3]:

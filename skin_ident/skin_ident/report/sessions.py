@@ -1,4 +1,4 @@
-"""Session by session: what each says by itself, what is left of it, and how that goes from one to the next."""
+"""Session by session: parameters fitted to each session alone, the error of each, and how these change from one session to the next."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ from skin_ident.report.words import sentence, short, signal
 
 ZERO = "zero"
 KINDS = ("stiffness", "ratio", "recovery", ZERO)
-WORTH_SAYING = 0.01  # of a number, that it changes by from session to session, on the first screen
-MOST_ZEROS, MOST_ERRORS = 6, 6  # channels in a table
-CLEARLY = 6.0  # standard errors, by which numbers must differ before it is said how they go
+WORTH_SAYING = 0.01  # smallest relative change from session to session that the first screen reports
+MOST_ZEROS, MOST_ERRORS = 6, 6  # channels in the table of zeros, and in that of errors
+CLEARLY = 6.0  # standard errors by which numbers must differ before a pattern over sessions is reported
 NOTE = (
     "The plain numbers of the model, beside the causes named here, fitted to each session alone together with a zero of every channel, and "
     "without what was found to be that session's own. Recovery is damping over stiffness. Standard errors are of noise alone. What stands "
@@ -32,7 +32,7 @@ ERRORS = "Typical error of each session; what stands out is marked."
 
 @dataclass(frozen=True)
 class Column:
-    """One column of numbers: its head, and the cells by session, with those that stand out."""
+    """One column of numbers: its head, its cells by session, and the sessions whose number stands out."""
 
     head: str
     cells: dict[str, str]
@@ -41,7 +41,8 @@ class Column:
 
 @dataclass(frozen=True)
 class BySession:
-    """The tables, the sessions in their order, those that were held out, and sentences on how numbers go."""
+    """The columns of three tables (own parameters, zeros, errors), the sessions in order, those held out, and sentences about how numbers
+    change over the sessions."""
 
     names: tuple[str, ...]
     held: frozenset[str]
@@ -49,11 +50,11 @@ class BySession:
     zeros: tuple[Column, ...]
     errors: tuple[Column, ...]
     said: tuple[str, ...]
-    hidden: int  # channels that are in findings.json alone
+    hidden: int  # number of channels that are not shown and only in findings.json
 
 
 def by_session(v: View) -> BySession | None:
-    """What findings.json knows of sessions by themselves; None where it does not."""
+    """What findings.json says about each session alone; None where it does not for at least two sessions."""
     told = {recording_name(r): mapping(r) for r in v.recordings if mapping(r).get("by_itself")}
     if len(told) < 2:
         return None
@@ -74,12 +75,12 @@ def by_session(v: View) -> BySession | None:
 
 
 def _of(kind: str, names: tuple[str, ...], told: dict[str, dict]) -> list[str]:
-    """The channels of which sessions have numbers of a kind."""
+    """The channels for which sessions have numbers of a kind (see KINDS)."""
     return list(dict.fromkeys(c for n in names for c in mapping(mapping(told[n]["by_itself"]).get(kind))))
 
 
 def _most_telling(channels: list[str], kind: str, most: int, odd: dict[str, frozenset[str]]) -> list[str]:
-    """So many channels, in their order: those first in which sessions stand out."""
+    """At most `most` channels, in their order; channels in which a session stands out are preferred."""
     ranked = sorted(channels, key=lambda c: not any(f"{kind}.{c}" in each for each in odd.values()))
     return [c for c in channels if c in ranked[:most]]
 
@@ -100,7 +101,7 @@ def _own(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict],
 
 
 def _errors(channel: str, names: tuple[str, ...], told: dict[str, dict], odd: dict[str, frozenset[str]], v: View) -> Column:
-    """Before and after, of each session."""
+    """The column of a channel's errors by session, before and after."""
     pairs = {n: [finite(mapping(mapping(told[n]["rmse"]).get(channel)).get(k)) for k in ("baseline", "extended")] for n in names}
     pairs = {n: pair if v.findings else pair[1:] for n, pair in pairs.items() if None not in pair}
     like = v.loudest or [x for pair in pairs.values() for x in pair]
@@ -113,7 +114,7 @@ def _head(kind: str, channel: str, unit: str) -> str:
 
 
 def _what(kind: str, channel: str) -> str:
-    """What a number is: `stiffness of the force`, `force over taxel 1`."""
+    """The name of a number: `stiffness of the force`, `force over taxel 1`."""
     return f"force over {spoken(channel)}" if kind == "ratio" else f"{kind} of {_at(channel)}"
 
 
@@ -122,7 +123,7 @@ def _at(channel: str) -> str:
 
 
 def _goes(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict], least: float = 0.0) -> Iterator[str]:
-    """How a number goes from session to session, where it clearly does."""
+    """A sentence on how a number changes from session to session, where it changes clearly and in a pattern."""
     numbers = _numbers(kind, channel, names, told)
     y, std = np.array([[value, std] for value, std, _ in numbers.values()]).T
     middle = float(np.median(y))
@@ -135,8 +136,10 @@ def _goes(kind: str, channel: str, names: tuple[str, ...], told: dict[str, dict]
 
 
 def goes_on_from_day_to_day(v: View) -> str:
-    """How the stiffest of these numbers go, for the first screen, where no finding says it: what the taxel says beside the force tells
-    whether a sensor or the skin changes."""
+    """A sentence for the first screen on how gain ratio or stiffness changes over the sessions, where no finding says it; else empty.
+
+    A change in the ratio of force to taxel means that a sensor changes. A change of both stiffnesses alike means that the skin does.
+    """
     told = {recording_name(r): mapping(r) for r in v.recordings if mapping(r).get("by_itself")}
     names = tuple(in_order(told))
     if len(told) < 2 or any(f.each_session or f.partly for f in v.findings):
@@ -149,7 +152,7 @@ def goes_on_from_day_to_day(v: View) -> str:
 
 
 def most_left(v: View) -> str:
-    """In which sessions most is left, as words for page and terminal; empty where none stand out, or nothing systematic is left."""
+    """In which sessions the residual is largest, in words; empty where none stand out, or where nothing systematic is left."""
     some, times = [text(n) for n in sequence(v.most_left.get("most_in"))], finite(v.most_left.get("times"))
     if v.verdict not in (PARTLY, UNEXPLAINED) or not some or times is None:
         return ""
@@ -159,7 +162,7 @@ def most_left(v: View) -> str:
 
 
 def sessions(v: View) -> Safe | None:
-    """The section of the page."""
+    """The section of the page; None where findings.json has nothing about single sessions."""
     told = by_session(v)
     if told is None:
         return None
@@ -193,7 +196,7 @@ def _cell(n: str, c: Column) -> Any:
 
 
 def in_markdown(v: View) -> list[tuple[list[str], list[list[str]]]]:
-    """Head and rows of the tables as text."""
+    """Head and rows of the three tables as text, for markdown."""
     told = by_session(v)
     if told is None:
         return []

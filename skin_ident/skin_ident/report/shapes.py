@@ -1,4 +1,4 @@
-"""The shape of a residual: thinned out for drawing, and against depth, speed and frequency."""
+"""Residuals prepared for drawing: thinned out, binned over another quantity, smoothed, and as a spectrum."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -8,7 +8,7 @@ from scipy.signal import oaconvolve, welch
 
 from skin_ident.criticism.telling.outcome import Trace
 
-BINS = 24
+BINS = 24  # of depth or speed
 FEWEST = 12  # samples that a bin needs to be shown
 
 
@@ -23,7 +23,7 @@ class Binned:
 
 
 def thinned(x: np.ndarray, y: np.ndarray, buckets: int) -> tuple[np.ndarray, np.ndarray]:
-    """At most 2 x `buckets` points of y(x): the least and the greatest of every bucket, in the order they came, so that spikes survive."""
+    """At most 2 x `buckets` points of y(x): the smallest and the largest of every bucket, in their order, so that spikes survive."""
     keep = np.isfinite(x) & np.isfinite(y)
     x, y = x[keep], y[keep]
     if y.size <= 2 * buckets:
@@ -37,7 +37,7 @@ def thinned(x: np.ndarray, y: np.ndarray, buckets: int) -> tuple[np.ndarray, np.
 
 
 def binned(quantity: np.ndarray, residual: np.ndarray, low: float, high: float, bins: int = BINS) -> Binned:
-    """Residual (N,) in even bins of `quantity` (N,) between `low` and `high`; NaN in bins with too few samples."""
+    """Residual (N,) in equal bins of `quantity` (N,) between `low` and `high`; NaN in bins with too few samples."""
     edges = np.linspace(low, high, bins + 1)
     which = np.digitize(quantity, edges[1:-1])
     rows = []
@@ -49,7 +49,7 @@ def binned(quantity: np.ndarray, residual: np.ndarray, low: float, high: float, 
 
 
 def span_of(quantity: np.ndarray) -> tuple[float, float] | None:
-    """The range that holds all but 0.2 % of the samples (N,) at either end; None where nothing moves or nothing is known."""
+    """The range that holds all samples (N,) but 0.2 % at either end; None where the quantity is constant or has too few samples."""
     known = quantity[np.isfinite(quantity)] if quantity is not None else np.zeros(0)
     if known.size < 2 * FEWEST:
         return None
@@ -58,8 +58,8 @@ def span_of(quantity: np.ndarray) -> tuple[float, float] | None:
 
 
 def smooth(t: np.ndarray, y: np.ndarray, hz: float | None) -> np.ndarray:
-    """`y` (N,), at `t` (N,) s, through a Hann window that halves its amplitude at about `hz`, as long as before; `y` itself where there is
-    nothing to smooth."""
+    """`y` (N,), at times `t` (N,) s, smoothed by a Hann window that halves the amplitude at about `hz`. `y` itself where `hz` is None, or
+    the window is too short or too long for it."""
     dt = (t[-1] - t[0]) / max(t.size - 1, 1)
     width = round(1.0 / (hz * dt)) if hz else 0
     if width < 3 or y.size < 3 * width:

@@ -1,4 +1,4 @@
-"""How large what was found is, in words: the parameters of a finding, and given numbers beside those that are right."""
+"""The size of a finding in words: its parameters, or given numbers of a model beside the fitted ones."""
 
 from skin_ident.criticism.pattern import listed
 from skin_ident.criticism.telling.telling import MOVED, SURE
@@ -6,15 +6,15 @@ from skin_ident.report.numbers import amount, finite, percent
 from skin_ident.report.tolerant import mapping, text
 from skin_ident.report.view import Amount, Finding, View
 
-MOST_AMOUNTS = 4  # parameters of a finding that are said in a line
-LEAST = 2.0  # standard errors, within which a parameter may be none
-BRIEFLY = 2  # where many findings share the first screen
-GIVEN, MEASURED = 4, 3  # digits of a number without an error
+MOST_AMOUNTS = 4  # parameters of a finding that are listed
+LEAST = 2.0  # standard errors by which a parameter must differ from its neutral value to be listed
+BRIEFLY = 2  # parameters that are listed where many findings share the first screen
+GIVEN, MEASURED = 4, 3  # digits of a number without a standard error: of a given one, of a fitted one
 
 
 def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) -> list[str]:
-    """The sizes of a finding, `relaxation time 0.800 s`, that which matters most first; parameters that are zero, or may be, are left
-    out. With `brief` only what says how large it is, and that there are more is not said."""
+    """The sizes of a finding, such as `relaxation time 0.800 s`, the most important first. Parameters that are not significantly different
+    from their neutral value are left out. With `brief` only the first BRIEFLY are listed, without the note that there are more."""
     said = put_right(v) if f.cause == "parameters" and v.given else _silent(f)
     told = [a for a in f.amounts if _tells(a)] or f.amounts
     said = said or [f"{a.words} {amount(a.value, a.unit, a.std)}" for a in told if a.value] or _of_each_session(f)
@@ -23,18 +23,19 @@ def sizes(f: Finding, v: View, most: int = MOST_AMOUNTS, brief: bool = False) ->
 
 
 def rival_sizes(f: Finding, which: int, brief: bool = False) -> list[str]:
-    """How large another name for a finding would be, where it was fitted."""
+    """The sizes of an alternative (number `which`) of a finding, where it was fitted."""
     amounts = f.rival_amounts[which] if which < len(f.rival_amounts) else ()
     return [f"{a.words} {amount(a.value, a.unit)}" for a in amounts if a.value and not a.is_rounding][: BRIEFLY if brief else MOST_AMOUNTS]
 
 
 def _tells(a: Amount) -> bool:
-    """Whether a parameter is clearly another than none."""
+    """Whether a parameter differs significantly from its neutral value, or is not known."""
     return a.value is None or (not a.is_rounding and (not a.std or abs(a.value - a.none) > LEAST * a.std))
 
 
 def put_right(v: View) -> list[str]:
-    """Given numbers that are others, those that are furthest off first; where none is by much, all that were fitted."""
+    """Given numbers that were wrong, beside the fitted ones, the largest relative change first. Where none changed significantly, all that
+    changed at all."""
     before = {a.name: a for a in v.before}
     pairs = [(before[a.name], a) for a in v.after if a.name in before and a.value != before[a.name].value]
     pairs.sort(key=lambda pair: -abs(step(*pair) or 0.0))
@@ -50,13 +51,13 @@ def _instead(given: Amount, found: Amount) -> str:
 
 
 def number(a: Amount, v: View, like: list | None = None) -> str:
-    """A parameter of the model; one that somebody gave with a digit more: it has no error that would say how many count."""
+    """A parameter of the model as text. A given one has one digit more, since no standard error says how many digits count."""
     given = v.given and any(b.name == a.name for b in v.before)
     return amount(a.value, a.unit, a.std, like, GIVEN if given else MEASURED)
 
 
 def _silent(f: Finding) -> list[str]:
-    """Of a taxel that is dead in some sessions, since when in which."""
+    """For a taxel that is dead in some sessions only: in which, and since when."""
     since = {n: finite(s) or 0.0 for n, s in mapping(dict(f.evidence).get("dead_from_s")).items()} if f.partly else {}
     dying = [f"silent in {n} from {amount(s, 's')} on" for n, s in since.items() if s > 0.0]
     dead = [n for n, s in since.items() if s == 0.0]
@@ -64,7 +65,7 @@ def _silent(f: Finding) -> list[str]:
 
 
 def _of_each_session(f: Finding) -> list[str]:
-    """What each session has of its own; of many, how it goes from one to the next."""
+    """What each session has of its own; where they are many or follow a pattern, the pattern from one session to the next."""
     each = f.each_session
     if f.has_pattern or (f.goes and len(each) > MOST_AMOUNTS):
         return [f.goes]
@@ -72,14 +73,14 @@ def _of_each_session(f: Finding) -> list[str]:
 
 
 def step(before: Amount, after: Amount | None) -> float | None:
-    """The relative change of a parameter; None where it is not known."""
+    """The relative change of a parameter; None where it is not known, or where the value before is zero."""
     if after is None or before.value is None or after.value is None or before.value == 0.0:
         return None
     return (after.value - before.value) / abs(before.value)
 
 
 def moved(before: Amount, after: Amount | None) -> bool:
-    """Whether a parameter is clearly another one: by more than three standard errors, and 5 %."""
+    """Whether a parameter changed significantly: by more than three standard errors and 5 %."""
     share = step(before, after)
     if share is None:
         return False

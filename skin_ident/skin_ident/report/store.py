@@ -85,7 +85,7 @@ def load_findings(directory: Path) -> dict[str, Any]:
 
 
 def _taken_apart(thing: Any, prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
-    """The plain fields of a trace; its arrays go to `arrays`, each under the name that stands in their stead."""
+    """The fields of a trace for JSON. Its arrays are put into `arrays`, and replaced by their names there."""
     entry = {}
     for f in fields(thing):
         value = getattr(thing, f.name)

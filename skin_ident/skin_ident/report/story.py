@@ -20,15 +20,15 @@ from skin_ident.report.tolerant import named_at, text, with_spoken_taxels
 from skin_ident.report.view import DIRECT, EXPLAINED, NOTHING, PARTLY, UNEXPLAINED, Finding, View, unit_of
 from skin_ident.report.words import capital, either, meaning, sentence, signal
 
-CLEARLY = 0.9  # of what the simulation strays by without what is named, which must be more than with it to speak for it
+CLEARLY = 0.9  # the picture supports a finding if with it the error is at most this share of that without it
 UNLIKE_DECLARED = "but only where the taxels share the force otherwise than the declared layout says"
-UNSURE = {  # by what a title says of it
+UNSURE = {  # sentences by the caveat in the title (see `counsel.unsure`)
     "not surely": "Neither gain nor name is sure.",
     "not proven": "The gain was not tested on data that were kept aside.",
 }
-ROUNDING = 1e-9  # of what the best cause explains, to which another explains nothing
-MOST_NAMES = 3  # of one finding, in the headline
-MOST_SIZES = 3  # findings whose sizes fit on the first screen in full
+ROUNDING = 1e-9  # a cause that explains less than this share of the best one explains nothing
+MOST_NAMES = 3  # names of one finding in the headline
+MOST_SIZES = 3  # with more findings, sizes on the first screen are brief
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ class Headline:
 
 @dataclass(frozen=True)
 class Wrong:
-    """One thing that is wrong: its name, what that means, and its size; or a sentence alone. `of_last` belongs to the last that does not:
-    another name for it, or how well those fit."""
+    """One thing that is wrong: its name, what that means, and its size; or a sentence alone. An entry with `of_last` belongs to the last
+    entry without: another name for it, or how well such names fit."""
 
     name: str
     means: str
@@ -53,7 +53,7 @@ class Wrong:
 
 @dataclass(frozen=True)
 class Story:
-    """Everything the first screen says. Lists hold sentences."""
+    """Everything the first screen says. Tuples of text hold sentences."""
 
     headline: Headline
     wrong: tuple[Wrong, ...]
@@ -68,8 +68,8 @@ class Story:
 
 @dataclass(frozen=True)
 class Told:
-    """An outcome with everything that page, markdown and pictures share, worked out once. `folder` holds findings.json and what belongs to
-    it, where that is not beside the report."""
+    """An outcome with everything that page, markdown and pictures share, computed once. `folder` is that of findings.json and its files,
+    empty where they are beside the report. `seen` is what to look at first."""
 
     outcome: Outcome
     view: View
@@ -91,7 +91,8 @@ def tell(outcome: Outcome, folder: str = "") -> Told:
 
 
 def _kept(trace: Trace | ScanTrace) -> Trace | ScanTrace:
-    """Where nothing is named there is one simulation, the one that was kept: its zeros are no gain to show."""
+    """The trace with the extended simulation as its baseline, for outcomes that name nothing: there is then only one simulation, and zeros
+    fitted to each session must not be shown as a gain."""
     return replace(trace, baseline=trace.extended)
 
 
@@ -141,7 +142,7 @@ def _in_the_record(v: View) -> str:
 
 
 def _above(v: View, begins: str) -> str:
-    """A sentence where the error stands clearly above the noise, though not so clearly that it must have a cause."""
+    """A sentence, begun with `begins`, where the error is clearly above the noise, but not enough to need a cause; else empty."""
     if v.above is None:
         return ""
     channel, times = v.above
@@ -162,7 +163,7 @@ def _names(v: View) -> str:
 
 
 def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
-    """Each finding, then what they amount to in newtons."""
+    """Each finding with its rivals, then what they amount to in newtons, and what is not settled."""
     for f in v.findings:
         size = "; ".join(sizes(f, v, brief=len(v.findings) > MOST_SIZES))
         yield Wrong(capital(f.called) + f.in_some, sentence(f.means), size)
@@ -187,7 +188,7 @@ def _wrong(v: View, seen: Focus | None) -> Iterator[Wrong]:
 
 
 def _as_well(f: Finding) -> Iterator[str]:
-    """How well the rivals fit, those that explain less together, and how many are left to the card."""
+    """Sentences on how well the rivals fit: those that are equal, those that explain less, and how many are only on the card."""
     behind = {cause_at(cause, where): b for (cause, where, _), b in zip(f.alternatives, f.behind, strict=True)}
     equal = [name for name, b in behind.items() if b is None]
     less = sorted((b, name) for name, b in behind.items() if b is not None)
@@ -202,14 +203,14 @@ def _as_well(f: Finding) -> Iterator[str]:
 
 
 def _which(names: list[str], of: Collection[str]) -> str:
-    """Some of the other names, at the beginning of a sentence: which they are, unless it is all of them."""
+    """Some of the other names, as the beginning of a sentence: listed, unless they are all of them."""
     if len(names) == len(of):
         return "The other name" if len(of) == 1 else "The other names"
     return capital(listed(names)) if len(names) <= MOST_NAMES else f"{len(names)} of the other names"
 
 
 def _unsettled(v: View) -> Iterator[str]:
-    """What was seen, and is in doubt, or leaves several causes open: the reason that they share."""
+    """Sentences on causes that are in doubt, and the common reason of causes that are left open."""
     yield from (f"{named_at(e)}: {with_spoken_taxels(text(e.get('because')))}" for e in v.doubts)
     yield from dict.fromkeys(with_spoken_taxels(text(e.get("because"))) for e in v.left_open)
 
@@ -245,7 +246,7 @@ def _why(v: View, seen: Focus | None, rounds: tuple[Round, ...]) -> Iterator[str
 
 
 def _stray(seen: Focus, v: View) -> str:
-    """How wrong a simulation is that nothing explains."""
+    """A sentence on how large the unexplained error is."""
     left = smooth(seen.trace.t, residuals(seen.trace, seen.row)[1], v.band_hz)[seen.trace.compared]
     unit, worst = unit_of(v, seen.channel), float(np.nanmax(np.abs(left), initial=0.0))
     like = v.loudest or [worst]
@@ -256,7 +257,7 @@ def _stray(seen: Focus, v: View) -> str:
 
 
 def _in_the_picture(seen: Focus, v: View) -> Iterator[str]:
-    """How far the simulation strays without what is named, and with it, where that speaks for it."""
+    """A sentence on the largest error in the picture without and with the named causes, where it clearly falls."""
     looked_at = seen.trace.compared | seen.beside
     cut = np.flatnonzero(looked_at[seen.start : seen.stop]) + seen.start
     cut = cut if cut.size else np.arange(seen.start, seen.stop)
@@ -273,18 +274,19 @@ def _in_the_picture(seen: Focus, v: View) -> Iterator[str]:
 
 
 def named_cause(named: str) -> str:
-    """The cause in what a round named: `hysteresis`, or `hysteresis skin`."""
+    """The cause in the text that a round has for what it named: `hysteresis` in `hysteresis skin`."""
     return named.split(" ")[0].split(".")[0]
 
 
 def explaining(round_: Round, most: int) -> list[tuple[str, str, float]]:
-    """Cause, place and gain of what explains anything in a round, the best first."""
+    """Cause, place and gain of the causes that explain anything in a round, the best first, at most `most`."""
     least = ROUNDING * max((gain for _, _, gain in round_.ranked), default=0.0)
     return sorted((r for r in round_.ranked if r[2] > max(least, 0.0)), key=lambda r: -r[2])[:most]
 
 
 def _against_rivals(f: Finding, rounds: tuple[Round, ...]) -> str:
-    """What the finding says itself, or how far ahead it was, when it was named, of the best cause that is not listed beside it."""
+    """Why this cause and no other: the finding's own sentence, or how far ahead it was, when it was named, of the best cause that is not
+    listed as its rival."""
     if f.why:
         return sentence(f.why)
     ranked = next((r.ranked for r in rounds if r.named and named_cause(r.named) == f.cause), ())

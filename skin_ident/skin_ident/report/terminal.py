@@ -1,4 +1,4 @@
-"""The findings as a person wants them in a terminal: what the page says first, with the names that files and options have."""
+"""The findings as text for a terminal: what the page says first, with names as they are in files and options."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -25,7 +25,7 @@ SHORT_OF_NOISE = {
 
 
 def summary(findings: dict[str, Any]) -> str:
-    """The content of findings.json (schema 1) in lines."""
+    """The content of findings.json (schema 1) as lines of text."""
     v = view(findings)
     lines = [_verdict(v)]
     if names := mapping(v.other.get("taxels")):
@@ -54,13 +54,13 @@ def _verdict(v: View) -> str:
 
 
 def _surely(verdict: str, v: View) -> str:
-    """A verdict that something is explained, with how little sure that is, where it is not."""
+    """The verdict, with a caveat where it says that something is explained and that is not sure."""
     said = unsure(v)
     return verdict.replace("explained", f"explained, but {said}", 1) if said and v.verdict in (EXPLAINED, PARTLY) else verdict
 
 
 def _told(f: Finding) -> Iterator[str]:
-    """The lines of a finding: its name, its sizes, what it is worth, and what else it may be."""
+    """The lines of a finding: its name, its sizes, its gain, and its rivals."""
     yield f"\n  {_placed(f.cause, f.where)}{f.in_some}: {f.means}"
     yield from (f"    {a.name} = {_size(a)}" for a in f.amounts if not a.is_rounding)
     if f.each_session:
@@ -77,7 +77,7 @@ def _told(f: Finding) -> Iterator[str]:
 
 
 def _left_open(v: View) -> Iterator[str]:
-    """What several causes would explain: why, which they are, and what would settle it."""
+    """Lines on departures that several causes could explain: why they are open, the causes, and what would settle it."""
     for because, needs in dict.fromkeys((text(e.get("because")), text(e.get("needs"))) for e in v.left_open):
         alike = [e for e in v.left_open if (text(e.get("because")), text(e.get("needs"))) == (because, needs)]
         yield f"\n  not settled: {because}"
@@ -86,21 +86,21 @@ def _left_open(v: View) -> Iterator[str]:
 
 
 def _placed(cause: str, where: str) -> str:
-    """A cause and its place, as findings.json calls them."""
+    """A cause and its place, named as in findings.json."""
     if where.startswith("clock"):
         return f"{cause} in {place_of(cause, where)}"
     return f"{cause} in {({'taxel': 'all taxels', LONE: 'the taxel'}).get(where, f'the {where}')}"
 
 
 def _size(a: Amount) -> str:
-    """A number with its standard error, where it has one, in the unit that the page has, too, and with spaces that are easy to search."""
+    """A number with its standard error, where it has one, in the same unit as on the page; plain spaces make it easy to search."""
     return amount(a.value, a.unit, a.std).replace("\u00a0", " ").replace("\u202f", "")
 
 
 def _worth(g: Gain) -> Iterator[str]:
     """The fall of the held-out error, where it was measured."""
     if None not in (g.before, g.after, g.low, g.high) and g.before != g.after:
-        by = f"at least {g.low:.3g}" if g.high > g.before else f"{g.low:.3g} to {g.high:.3g}"  # no error falls by more than all of it
+        by = f"at least {g.low:.3g}" if g.high > g.before else f"{g.low:.3g} to {g.high:.3g}"  # an error cannot fall by more than itself
         chance = f"may be chance: at 95 % it may as well rise by {abs(g.low):.3g} {g.unit}"
         interval = f"falls by {by} {g.unit}, 95 %" if g.low > 0.0 else chance
         yield f"    held-out error of {g.channel}: {g.before:.3g} -> {g.after:.3g} {g.unit} ({interval})"

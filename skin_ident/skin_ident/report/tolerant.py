@@ -1,4 +1,4 @@
-"""Reading JSON that someone else wrote, without stumbling over what is missing."""
+"""Reads JSON that someone else wrote, without errors where something is missing."""
 
 import re
 from typing import Any
@@ -33,15 +33,15 @@ def text(thing: Any) -> str:
 
 
 def with_spoken_taxels(said: str) -> str:
-    """A sentence of findings.json with its taxels as a person says them: `taxel 0`."""
+    """A sentence of findings.json with `taxel_0` written as `taxel 0`."""
     return re.sub(r"\btaxel_(\d+)\b", r"taxel \1", said)
 
 
 def place_in(entry: dict) -> str:
-    """The place of an entry of findings.json as the catalogue names it, which of the clocks included."""
+    """The place of an entry of findings.json as the catalogue names it; a clock with its channel."""
     return "_".join(filter(None, (text(entry.get("where")), text(entry.get("channel_clock")))))
 
 
 def named_at(entry: dict) -> str:
-    """The cause and place of an entry of findings.json, as `cause_at` says them."""
+    """The cause and place of an entry of findings.json in words (see `cause_at`)."""
     return cause_at(text(entry.get("cause")), place_in(entry))

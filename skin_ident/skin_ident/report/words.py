@@ -11,12 +11,12 @@ from skin_models.parameter import Parameter, parameters_of
 
 
 def channel(name: str) -> str:
-    """A measured channel."""
+    """Words for a measured channel."""
     return "force (load cell)" if name == "force" else spoken(name)
 
 
 def signal(name: str) -> str:
-    """A channel inside a sentence: `the simulated force`, `the simulated signal of taxel 0`."""
+    """Words for a channel inside a sentence, to follow `the simulated`: `force`, `signal of taxel 0`."""
     return "force" if name == "force" else f"signal of {spoken(name)}"
 
 
@@ -26,26 +26,26 @@ def role(held_out: bool) -> str:
 
 
 def short(name: str, most: int = 48) -> str:
-    """A long name with its middle left out."""
+    """The name, without its middle where it is longer than `most` characters."""
     return name if len(name) <= most else f"{name[: most // 2]}…{name[-most // 2 + 1 :]}"
 
 
 def meaning(cause: str) -> str:
-    """What a cause means, in words that follow a colon; empty for one that the vocabulary does not hold."""
+    """What a cause means, in words that follow a colon; empty for a cause that is not in the vocabulary."""
     return BY_NAME[cause].means if cause in BY_NAME else ""
 
 
 def advice(cause: str) -> str:
-    """What to do about a cause."""
+    """What to do about a cause; empty for a cause that is not in the vocabulary."""
     return BY_NAME[cause].act if cause in BY_NAME else ""
 
 
-# A first word that is the name of a file, a session or a channel: `rig.yaml`, `session_1`, `data/a.csv`.
+# Matches text whose first word is the name of a file, a session or a channel: `rig.yaml`, `session_1`, `data/a.csv`.
 _NAME = re.compile(r"[\w-]+[._/\\]\w")
 
 
 def either(names: list[str], most: int = 9) -> str:
-    """`a, b or c`; of more than `most` the first, and how many others there are."""
+    """`a, b or c`; of more than `most` names only the first ones, and how many others there are."""
     shown = names if len(names) <= most else [*names[: most - 1], f"{len(names) - most + 1} others"]
     return " or ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
 
@@ -56,18 +56,18 @@ def capital(text: str) -> str:
 
 
 def sentence(text: str, begins_with_name: bool = False) -> str:
-    """The text as a sentence: a capital in front, unless it begins with a name, a full stop behind."""
+    """The text as a sentence: with a full stop, and a capital unless it begins with a name."""
     text = text.strip()
     return (text if begins_with_name else capital(text)) + ("" if not text or text[-1] in ".!?…" else ".")
 
 
 @cache
 def parameter_words(name: str) -> str:
-    """What a parameter of the dispersion model is."""
+    """Words for a parameter of the dispersion model; empty for any other."""
     return {p.name: p.doc for p in parameters_of(Dispersion)}.get(name, "")
 
 
-# What the critic of static scans fits, as findings.json names it.
+# Words for parameters of the criticism of static scans, by their names in findings.json.
 _OF_SCANS = {
     "width": "width of the spread",
     "width_at_surface": "width of the spread at the surface",
@@ -90,7 +90,7 @@ _OF_SCANS = {
 
 
 def label(name: str) -> str:
-    """Words for a parameter of the model: `k1`, `share_2`, or `k1_2`, which is that of the second of several scans."""
+    """Words for a parameter of the model: `k1`, `share_2`, or `k1_2`, which is `k1` of the second of several scans."""
     if name.startswith("share_"):
         return f"share of the sensed force that reaches taxel {name[6:]}"
     own = parameter_words(name) or _OF_SCANS.get(name, "")
@@ -98,12 +98,12 @@ def label(name: str) -> str:
     return own or (f"{of_one}, scan {name.rpartition('_')[2]}" if of_one else spoken(name))
 
 
-# A symbol of the effect's equation right after the word it stands for: "bias F", "time t0, counted from …".
+# Matches a symbol of the effect's equation after the word it stands for: "bias F", "time t0, counted from …".
 _SYMBOL = re.compile(r"(?<!of)(?<!is)(?<!per)(?<!\d) (?:[A-Za-z]|tau|v_s|x0|x1|t0)(?=$|[ ,:;])")
 
 
 def _without_symbols(doc: str) -> str:
-    """A parameter's description for someone who does not look at the equation."""
+    """A parameter's description without the symbols of the equation."""
     for sign, said in (("of x^2", "of depth squared"), ("of x^3", "of depth cubed"), ("factor of x v", "damping that grows with depth")):
         doc = doc.replace(sign, said)
     plain = _SYMBOL.sub("", doc.partition(";")[0], count=1)
@@ -114,16 +114,16 @@ def _without_symbols(doc: str) -> str:
 
 @cache
 def effect_words(cause: str, where: str, names: tuple[str, ...]) -> dict[str, str]:
-    """What the parameters `names` of an effect are, from its own declaration; an arm's number (`tau_2`) is kept. Unknown ones are absent.
+    """Words for the parameters `names` of an effect, from its own declaration; an arm's number (`tau_2`) is kept. Unknown names are absent.
 
-    Where a cause has several forms, the form that declares most of the names is meant, and others for the rest.
+    Where a cause has several forms, the form that declares most of the names is used, and other forms for the rest.
     """
     return {name: _of(p, name) for name, p in declared(cause, where, names).items()}
 
 
 @cache
 def declared(cause: str, where: str, names: tuple[str, ...]) -> dict[str, Parameter]:
-    """The parameters `names` of an effect as it declares them, an arm's (`tau_2`) as the first of them. Unknown ones are absent."""
+    """The declared parameters `names` of an effect; one of an arm (`tau_2`) is declared under its plain name. Unknown names are absent."""
     word = "taxel" if where.startswith("taxel") else word_of(where)
     forms = [{p.name: p for p in parameters_of(c)} for c in effects() if c.cause == cause and word in map(word_of, c.places)]
     said = [{name: of[own] for name in names for own in (_stem(name), name) if own in of and of[own].doc} for of in forms]
@@ -156,7 +156,7 @@ SHARES = {"held_out_fall_of_mean_square", "held_out_fall_over_distances", "expla
 
 @dataclass(frozen=True)
 class Rebuild:
-    """Whether a finding asks for new hardware: `answer` is yes, perhaps or no."""
+    """Whether a finding asks for new hardware: `answer` is yes, perhaps, no or cannot say (or, with rivals, not before a test)."""
 
     answer: str
     because: str
@@ -166,7 +166,7 @@ _DISTORTING = {"hysteresis", "dead_zone", "saturation", "lag", "crosstalk", "qua
 
 
 def rebuild(cause: str, where: str) -> Rebuild:
-    """Does this finding call for rebuilding a sensor?"""
+    """Whether a cause at a place calls for rebuilding a sensor."""
     on_taxel = where.startswith("taxel")
     if cause == "dead_taxel":
         return Rebuild("yes", f"{place(where)} no longer answers: {advice(cause)}")

@@ -16,12 +16,12 @@ PAGE, TEXT = "report.html", "report.md"
 
 def write_report(outcome: Outcome, directory: Path, diagnosis: Path | None = None) -> Path:
     """Write report.html, report.md and the pictures into `directory` (made if needed); returns the path of report.html. `diagnosis` is the
-    folder that findings.json and the model are in, where that is another.
+    folder of findings.json and the model, where that is not `directory`.
 
     Every file is written under a partial name first; all are put in place together, report.html last. Pictures of an earlier report
     that this one does not have are removed. Raises `ReportError` where the directory cannot be written.
     """
-    from skin_ident.report.pictures import pictures, save  # drawing costs a second of start-up that a refusal should not
+    from skin_ident.report.pictures import pictures, save  # imported late: it takes a second, which an early error need not wait for
 
     directory = Path(directory)
     told = tell(outcome, "" if diagnosis is None or diagnosis.resolve() == directory.resolve() else str(diagnosis.resolve()))
