@@ -1,4 +1,4 @@
-"""From named channels on one clock to a `Recording`: calibration, dead taxels, signs and sizes that cannot be right."""
+"""From named channels on one clock to a `Recording`: calibration, dead taxels, and checks of signs and sizes."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -17,17 +17,20 @@ from skin_ident.recordings.timing import Track, even, kept
 from skin_models.tables.order import Mended
 from skin_models.tables.table import check_load, check_span
 
-SLOWEST, LONGEST = 1.0, 1000.0  # s between samples, and in all, beyond both of which the unit of time is asked for
-FLAT, WIDE = 0.07, 0.15  # of its change below zero, to which no load keeps over so much of the depth's range in contact
+SLOWEST, LONGEST = 1.0, 1000.0  # s between samples, and in all; where both are exceeded, the unit of time is questioned
+FLAT, WIDE = 0.07, 0.15  # a load that varies this little (relative) over this share of the depth's range is not in contact there
 DEAD = "most of its samples are no numbers"
-PROBES = 1000  # samples in which a dead taxel shows
+PROBES = 1000  # samples that are checked for NaN first
 
 
 @dataclass(frozen=True)
 class Channels:
-    """Measured rows of one kind (depth, force, taxel) and unit (m, N or V): names, samples (R, N), and where these were interpolated the
-    steps between the levels on which they were read before, 0 where there were none, the `digits` (R, N) that were read, and the rows
-    (R, M) at instants (M,) s of their own, `read`. `dead` are the names of taxels of which hardly a sample was a number."""
+    """Measured rows of one kind (depth, force, taxel) and unit (m, N or V): names and samples (R, N). `dead` are the names of taxels most
+    of whose samples were NaN.
+
+    Where the samples were interpolated: `steps` are the converter steps of the readings, 0 where there are none; `digits` (R, N) tell
+    readings apart (see `digits`); `read` are the instants (M,) s of the readings, and the readings (R, M).
+    """
 
     kind: str
     names: tuple[str, ...]
@@ -39,7 +42,7 @@ class Channels:
     dead: tuple[str, ...] = ()
 
     def only(self, keep: Sequence[bool]) -> "Channels":
-        """The rows that a mask (rows,) keeps, with all that is known of them."""
+        """The rows that a mask (rows,) selects, with all their attributes."""
         mine, steps = np.asarray(keep, bool), self.steps and tuple(compress(self.steps, keep))
         digits = None if self.digits is None else self.digits[mine]
         read = self.read and (self.read[0], self.read[1][mine])
@@ -49,7 +52,7 @@ class Channels:
 
     @property
     def readings(self) -> list[Readings | None]:
-        """Of every row, those of its own instants that are numbers."""
+        """The finite readings of every row at their own instants; None where the row was not interpolated."""
         if self.read is None:
             return [None] * len(self.names)
         t, rows = self.read
@@ -65,8 +68,8 @@ def assemble(
     keep: bool = False,
     mended: tuple[Mended, ...] = (),
 ) -> Recording:
-    """One recording from channels that share the stamps `t` (N,) s: evenly sampled, unless `keep` leaves stamps as they are. `mended` is
-    what was put right in the stamps of each topic before they were one.
+    """One recording from channels that share the stamps `t` (N,) s, resampled evenly, unless `keep` leaves the stamps as they are. `mended`
+    says what was repaired in the stamps of each topic before.
 
     Raises `RecordingError`.
     """
@@ -108,7 +111,7 @@ def assemble(
 
 
 def _fits(name: str, declared: Declared, taxels: int, depth: np.ndarray | None) -> None:
-    """Raises `RecordingError` where what is declared cannot be of this recording."""
+    """Raises `RecordingError` where declared values cannot belong to this recording."""
     try:
         declared.checked_for(taxels)
     except RecordingError as error:
@@ -120,7 +123,7 @@ def _fits(name: str, declared: Declared, taxels: int, depth: np.ndarray | None) 
 
 
 def _named(parts: list[Channels], of: Callable[[Channels], Iterable]) -> dict[str, Any]:
-    """What there is `of` rows that were interpolated, by the names that a recording gives its channels; nothing where it is None or 0."""
+    """The values that `of` gives for the rows of each part, by the recording's channel names; values of None or 0 are left out."""
     numbers = count()
     named = ((p.kind if p.kind != "taxel" else f"taxel_{next(numbers)}", value) for p in parts for value in of(p))
     return {name: value for name, value in named if np.any(value)}
@@ -134,7 +137,7 @@ def _single(name: str, parts: list[Channels], kind: str) -> np.ndarray | None:
 
 
 def _live(part: Channels, notes: list[str]) -> Channels:
-    """Taxels that hold hardly a number are taken for silent."""
+    """The channels with taxels that are mostly NaN set to zero and marked as dead; `notes` gets a warning for each."""
     if part.kind != "taxel" or all_finite(part.rows[:, :: max(1, part.rows.shape[1] // PROBES)]):
         return part
     keep = np.isfinite(part.rows).mean(axis=1) >= 0.5
@@ -196,7 +199,8 @@ def _note_unused(declared: Declared, parts: list[Channels], notes: list[str]) ->
 
 
 def _plausible(r: Recording) -> Recording:
-    """Refuse sizes that only a wrong unit can give; turn round a force whose compression was counted negative, and say so."""
+    """The recording after checks of its sizes: a size that only a wrong unit can give raises; channels with a reversed sign are corrected,
+    with a warning."""
     if r.depth is not None:
         check_span(r.name, np.ptp(r.depth))
     if doubt := slow(r):
@@ -210,7 +214,7 @@ def _plausible(r: Recording) -> Recording:
 
 
 def slow(r: Recording) -> str:
-    """The question whether milliseconds are taken for seconds; empty where they seem not to be, or `rig.yaml` declares the rate."""
+    """A warning that milliseconds may have been taken for seconds; empty where that is unlikely, or `rig.yaml` declares the rate."""
     if r.dt <= SLOWEST or r.t[-1] - r.t[0] <= LONGEST or r.declared.sample_rate_hz is not None:
         return ""
     return f"one sample in {r.dt:.3g} s for {r.t[-1] - r.t[0]:.3g} s: is the time in milliseconds?"
@@ -238,13 +242,14 @@ def _turned(r: Recording) -> Recording:
 
 
 def _falls_too(r: Recording) -> bool:
-    """Whether compression is negative by convention, not by a fault of one channel: taxels in newtons fall, too, and none of them rises."""
+    """Whether compression is negative by convention in all channels: some taxel in newtons falls with depth, too, and none rises."""
     taxels = [row for row, unit in zip(r.taxels, r.taxel_units, strict=True) if unit == "N"]
     return any(_falls(row, r.depth) for row in taxels) and not any(_falls(-row, r.depth) for row in taxels)
 
 
 def _with_depth_turned(r: Recording) -> Recording:
-    """A depth that counts away from the skin: loads change where it is below zero, and not above."""
+    """The recording with the sign of its depth reversed where the depth counts away from the skin: loads then change where it is below zero
+    and not above."""
     whole = r.taxels.sum(axis=0) if r.force is None else r.force
     if r.depth is None or not whole.size or _spread_above(whole, r.depth) >= 1.0:
         return r
@@ -261,12 +266,12 @@ def _with_depth_turned(r: Recording) -> Recording:
 
 
 def _spread_above(y: np.ndarray, depth: np.ndarray) -> float:
-    """How much `y` (N,) changes where the depth (N,) is above zero, as a share of what it does below."""
+    """Ratio of the standard deviations of `y` (N,) where the depth (N,) is above zero, and below."""
     above = depth > 0.0
     return float(np.std(y[above])) / max(float(np.std(y[~above])), 1e-300) if above.any() and not above.all() else float(above.all())
 
 
 def _falls(y: np.ndarray, load: np.ndarray) -> bool:
     """Whether `y` (N,) clearly falls while the load (N,) grows."""
-    with np.errstate(all="ignore"):  # a row may vary by so little that its square is nothing
+    with np.errstate(all="ignore"):  # a row may vary so little that its square underflows
         return np.ptp(y) > 0.0 and np.ptp(load) > 0.0 and float(np.corrcoef(y, load)[0, 1]) <= -0.5

@@ -1,4 +1,4 @@
-"""A rosbag2 directory or a bare MCAP file as a recording: which topic is what, and all of them on one clock."""
+"""A rosbag2 directory or a bare MCAP file as a recording: chooses the topics and brings them to one clock."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -26,10 +26,10 @@ ROLES = {
 }
 ALIASES = {"encoder": "encoder", "depth": "encoder", "x": "encoder", "position": "encoder", "force": "force", "taxels": "taxels"}
 KINDS = {"encoder": ("depth", "m"), "force": ("force", "N"), "taxels": ("taxel", "N")}
-NAMED_ONLY = ("Float64", "Float32", "Float64MultiArray", "Float32MultiArray")  # too common to be taken for a force unless so called
+NAMED_ONLY = ("Float64", "Float32", "Float64MultiArray", "Float32MultiArray")  # too common to be chosen by their type alone
 PROBES = 100  # instants at which clocks are compared
-EDGES = 0.02  # of the samples: what may lie before the first or after the last of another topic without a word
-OF_ITS = ":"  # between a topic and one of its joints or fields; what begins with it leaves the topic open
+EDGES = 0.02  # largest share of samples outside the time of another topic without a warning
+OF_ITS = ":"  # between a topic and one of its joints or fields; with nothing before it, the topic is not specified
 NOTHING = "holds no message"
 STEP = 0.1  # s by which two clocks may move apart; recorders write in bursts
 Chosen = Mapping[str, tuple[Topic, str]]
@@ -39,8 +39,8 @@ Aligned = tuple[np.ndarray, tuple[float, ...] | None, np.ndarray | None, tuple[n
 def read_bag(
     path: Path, declared: Declared, topics: Mapping[str, str] | None = None, log_time: bool = False, keep: bool = False
 ) -> Recording:
-    """The recording in a bag. `topics` maps force, encoder and taxels to topic names; `log_time` passes over the stamps in the messages,
-    `keep` leaves uneven ones as they are.
+    """The recording in a bag. `topics` maps force, encoder and taxels to topic names; `log_time` uses the times of recording instead of the
+    stamps in the messages, `keep` leaves uneven stamps as they are.
 
     Raises `RecordingError`.
     """
@@ -89,7 +89,7 @@ def _read(
 
 
 def by_role(topics: Mapping[str, str]) -> dict[str, str]:
-    """Names of topics by force, encoder and taxels, of which some have other names, too. Raises `RecordingError` for any other."""
+    """Topic names by role (force, encoder, taxels), where roles may be given by an alias. Raises `RecordingError` for an unknown role."""
     unknown = [role for role in topics if role not in ALIASES]
     if unknown:
         raise RecordingError(f"--topics knows force, encoder and taxels, not {unknown[0]!r}")
@@ -97,15 +97,15 @@ def by_role(topics: Mapping[str, str]) -> dict[str, str]:
 
 
 def with_volts(topics: Mapping[str, str]) -> dict[str, str]:
-    """The topics, of that of the taxels its raw volts where it has some."""
+    """The topics, with the raw voltage of the taxels' topic preferred to its force."""
     wish = topics.get("taxels", "")
     return {**topics, "taxels": wish if OF_ITS in wish else f"{wish}{OF_ITS}voltage"}
 
 
 def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) -> tuple[Chosen, list[str]]:
-    """Topic and joint for every role that the bag can fill, and warnings about topics that are there but empty.
+    """Topic and joint (or field) for every role that the bag can fill, and warnings, such as on topics without messages.
 
-    Raises `RecordingError` where it can fill none, or the choice is not clear.
+    Raises `RecordingError` where the bag can fill no role, or the choice is not clear.
     """
     chosen, notes = {}, []
     for role in ROLES:
@@ -123,7 +123,8 @@ def choose(name: str, topics: Mapping[str, Topic], wishes: Mapping[str, str]) ->
 
 
 def _as_meant(name: str, chosen: Chosen, empty: list[str], cut_off: bool) -> None:
-    """Refuse what would quietly become a test of another kind: a topic that stayed empty, or one that a cut-off file may have held."""
+    """Raises `RecordingError` where a missing topic would silently make another kind of test: a topic stayed empty, or the file is cut off
+    and may have held it."""
     how = "name what to read: --topics " + " ".join(f"{role}={topic.name}" for role, (topic, _) in chosen.items())
     empty = [note for note in empty if note.endswith(NOTHING)]
     if empty:
@@ -144,7 +145,7 @@ def _wished(name: str, topics: Mapping[str, Topic], role: str, wish: str) -> tup
 
 
 def _obvious(topics: Mapping[str, Topic], role: str, notes: list[str]) -> Topic | None:
-    """The topic that is called so, in the outermost namespace; else the only one of a type that says it."""
+    """The topic with a name of the role, in the outermost namespace; else the only topic of a type that implies the role; else None."""
     kinds, words = ROLES[role]
     fitting = [t for t in topics.values() if t.kind in kinds and not t.name.endswith("_truth")]
     for word in words:
@@ -161,7 +162,8 @@ def _obvious(topics: Mapping[str, Topic], role: str, notes: list[str]) -> Topic 
 
 
 def _same_clock(found: Mapping[str, Decoded], warnings: list[str]) -> None:
-    """Compare the stamps of what was recorded at the same time. Raises `RecordingError` where a clock steps or runs away from another."""
+    """Compare the stamps of messages that were recorded at the same time; a constant difference is a warning. Raises `RecordingError` where
+    a clock steps or drifts against another."""
     stamped = {role: d for role, d in found.items() if d.stamped and d.stamp_ns.size > PROBES}
     if len(stamped) < 2:
         return
@@ -177,7 +179,7 @@ def _same_clock(found: Mapping[str, Decoded], warnings: list[str]) -> None:
 
 
 def _apart(a: Decoded, b: Decoded) -> np.ndarray:
-    """By how many seconds the stamps of b lie behind those of a, at instants while both were recorded; free of single outliers."""
+    """Stamps of b less those of a (K,), s, at instants while both were recorded, through a running median against outliers."""
     start, stop = max(a.log_ns.min(), b.log_ns.min()), min(a.log_ns.max(), b.log_ns.max())
     if stop <= start:
         return np.empty(0)
@@ -187,8 +189,8 @@ def _apart(a: Decoded, b: Decoded) -> np.ndarray:
 
 
 def _moved(apart: np.ndarray) -> float:
-    """By how many seconds (K,) two clocks differ more at one time than at another, for good or for long: a recorder that is kept from one
-    topic for a while gets all of it afterwards, and the stamps are right."""
+    """The lasting change, s, of the difference (K,) between two clocks. A short one does not count: where a recorder was kept from one
+    topic for a while, it gets all messages afterwards, and their stamps are right."""
     tenth = max(apart.size // 10, 1)
     for_good = abs(np.median(apart[-tenth:]) - np.median(apart[:tenth]))
     return float(max(for_good, np.subtract(*np.percentile(apart, [80.0, 20.0]))))
@@ -203,7 +205,7 @@ def _track(d: Decoded, log_time: bool, warnings: list[str]) -> Track:
 
 
 def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.ndarray, dict[str, Aligned]]:
-    """Stamps (N,) s from the first sample on, and every role's rows (R, N) at them; NaN where a role has no sample near."""
+    """Stamps (N,) s, the first being 0, and every role's rows (R, N) at them; NaN where a role has no sample nearby."""
     warnings += [f"{role}: {w}" for role, track in tracks.items() for w in track.warnings]
     first = next(iter(tracks))
     base = tracks[first].t
@@ -220,8 +222,8 @@ def _on_one_clock(tracks: dict[str, Track], warnings: list[str]) -> tuple[np.nda
 
 
 def _aligned(role: str, track: Track, first: str, base: np.ndarray, warnings: list[str]) -> Aligned:
-    """The rows of a track at the stamps `base` (ns) of the `first` one: its own samples where stamps agree, else what lies in between, and
-    then the steps between the levels on which they were read, the digits that were, and the readings themselves with their instants, s."""
+    """The rows of a track at the stamps `base` (ns) of the `first` one: its own samples where stamps agree, else interpolated. Where they
+    are interpolated, also the converter steps, the digits and the readings themselves with their instants, s; else None for these."""
     rows = track.blocks[0]
     if np.array_equal(track.t, base):
         return rows, None, None, None

@@ -1,4 +1,4 @@
-"""What was found wrong in reading goes with what fails afterwards: a file that is cut off explains why nothing moves in it."""
+"""Adds warnings from reading to errors of later steps: that a file is cut off, for instance, explains why nothing moves in it."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -7,13 +7,13 @@ from skin_models.errors import SkinError
 
 
 def said_of(name: str, warning: str) -> str:
-    """A warning with the recording that it is about in front, unless it begins with it: the notes on a bare file name that file."""
+    """A warning with the recording's name in front, unless it begins with it already."""
     return warning if warning.startswith((f"{name}: ", f"{name} is ")) else f"{name}: {warning}"
 
 
 @contextmanager
 def with_warnings_of(recordings: Sequence) -> Iterator[None]:
-    """Add the warnings of recordings (scans have none) to a `SkinError` that is raised meanwhile, as far as it does not hold them."""
+    """Add the warnings of recordings (scans have none) to a `SkinError` that is raised in the block, unless its text holds them already."""
     try:
         yield
     except SkinError as error:

@@ -1,4 +1,4 @@
-"""Some of the taxels of recordings that have many."""
+"""Selects some of the taxels of recordings that have many."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,6 +30,6 @@ def _only(r: Recording, names: Sequence[str]) -> Recording:
 
 
 def _declared(d: Declared, rows: list[int], count: int) -> Declared:
-    """What is declared for each of these taxels."""
+    """The declaration with its per-taxel lists reduced to these taxels."""
     lists = {key: getattr(d, key) for key in (*PER_TAXEL, POSITIONS)}
     return replace(d, **{key: tuple(values[i] for i in rows) for key, values in lists.items() if len(values) == count})

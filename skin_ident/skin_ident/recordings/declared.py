@@ -7,11 +7,11 @@
     plunger_diameter_mm: 9.9      # kept for other programs: nothing here reads it
     taxel_positions_mm: [[0, 0], [14, 0]]
     contact_position_mm: [0, 0]   # where the plunger presses, in the same frame; or by recording: {session_0: [0, 0], session_1: [5, 0]}
-    spread_width_mm: 5.25         # c of exp(-(r / c)^2), where a lateral scan of this skin has told it; new scans are held against it
+    spread_width_mm: 5.25         # c of exp(-(r / c)^2), if a lateral scan of this skin was made; new scans are compared with it
     taxel_gain_uncertainty: 0.03  # relative standard error of every taxel's calibration
     skin_thickness_mm: 4
     moving_mass_kg: 0.000432      # what moves between load cell and skin
-    force_noise_n: 0.03           # standard deviation that the load cell is said to have, of whatever colour
+    force_noise_n: 0.03           # standard deviation of the load cell's noise, of any colour
     taxel_noise_n: 0.03
     calibration:                  # for columns or topics in volts: force = slope * (voltage - zero)
       ai0: {channel: force, slope_n_per_v: -4.1448, zero_v: -0.072}
@@ -19,7 +19,7 @@
 
 Static scans beside one `rig.yaml` are taken to be of one taxel under one skin, unless `contact_position_mm` gives them different places.
 
-Keys that are not known here are passed over with a warning: the file may serve other programs too.
+Unknown keys are ignored with a warning, because the file may serve other programs too.
 """
 
 from collections.abc import Iterator, Mapping
@@ -37,7 +37,7 @@ from skin_models.strict_yaml import load_yaml
 FILE_NAME = "rig.yaml"
 PER_TAXEL = ("taxel_step_n", "taxel_noise_n")  # one number for all taxels, or one for each
 POSITIONS = "taxel_positions_mm"
-LARGEST = {  # beyond which a unit is wrong
+LARGEST = {  # values above which the unit must be wrong
     "sample_rate_hz": 1e6,
     "encoder_step_um": 1e4,
     "plunger_diameter_mm": 1e3,
@@ -46,12 +46,12 @@ LARGEST = {  # beyond which a unit is wrong
     "spread_width_mm": 1e3,
     "taxel_gain_uncertainty": 1.0,
 }
-THICK_MM = 50.0  # skin beyond which it is asked whether that is meant
+THICK_MM = 50.0  # mm: a warning is given for thicker skin
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """A straight line from volts to newtons. `channel` is what the column means (force, taxel_<name>); empty: what it is called.
+    """A straight line from volts to newtons. `channel` is what the column means (force, taxel_<name>); empty: the column's own name.
 
     `zero_v` is the voltage without load; None takes the median of the first second of the recording.
     """
@@ -63,7 +63,7 @@ class Calibration:
 
 @dataclass(frozen=True)
 class Declared:
-    """Everything `rig.yaml` may say. None, or empty, is unknown."""
+    """Everything `rig.yaml` may declare. None or empty means unknown."""
 
     sample_rate_hz: float | None = None
     force_step_n: float | None = None
@@ -87,7 +87,7 @@ class Declared:
         return values[0] if len(values) == 1 else values[i] if i < len(values) else None
 
     def checked_for(self, taxels: int) -> "Declared":
-        """The same, for a recording of so many taxels. Raises `RecordingError` where a list speaks of another number of them."""
+        """The declaration itself, checked for a recording of so many taxels. Raises `RecordingError` where a list has another length."""
         for key in (*PER_TAXEL, POSITIONS):
             said = len(getattr(self, key))
             if taxels and said not in (0, taxels) and not (said == 1 and key in PER_TAXEL):
@@ -99,13 +99,13 @@ class Declared:
     def contact_of(self, recording: str) -> tuple[float, float]:
         """Where the plunger presses in a recording, mm; the origin of the taxels' frame unless it is declared otherwise.
 
-        A recording is called by its file's name, with or without what follows the last dot.
+        A recording is identified by its file name, with or without the suffix.
         """
         places = self.contact_position_mm
         return next((places[name] for name in (recording, Path(recording).stem, "") if name in places), (0.0, 0.0))
 
     def of(self, recording: str) -> "Declared":
-        """What is declared for one recording: the same, with its own contact alone, and a warning where only others have one."""
+        """The declaration for one recording: with only its own contact position, and a warning where only other recordings have one."""
         if not self.contact_position_mm:
             return self
         place = {"": self.contact_of(recording)}
@@ -116,13 +116,13 @@ class Declared:
         return replace(self, contact_position_mm=place, warnings=(*self.warnings, said))
 
     def filled_with(self, other: "Declared") -> "Declared":
-        """The same, with what is unknown here taken from `other`."""
+        """The declaration with unknown values taken from `other`."""
         unknown = [f.name for f in fields(self) if getattr(self, f.name) in (None, (), {})]
         return replace(self, **{name: getattr(other, name) for name in unknown})
 
 
 def declared_beside(path: Path) -> Declared:
-    """What the `rig.yaml` in the folder of `path` declares for it, or that in `path` itself where that is a folder; nothing where there is
+    """The declaration for `path` in the `rig.yaml` of its folder, or in `path` itself where that is a folder; an empty one where there is
     none."""
     for folder in (path, path.parent) if path.is_dir() else (path.parent,):
         if (folder / FILE_NAME).is_file():
@@ -163,7 +163,7 @@ def declared_from(text: str) -> Declared:
 
 
 def _warnings(content: Mapping[str, Any], known: list[str]) -> Iterator[str]:
-    """What is passed over, and what may be but hardly is."""
+    """Warnings about unknown keys and implausible values."""
     unknown = sorted(str(key) for key in content if key not in known)
     if unknown:
         yield f"passed over in {FILE_NAME}: {', '.join(_or_meant(key, known) for key in unknown)}"
@@ -173,7 +173,7 @@ def _warnings(content: Mapping[str, Any], known: list[str]) -> Iterator[str]:
 
 
 def _or_meant(key: str, known: list[str]) -> str:
-    """A key that is not known, and the one that it resembles."""
+    """An unknown key, with the known key that it resembles, if any."""
     near = get_close_matches(key, known, 1)
     return f"{key} (is {near[0]} meant?)" if near else key
 

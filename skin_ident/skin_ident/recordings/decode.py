@@ -1,4 +1,4 @@
-"""What a force, encoder or taxel topic means: which numbers of which message type, and in which unit."""
+"""How force, encoder and taxel topics are decoded: which numbers of which message type, and their unit."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -26,7 +26,7 @@ VALUES = {
     "Float32MultiArray": ("data",),
 }
 
-# For bags that bring no definitions along (sqlite3 bags before Jazzy).
+# For bags without message definitions (sqlite3 bags before Jazzy).
 _OURS = {
     TAXEL_TYPES[0]: "std_msgs/Header header\nfloat64[] force\nfloat64[] voltage\nuint8[] status\n",
     LAYOUT_TYPE: "std_msgs/Header header\nstring[] names\ngeometry_msgs/Point[] positions\n"
@@ -36,7 +36,7 @@ _OURS = {
 
 @dataclass(frozen=True)
 class Topic:
-    """One topic of a bag: name, type, its definition and how that is written, how many messages."""
+    """One topic of a bag: name, type, its definition and the definition's format, number of messages."""
 
     name: str
     kind: str
@@ -65,8 +65,8 @@ class Decoded:
 
 @dataclass
 class Reader:
-    """Reads single messages of one topic with rosbags' decoder; see `gather.Reader`. `wanted` is a joint, or of several fields that hold
-    values the one to take if it holds any."""
+    """Reads single messages of one topic with rosbags' decoder; see `gather.Reader`. `wanted` is the joint to read, or the preferred field
+    where several hold values."""
 
     topic: Topic
     wanted: str = ""
@@ -77,7 +77,7 @@ class Reader:
         self.definitions = self.store.fielddefs
 
     def path(self, raw: bytes) -> str:
-        """Which of the type's fields is meant; a joint by its place. Raises `RecordingError` where the joint is not clear."""
+        """The path of the field to read, a joint by its index. Raises `RecordingError` where the joint is not clear."""
         message = self.store.deserialize_cdr(raw, self.kind)
         if self.topic.short == "JointState":
             return f"position[{list(message.name).index(self._joint(message))}]"
@@ -115,7 +115,7 @@ def _at(message: Any, path: str) -> np.ndarray:
 
 
 def messages(topic: Topic, raws: list[bytes]) -> list[Any]:
-    """Whole messages, as rosbags gives them; those that are damaged are left out."""
+    """Messages decoded by rosbags; damaged ones are left out."""
     store, out = typestore(topic), []
     for raw in raws:
         try:

@@ -1,4 +1,4 @@
-"""What can be wrong with a recording."""
+"""The error that reading a recording raises."""
 
 from skin_models.errors import SkinError
 

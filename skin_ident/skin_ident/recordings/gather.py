@@ -1,4 +1,4 @@
-"""Messages of one topic to arrays, a chunk at a time: one fancy index per field instead of one call per message."""
+"""Collects the messages of one topic as arrays, a chunk at a time: by one index operation per field instead of one call per message."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -16,13 +16,13 @@ STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 
 
 class Reader(Protocol):
-    """Decodes single messages: the slow way, by which the fast one is learnt and checked. May raise anything on damaged bytes."""
+    """Decodes single messages, slowly; the fast way is learnt from it and checked against it. May raise anything on damaged bytes."""
 
     definitions: dict
     kind: str
 
     def path(self, raw: bytes) -> str:
-        """Where the wanted numbers are in this message, which stands for all."""
+        """The path of the wanted field in this message, taken for all messages."""
 
     def read(self, raw: bytes) -> tuple[np.ndarray, int]:
         """The wanted numbers (R,) and the stamp in ns, 0 where there is none."""
@@ -52,7 +52,7 @@ class Gatherer:
         self.log_ns, self.stamp_ns = np.zeros((2, self.count), np.int64)
 
     def add_runs(self, channel: int, runs: Sequence[Run]) -> bool:
-        """Take in records of an MCAP channel that lie evenly spaced; False, and nothing taken, where they must be looked at one by one."""
+        """Take in evenly spaced records of an MCAP channel. Returns False, with nothing taken, where they must be decoded one by one."""
         if self.layout is None or self.layout.size < 0:
             return False
         if channel not in self.copiers:
@@ -85,7 +85,7 @@ class Gatherer:
                 self._single(places.raw(i, size), stamp)
 
     def _learn(self, places: Places, sizes: np.ndarray) -> bool:
-        """Learn the layout from the first message that can be decoded, and only if both ways of reading it agree."""
+        """Learn the layout from the first message that can be decoded; it is used only if both ways of reading that message agree."""
         for i, size in enumerate(sizes.tolist()):
             raw = places.raw(i, size)
             try:
@@ -114,7 +114,7 @@ class Gatherer:
         return np.array_equal(one.rows[0], values, equal_nan=True) and int(one.stamp_ns[0]) == stamp
 
     def _make_room(self, more: int) -> None:
-        """The count was a promise of the file's summary, which may be wrong."""
+        """Enlarge the arrays where more messages come than the file's summary has announced."""
         need = self.size + more
         if need > self.count:
             self.count = max(need, 2 * self.count)
@@ -125,12 +125,12 @@ class Gatherer:
                 setattr(self, name, new)
 
     def _all_fit(self, places: Places, sizes: np.ndarray) -> bool:
-        """Whether `_fits` holds for all of them, quicker."""
+        """Whether all messages have the layout; faster than `_fits`."""
         same = np.count_nonzero(sizes == self.layout.size) == sizes.size
         return same and all(places.all_share(offset, content) for offset, content in self.layout.fixed)
 
     def _fits(self, places: Places, sizes: np.ndarray) -> np.ndarray:
-        """Which messages have the layout: same size, same bytes wherever it says so."""
+        """A mask of the messages that have the layout: the same size, and the same bytes where the layout requires it."""
         good = sizes == self.layout.size
         inside = places.only(good)
         for offset, content in self.layout.fixed if len(inside) else ():
@@ -152,7 +152,7 @@ class Gatherer:
         self.size += len(places)
 
     def _stamp(self, places: Places, at: slice) -> None:
-        """The stamps of messages whose heads lie at these places."""
+        """Read the header stamps of messages at these places."""
         f = self.layout.fields
         if STAMP[0] in f and STAMP[1] in f:
             sec, nanosec = (places.at(f[path].offset, f[path].code) for path in STAMP)

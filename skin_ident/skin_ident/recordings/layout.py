@@ -1,10 +1,11 @@
-"""Where in a serialised message every number lies, learnt from one message and checked on every other.
+"""Offsets of numbers in a serialised message, learnt from one message and checked on every other.
 
-A CDR message whose strings and sequences have the same lengths every time has its numbers at the same offsets every time, so that a
-thousand messages can be read as one strided array. `learn` walks one message along its definition and notes two things: the offset of
-every wanted field, and the bytes that must not change (lengths, names of joints): a message that differs there is decoded on its own.
+If strings and sequences have the same lengths in every CDR message of a topic, all numbers are at the same offsets, and a thousand messages
+can be read as one strided array. `learn` walks through one message along its definition and notes the offset of every wanted field, and the
+bytes that must not change (lengths, names of joints). A message that differs in those bytes is decoded on its own.
 
-Plain CDR, version 1: numbers aligned to their size, counted from after the 4-byte header. Source: OMG DDS-XTypes 1.3, section 7.4.1.
+Plain CDR, version 1: numbers are aligned to their size, counted from the end of the 4-byte header. Source: OMG DDS-XTypes 1.3, section
+7.4.1.
 """
 
 import struct
@@ -22,12 +23,12 @@ FREE = ("frame_id",)  # strings whose content may change, as long as their lengt
 
 
 class NotPlain(Exception):
-    """This message cannot be read by offsets: its definition holds something this file does not know, or it ends too early."""
+    """The message cannot be read by offsets: its definition holds something that is not handled here, or it ends too early."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """A run of numbers of one kind: where it begins, numpy's code, how many."""
+    """Consecutive numbers of one type: offset (bytes), numpy's type code, count."""
 
     offset: int
     code: str
@@ -99,7 +100,7 @@ class _Walk:
         return value
 
     def align(self, size: int) -> None:
-        """Skip the padding before a number of so many bytes; it is counted from behind the header."""
+        """Skip the padding before a number of so many bytes; alignment is counted from the end of the header."""
         self.at += (4 - self.at) % size
 
     def run(self, path: str, base: str, count: int) -> None:
@@ -120,7 +121,7 @@ class _Walk:
         self.at += count * SIZES[base]
 
     def note(self, path: str, code: str, count: int) -> None:
-        """Keep the place of a field, or of one of its numbers (`position[2]`), if it is wanted."""
+        """Note the offset of a field, or of one of its numbers (`position[2]`), if it is wanted."""
         for wanted in self.wanted:
             if wanted == path:
                 self.fields[path] = Field(self.at, code, count)
@@ -129,7 +130,7 @@ class _Walk:
 
 
 def _merged(spans: list[tuple[int, int]], raw: bytes) -> tuple[tuple[int, bytes], ...]:
-    """Neighbouring stretches as one."""
+    """The stretches (offset, bytes), with adjacent ones merged."""
     out: list[list[int]] = []
     for start, size in spans:
         if out and out[-1][0] + out[-1][1] == start:

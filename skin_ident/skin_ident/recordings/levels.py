@@ -1,17 +1,17 @@
-"""The levels of a converter, as its readings show them.
+"""The levels of a converter, found from its readings.
 
-They are equally spaced; the spacing is the largest step of which (nearly) all differences of neighbouring levels are multiples. Readings
-that were interpolated between uneven stamps lie anywhere between two levels: their steps are looked for before that.
+They are equally spaced; the spacing is the largest step of which (nearly) all differences of neighbouring levels are multiples.
+Interpolated readings can be anywhere between two levels, so steps must be found before interpolation.
 """
 
 import numpy as np
 
-FEWEST_LEVELS = 4
-MANY = 0.5  # share of samples that are levels of their own: then nothing is quantized
+FEWEST_LEVELS = 4  # from which a spacing is found
+MANY = 0.5  # ratio of different values to samples above which the readings are not quantized
 
 
 def step_of(y: np.ndarray) -> float | None:
-    """Spacing of the levels in `y` (N,), or None where the samples do not sit on levels."""
+    """Spacing of the levels in `y` (N,), or None where the samples are not on levels."""
     levels = np.unique(y)
     if levels.size < FEWEST_LEVELS or levels.size > MANY * y.size:
         return None
@@ -24,5 +24,5 @@ def step_of(y: np.ndarray) -> float | None:
 
 
 def steps_of(rows: np.ndarray) -> tuple[float, ...]:
-    """The same of every row (R, N), by the numbers that it holds; 0 where there is none."""
+    """The spacing of the levels of every row (R, N), NaN left out; 0 where there is none."""
     return tuple(step_of(row[np.isfinite(row)]) or 0.0 for row in rows)

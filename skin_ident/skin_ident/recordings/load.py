@@ -23,7 +23,7 @@ def load(
 ) -> list[Any]:
     """Every recording in files and folders: `Recording` for sessions, `SpreadScan` for static spread scans.
 
-    A folder stands for all in it, in the order of names. `topics` maps force, encoder and taxels to topic names of bags;
+    A folder stands for all recordings in it, in the order of names. `topics` maps force, encoder and taxels to topic names of bags;
     `log_time` takes the times at which messages were recorded instead of their stamps; `keep` leaves uneven stamps as they are
     instead of resampling. Raises `RecordingError` naming the file and what is wrong with it.
     """
@@ -69,7 +69,7 @@ def _within(folder: Path) -> list[Path]:
 
 
 def _is_prose(file: Path) -> bool:
-    """A NOTE.txt or README.txt that lies beside the recordings."""
+    """Whether a text file is no table but prose, such as a README.txt beside the recordings: its second line holds no number."""
     if file.suffix.lower() not in (".txt", ".dat"):
         return False
     with file.open(encoding="utf-8", errors="replace") as lines:

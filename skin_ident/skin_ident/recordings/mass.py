@@ -1,4 +1,4 @@
-"""The mass between load cell and skin, where it is not estimated: one value for every tool, and where it is from."""
+"""The mass between load cell and skin, where it is not estimated: the same value for every tool, and its source."""
 
 from dataclasses import dataclass
 
@@ -10,14 +10,14 @@ USUAL_MM = 4.0  # thickness of the skin in most of the thesis
 
 @dataclass(frozen=True)
 class KnownMass:
-    """A mass that is held, kg; `source` follows "held at"."""
+    """A mass that is held, kg; `source` is a phrase that follows "held at"."""
 
     kg: float
     source: str
 
 
 def known_mass(declared: Declared, thickness_mm: float | None = None) -> KnownMass:
-    """As `declared`, or of silicone as thick as was asked for or declared, or else as thick as usual."""
+    """The declared mass, or that of silicone with the thickness requested, else declared, else usual."""
     if declared.moving_mass_kg is not None:
         return KnownMass(declared.moving_mass_kg, f"what {FILE_NAME} declares (moving_mass_kg)")
     thick, why = USUAL_MM, f"for lack of moving_mass_kg or skin_thickness_mm in {FILE_NAME}"

@@ -1,4 +1,4 @@
-"""One MCAP chunk: decompressed, checked, and its messages found."""
+"""Decompresses and checks one MCAP chunk, and finds its messages."""
 
 import struct
 from collections.abc import Callable, Iterator
@@ -18,7 +18,7 @@ SCHEMA, CHANNEL, MESSAGE = 3, 4, 5
 
 
 class ChunkError(Exception):
-    """Nothing of this chunk can be used."""
+    """No part of a chunk can be used."""
 
 
 def string(body, at: int) -> tuple[str, int]:
@@ -28,7 +28,7 @@ def string(body, at: int) -> tuple[str, int]:
 
 
 def open_chunk(body) -> tuple[bytes | memoryview, bool]:
-    """The records in a chunk's body, and whether they are all there. Raises `ChunkError` where nothing can be had."""
+    """The records in a chunk's body, and whether they are complete. Raises `ChunkError` where none can be read."""
     try:
         _, _, size, crc, _ = HEADER.unpack_from(body)
         name, at = string(body, 28)
@@ -44,7 +44,7 @@ def open_chunk(body) -> tuple[bytes | memoryview, bool]:
 
 
 def decompress(name: str, packed: memoryview, size: int) -> bytes | memoryview:
-    """The content of a chunk; as much of it as there is where it is cut short. Raises `ChunkError`."""
+    """The content of a chunk, or its beginning where the chunk is cut short. Raises `ChunkError`."""
     try:
         if name == "":
             return packed
@@ -89,7 +89,8 @@ Found = tuple[int, Places, np.ndarray, np.ndarray]  # channel, where, sizes, log
 
 
 def scan_messages(data, other: Callable[[int, memoryview], None] = lambda op, part: None) -> Iterator[Found]:
-    """Walk through the records: where every channel's messages are, their sizes, their log times (ns). `other` gets the rest."""
+    """Walk through the records and yield the places, sizes and log times (ns) of every channel's messages. `other` gets schema and channel
+    records."""
     view, at, found = memoryview(data), 0, {}
     while at + 9 <= len(view):
         op, size = view[at], struct.unpack_from("<Q", view, at + 1)[0]
@@ -125,7 +126,7 @@ def indexed_messages(data, channel: int, entries: np.ndarray) -> Found | None:
 
 
 def _sizes(places: Places, channel: int) -> tuple[np.ndarray | None, int]:
-    """Bytes of every message's data and where the last ends; None where one of the records is no message of the channel."""
+    """Sizes (bytes) of the messages' data and where the last one ends; None where a record is no message of the channel."""
     first = places.raw(0, 11)  # opcode, size, channel
     if first[0] != MESSAGE or struct.unpack_from("<H", first, 9)[0] != channel:
         return None, 0

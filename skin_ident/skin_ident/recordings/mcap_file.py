@@ -1,7 +1,7 @@
-"""What an MCAP file holds, and where; `mcap_read` then fetches the topics that are wanted.
+"""What an MCAP file holds, and where; `mcap_read` then reads the wanted topics.
 
-The summary at the end says what the file holds. Without one (a recorder that was killed, a file cut off) the records are walked through
-from the front, and whatever is whole is used; a chunk that is cut short gives the messages before the cut.
+The summary at the end says what the file holds. Without one (the recorder was killed, or the file is cut off) the records are walked
+through from the front, and all that are complete are used; a chunk that is cut short gives the messages before the cut.
 Source: MCAP specification, mcap.dev/spec.
 """
 
@@ -22,7 +22,7 @@ HEAD = struct.Struct("<BQ")
 
 @dataclass(frozen=True)
 class Channel:
-    """One topic: type, definition and how that is written (ros2msg, ros2idl), message encoding."""
+    """One topic: name, type, its definition, the definition's format (ros2msg, ros2idl), and the message encoding."""
 
     topic: str
     kind: str
@@ -33,7 +33,7 @@ class Channel:
 
 @dataclass
 class Survey:
-    """What a file holds: channels and message counts by id, where chunks begin and how long they are with their indexes, attachments."""
+    """What a file holds: channels and message counts by id; begin and length of every chunk with its indexes; attachments."""
 
     path: Path
     schemas: dict[int, tuple[str, str, str]] = field(default_factory=dict)
@@ -41,11 +41,11 @@ class Survey:
     counts: dict[int, int] = field(default_factory=dict)
     chunks: list[tuple[int, int]] = field(default_factory=list)
     attachments: dict[str, bytes] = field(default_factory=dict)
-    indexed: dict[int, int] = field(default_factory=dict)  # messages by channel that the chunks' indexes list
-    loose: bool = False  # messages outside chunks
+    indexed: dict[int, int] = field(default_factory=dict)  # number of messages in the chunks' indexes, by channel
+    loose: bool = False  # whether there are messages outside chunks
     chunk_count: int = 0
-    cut_at: int | None = None  # where the file is broken off
-    goes_on: bool = False  # beyond that, unread: it is damaged there, not cut off
+    cut_at: int | None = None  # byte at which the file is cut off or damaged
+    goes_on: bool = False  # whether it is damaged there and goes on, unread, rather than cut off
     size: int = 0
 
 
@@ -59,7 +59,7 @@ def survey(path: Path) -> Survey:
 
 
 def _from_summary(file: BinaryIO, found: Survey) -> bool:
-    """Read the summary; False where it does not tell everything."""
+    """Read the summary; False where it is missing or incomplete."""
     if found.size < 45:
         return False
     file.seek(-37, 2)
@@ -78,7 +78,7 @@ def _from_summary(file: BinaryIO, found: Survey) -> bool:
 
 
 def records(data: bytes) -> Iterator[tuple[int, int, int]]:
-    """Every whole record: opcode, where its content begins, its size."""
+    """Every complete record: opcode, where its content begins, its size."""
     at = 0
     while at + 9 <= len(data):
         op, size = HEAD.unpack_from(data, at)
@@ -134,7 +134,7 @@ def _attach(found: Survey, body: bytes) -> None:
 
 
 def _from_front(file: BinaryIO, found: Survey) -> Survey:
-    """Walk through the file without its summary; decompresses every chunk to learn what channels there are."""
+    """Walk through a file without a summary; every chunk is decompressed to find its channels."""
     at = 8
     while True:
         file.seek(at)
@@ -144,7 +144,7 @@ def _from_front(file: BinaryIO, found: Survey) -> Survey:
             return found
         op, size = HEAD.unpack(head)
         if op in (DATA_END, FOOTER):
-            found.cut_at = None if found.channels else found.cut_at  # chunks that are damaged are counted where they are read
+            found.cut_at = None if found.channels else found.cut_at  # damaged chunks are counted when they are read
             return found
         whole = at + 9 + size <= found.size
         if op == CHUNK:
@@ -168,7 +168,7 @@ def _from_front(file: BinaryIO, found: Survey) -> Survey:
 
 
 def _has_end(file: BinaryIO, found: Survey) -> bool:
-    """Whether the file ends as a whole one does."""
+    """Whether the file ends with the magic bytes, as a complete one does."""
     file.seek(max(0, found.size - len(MAGIC)))
     return file.read(len(MAGIC)) == MAGIC
 

@@ -1,4 +1,4 @@
-"""The messages of an MCAP file, one chunk at a time, with little more memory than a few chunks: one is decoded while the next are read."""
+"""Reads the messages of an MCAP file a few chunks at a time, which bounds the memory; some are decoded while the next are read."""
 
 import struct
 from collections import deque
@@ -17,17 +17,17 @@ from skin_models.words import counted
 
 Add = Callable[[Places, np.ndarray, np.ndarray], None]  # where, sizes, log times (ns)
 
-AHEAD = 2  # groups of chunks
-AT_ONCE = 3 << 20  # bytes of a group, as they lie in the file
-MOST = 3  # chunks of a group: unpacked, it should still fit into the cache
+AHEAD = 2  # groups of chunks that are read ahead
+AT_ONCE = 3 << 20  # most bytes of a group in the file
+MOST = 3  # most chunks of a group, so that it fits into the cache when decompressed
 ENTRIES = struct.Struct("<BQHI")  # opcode, size, channel and bytes of the entries of a message index
 OFFSET = struct.Struct("<Q")
 
 
 def read_messages(found: Survey, takers: dict[int, Add]) -> tuple[str, ...]:
-    """Hand the messages of the channels in `takers` over, a few chunks at a time; returns warnings about what is damaged or missing.
+    """Pass the messages of the channels in `takers` to them, a few chunks at a time; returns warnings about damaged or missing messages.
 
-    A taker that has a method `add_runs`, as `gather.Gatherer`, is offered what lies evenly spaced in all of them at once.
+    A taker with a method `add_runs`, such as `gather.Gatherer`, gets records that are evenly spaced in all these chunks at once.
     """
     damaged, handed = 0, dict.fromkeys(takers, 0)
     complete = all(found.indexed.get(channel, 0) == found.counts.get(channel, 0) for channel in takers)
@@ -50,7 +50,7 @@ def _hand(messages: Iterable[Found], takers: dict[int, Add], handed: dict[int, i
 
 
 def _in_runs(chunks: list[tuple[memoryview, object]], takers: dict[int, Add], handed: dict[int, int]) -> dict[int, Add]:
-    """Hand over what lies evenly spaced in all of the chunks; the takers whose messages do not."""
+    """Pass on the messages that are evenly spaced in all of the chunks. Returns the takers whose messages are not."""
     runs = [runs_of(body, data) for body, data in chunks]
     if None in runs:
         return takers
@@ -83,10 +83,11 @@ def _warnings(found: Survey, damaged: int, handed: dict[int, int]) -> tuple[str,
 
 
 def _opened(path: Path, chunks: list[tuple[int, int]]) -> Iterator[list[tuple[memoryview, object]]]:
-    """A few chunks at a time: the bytes of each with what follows, and its records or None where it is damaged. Some are fetched ahead."""
+    """Groups of chunks: for each chunk its bytes with the indexes behind it, and its records, or None where it is damaged. Some groups are
+    read ahead."""
     groups = _grouped(chunks)
     size = max((_size(group) for group in groups), default=0)
-    buffers = np.empty((AHEAD + 1, size), np.uint8)  # used again and again: fresh memory costs more than reading
+    buffers = np.empty((AHEAD + 1, size), np.uint8)  # reused, because new memory costs more than reading
     with path.open("rb", buffering=0) as file, ThreadPoolExecutor(1) as reader:
 
         def fetch(i: int) -> list[tuple[memoryview, object]]:
@@ -100,7 +101,7 @@ def _opened(path: Path, chunks: list[tuple[int, int]]) -> Iterator[list[tuple[me
 
 
 def _grouped(chunks: list[tuple[int, int]]) -> list[list[tuple[int, int]]]:
-    """Chunks that lie one after the other in the file, a few together: handing each over by itself costs as much as reading it."""
+    """Adjacent chunks of the file in small groups, because passing on each chunk by itself costs as much as reading it."""
     groups: list[list[tuple[int, int]]] = []
     for chunk in chunks:
         last = groups[-1] if groups else []
@@ -136,9 +137,10 @@ def _messages(body, data, takers: dict[int, Add], complete: bool) -> Iterator[Fo
 
 
 def runs_of(body, data) -> dict[int, Run | None] | None:
-    """By channel, the records of a chunk by the first, second and last entry of its index, or None where these are not evenly spaced.
+    """The records of a chunk by channel, as evenly spaced runs by the first, second and last entry of the channel's index; None for a
+    channel whose entries do not agree with even spacing.
 
-    None for all of it where there is no whole index.
+    None altogether where the index is missing or incomplete.
     """
     at, out = 9 + struct.unpack_from("<Q", body, 1)[0], {}
     while at + 15 <= len(body):
@@ -183,7 +185,7 @@ def _loose(file: BinaryIO, found: Survey, piece: int = 1 << 20) -> Iterator[Foun
 
 
 def _whole_records(data: bytes) -> tuple[int, bool]:
-    """Up to where the records are whole, and whether the data section ends there."""
+    """Number of bytes up to the end of the last complete record, and whether the data section ends there."""
     whole = 0
     for op, start, size in records(data):
         whole = start + size

@@ -1,4 +1,4 @@
-"""Where the messages of one topic lie in a buffer, and how to look at the same spot in all of them at once."""
+"""The places of one topic's messages in a buffer, and access to the same offset in all of them at once."""
 
 from functools import lru_cache
 from typing import Any
@@ -7,20 +7,20 @@ import numpy as np
 
 
 class Places:
-    """Messages that begin at `starts` (n,) of `buffer`. Where they are evenly spaced, as topics of one rate are, looking costs no copy."""
+    """Messages that begin at `starts` (n,) of `buffer`. Where they are evenly spaced, as usual for one rate, access needs no copy."""
 
     def __init__(self, buffer: Any, starts: np.ndarray) -> None:
         self.buffer, self.count, self._starts = buffer, starts.size, starts
         self.first, self.step = (int(starts[0]) if starts.size else 0), 0
         if starts.size > 1:
             step = int(starts[1]) - self.first
-            # unsigned offsets that fall wrap to huge steps, which equal no positive one
+            # decreasing unsigned offsets wrap around to huge differences, which never equal a positive step
             if step > 0 and np.count_nonzero(np.subtract(starts[1:], starts[:-1]) == step) == starts.size - 1:
                 self.step = step
 
     @classmethod
     def evenly(cls, buffer: Any, step: int, count: int) -> "Places":
-        """`count` of them, `step` bytes apart from the beginning of the buffer on."""
+        """`count` messages, `step` bytes apart, the first at the beginning of the buffer."""
         out = cls.__new__(cls)
         out.buffer, out.count, out.first, out.step, out._starts = buffer, count, 0, step, None
         return out
@@ -41,11 +41,11 @@ class Places:
         return self.first + self.step * (self.count - 1) if self.step else int(self.starts[-1])
 
     def only(self, keep: np.ndarray) -> "Places":
-        """Those of the messages that a mask (count,) keeps, in their order."""
+        """The messages that a mask (count,) selects, in their order."""
         return self if keep.all() else Places(self.buffer, self.starts[keep])
 
     def moved(self, by: int) -> "Places":
-        """The same messages, each looked at from `by` bytes further on."""
+        """The same messages, with each place moved by `by` bytes."""
         out = Places.__new__(Places)
         out.buffer, out.count, out.first, out.step = self.buffer, self.count, self.first + by, self.step
         out._starts = None if self.step else self.starts + by
@@ -60,11 +60,11 @@ class Places:
         return np.ndarray((count,), kind, self.buffer, strides=(1,))[self.starts + offset]
 
     def all_share(self, offset: int, content: bytes) -> bool:
-        """Whether every message holds these bytes at an offset: word by word, the last word overlapping the one before."""
+        """Whether every message holds these bytes at an offset. They are compared as machine words, of which the last two may overlap."""
         return all(np.count_nonzero(self.at(offset + start, code) == word) == self.count for start, code, word in _words(content))
 
     def share(self, offset: int, content: bytes) -> np.ndarray:
-        """Which messages (n,) hold these bytes at an offset."""
+        """A mask (n,) of the messages that hold these bytes at an offset."""
         same = np.ones(self.count, bool)
         for start, code, word in _words(content):
             same &= self.at(offset + start, code) == word

@@ -18,7 +18,7 @@ DISPLACEMENT = "displacement"  # depth, and what it does to taxels (and to the l
 MATERIAL_TEST = "material_test"  # depth and force, no taxel
 FORCE_TO_FORCE = "force_to_force"  # force and taxels, no depth
 TAXELS_ONLY = "taxels_only"
-FEWEST = 20  # samples; with less, nothing can be said
+FEWEST = 20  # samples that a recording needs
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,15 +30,15 @@ class Recording:
     force    (N,)    N, compression positive; or None
     taxels   (T, N)  N, compression positive; T may be 0. A row whose unit is "V" is uncalibrated and holds volts
     spread   (T,)    share of the sensed force on every taxel, where the sessions of a diagnosis press at different places; or None
-    steps            of channels that were interpolated, by name (`depth`, `force`, `taxel_0`, …): between their levels before that, m or N
-    digits           of the same, (N,) each: of the reading nearest to every sample (`skin_ident.recordings.digits`)
-    readings         of channels whose topic came at instants of its own, by name (`skin_ident.recordings.readings`)
-    mended           what was put right in stamps: of every topic by itself, and of all together
-    keeps_spikes     whether a fit is to take its spikes as they are, instead of bridging them
-    some             whether there are more taxels, that were left out: then those that are neighbours in number may lie far apart
+    steps            converter steps, m or N, of channels that were interpolated, by name (`depth`, `force`, `taxel_0`, …)
+    digits           for the same channels, (N,) each: the digits of the reading nearest to every sample (`skin_ident.recordings.digits`)
+    readings         readings of channels whose topic came at its own instants, by name (`skin_ident.recordings.readings`)
+    mended           repairs of stamps: for every topic by itself, and for all together
+    keeps_spikes     whether a fit keeps spikes instead of bridging them
+    some             whether taxels were left out; then taxels with neighbouring numbers may be far apart
 
-    `warnings` are sentences: whatever was repaired, dropped or guessed on the way here, counted. Raises `RecordingError` where the arrays
-    do not fit together, are not finite, or not spaced as they should be.
+    `warnings` are sentences on all that was repaired, dropped or guessed, with counts. Raises `RecordingError` where the arrays do not fit
+    together, are not finite, or are not evenly spaced (unless `uneven`).
     """
 
     name: str
@@ -76,12 +76,12 @@ class Recording:
 
     @property
     def dt(self) -> float:
-        """Sampling period, s; the mean one where it is uneven."""
+        """Sampling period, s; the mean one where stamps are uneven."""
         return (self.t[-1] - self.t[0]) / (self.t.size - 1)
 
     @property
     def kind(self) -> str:
-        """What sort of test this is: one of the words at the top of this file."""
+        """The kind of test: one of the words at the top of this file."""
         if self.depth is not None:
             return DISPLACEMENT if len(self.taxels) else MATERIAL_TEST
         return FORCE_TO_FORCE if self.force is not None else TAXELS_ONLY
@@ -93,24 +93,24 @@ class Recording:
         return force | {f"taxel_{i}": row for i, row in enumerate(self.taxels)}
 
     def step(self, channel: str) -> float | None:
-        """Spacing of the levels on which `depth`, `force`, `taxel_0`, … is read, m or N; None where it is not seen. What was interpolated
-        has levels of its own between those, a third of the way or some millionth of it."""
+        """Converter step of `depth`, `force`, `taxel_0`, …, m or N; None where none is seen. For an interpolated channel it is the step
+        found before interpolation, because interpolated samples are anywhere between the levels."""
         return self.steps.get(channel) or step_of(self._row(channel))
 
     def read(self, channel: str, part: slice = slice(None)) -> np.ndarray:
-        """What tells the readings of `depth`, `force`, `taxel_0`, … from each other digit for digit, (N,), or of a part of them."""
+        """Digits (N,) of the readings of `depth`, `force`, `taxel_0`, …, or of a part of them: equal where readings are exactly equal."""
         if channel in self.digits:
             return self.digits[channel][part]
         return digits_of(self._row(channel)[part])
 
     def own(self, channel: str) -> Readings | None:
-        """The readings of a channel at instants of their own, where there are enough to be asked."""
+        """The readings of a channel at their own instants; None where there are none, or too few."""
         readings = self.readings.get(channel)
         return readings if readings is not None and readings.t.size >= FEWEST else None
 
     def with_taxels(self, rows: Sequence[int], **more: Any) -> "Recording":
-        """The recording with these of its taxels, in this order, their names and units, and with all that is known of how they were read;
-        with `more` changed."""
+        """The recording with only these taxels, in this order, with their names, units, steps, digits and readings; `more` are other fields
+        to change."""
         keys = {f"taxel_{i}": f"taxel_{new}" for new, i in enumerate(rows)}
 
         def moved(known: Mapping[str, Any]) -> dict[str, Any]:
@@ -123,8 +123,8 @@ class Recording:
         return replace(self, taxels=self.taxels[list(rows)], **(known | more))
 
     def with_channels(self, rows: Mapping[str, np.ndarray]) -> "Recording":
-        """The recording with other samples (N,) in some of `depth`, `force`, `taxel_0`, …, of which no readings are known then, and steps
-        and digits only where most samples are as they were."""
+        """The recording with other samples (N,) in some of `depth`, `force`, `taxel_0`, … Their readings are dropped, and so are steps and
+        digits unless most samples are unchanged."""
         others = {name for name, y in rows.items() if np.mean(y == self._row(name)) <= 0.5}
         steps, digits = ({name: known for name, known in each.items() if name not in others} for each in (self.steps, self.digits))
         taxels = np.array([rows.get(f"taxel_{i}", y) for i, y in enumerate(self.taxels)]).reshape(self.taxels.shape)
@@ -137,15 +137,15 @@ class Recording:
         readings = {name: own.scaled(factors.get(name, 1.0)) for name, own in self.readings.items()}
         steps = {name: step * abs(factors.get(name, 1.0)) for name, step in self.steps.items()}
         larger = self.with_channels({name: f * self._row(name) for name, f in factors.items()})
-        return replace(larger, steps=steps, digits=self.digits, readings=readings)  # what differed does so still
+        return replace(larger, steps=steps, digits=self.digits, readings=readings)  # readings that differed still differ
 
     @property
     def longest_period(self) -> float:
-        """Of the samples, or of the readings of a channel that was read more slowly, s."""
+        """The sampling period, or the longest period of a channel's own readings where that is longer, s."""
         return max([self.dt, *(own.period for own in self.readings.values())])
 
     def part(self, start: int, stop: int) -> "Recording":
-        """The samples from `start` up to `stop`."""
+        """The recording cut to the samples from `start` to `stop` (exclusive)."""
 
         def cut(row: np.ndarray | None) -> np.ndarray | None:
             return None if row is None else row[..., start:stop]
@@ -156,7 +156,7 @@ class Recording:
         return replace(self, t=t, digits=digits, readings=readings, **rows)
 
     def warned(self, *warnings: str) -> "Recording":
-        """The same with more warnings."""
+        """The recording with more warnings."""
         return replace(self, warnings=(*self.warnings, *warnings))
 
     def _row(self, channel: str) -> np.ndarray:

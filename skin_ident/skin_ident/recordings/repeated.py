@@ -1,4 +1,4 @@
-"""Sessions that were given twice: fitted as two, they would halve a variance that is not halved."""
+"""Finds sessions that were given twice. Fitted as two, they would seem to halve a variance without new information."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,11 +7,11 @@ import numpy as np
 
 from skin_ident.recordings.recording import Recording
 
-ALIKE = 1e-6  # of a channel's range: what rounding in a table may leave
+ALIKE = 1e-6  # of a channel's range: differences up to this may be rounding in a table
 
 
 def without_repeats(recordings: Sequence[Recording]) -> list[Recording]:
-    """The recordings, each measurement once; the first of those that hold the same samples bears the warning."""
+    """The recordings with each measurement once; the first of several equal ones gets a warning."""
     out: list[Recording] = []
     for r in recordings:
         first = next((i for i, kept in enumerate(out) if same(kept, r)), None)

@@ -1,23 +1,23 @@
-"""Questions about big blocks of rows (R, N), answered with little memory whichever way they lie in it.
+"""Operations on big blocks of rows (R, N) that need little extra memory, for either memory order.
 
-Bags are read sample by sample, so a block of taxels is the transpose of a contiguous (N, R) array: going through it row by row would
+Bags are read sample by sample, so a block of taxels is the transpose of a contiguous (N, R) array. Going through it row by row would
 fetch all of it R times.
 """
 
 import numpy as np
 
-PIECE = 1 << 15
-FOLD = 32
+PIECE = 1 << 15  # samples that are processed at once
+FOLD = 32  # samples that are laid side by side in a wide row
 
 
 def all_finite(rows: np.ndarray) -> bool:
-    """Whether every number is one."""
+    """Whether every value is finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         return bool(np.isfinite(rows.sum()) or np.isfinite(rows).all())
 
 
 def finite(rows: np.ndarray) -> np.ndarray:
-    """For every sample (N,), whether all its rows hold numbers."""
+    """A mask (N,) of the samples at which all rows are finite."""
     return np.concatenate([np.isfinite(part).all(axis=0) for part in _pieces(rows)])
 
 
@@ -32,7 +32,8 @@ def extremes(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def interpolated(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Rows known at increasing instants, linearly in between, at the instants t; both in the same unit. Lies in memory as `rows` does."""
+    """Rows at increasing instants `known`, interpolated linearly to the instants t, in the same unit. The result has the memory order of
+    `rows`."""
     after = np.clip(np.searchsorted(known, t, side="right"), 1, known.size - 1)
     weight = (t - known[after - 1]) / (known[after] - known[after - 1])
     by_sample = rows.strides[0] < rows.strides[-1]
@@ -40,7 +41,7 @@ def interpolated(t: np.ndarray, known: np.ndarray, rows: np.ndarray) -> np.ndarr
     for start in range(0, t.size, PIECE):
         part = slice(start, start + PIECE)
         low = rows[:, after[part] - 1]
-        with np.errstate(invalid="ignore"):  # infinite readings become NaN, and are dealt with as such
+        with np.errstate(invalid="ignore"):  # infinite readings become NaN, and are treated as such
             out[:, part] = low + (rows[:, after[part]] - low) * weight[part]
     return out
 

@@ -1,7 +1,7 @@
-"""Records of one topic that lie evenly spaced, copied a group of chunks at a time and checked together.
+"""Copies evenly spaced records of one topic for a group of chunks at a time, and checks them together.
 
-What reading costs is less the bytes than the calls about them, so that as few as can be are made for a chunk: what surrounds the numbers is
-copied as it is, and looked at when the group is complete.
+Reading costs more for the number of calls than for the number of bytes, so as few calls as possible are made per chunk: the bytes around
+the numbers are copied unchecked, and checked when the group is complete.
 """
 
 import struct
@@ -14,8 +14,8 @@ from skin_ident.recordings.layout import Field, Layout
 from skin_ident.recordings.mcap_chunk import BEFORE, MESSAGE
 from skin_ident.recordings.places import Places
 
-SMALL = 256  # bytes of numbers: fewer are copied together with what surrounds them
-LOGGED = 15  # where in a record its log time is
+SMALL = 256  # bytes: up to so many bytes of numbers are copied together with what surrounds them
+LOGGED = 15  # offset of the log time in a record
 
 
 class Run(NamedTuple):
@@ -28,7 +28,7 @@ class Run(NamedTuple):
 
 
 class Copier:
-    """Copies records whose messages have a layout; `numbers` is the field that is wanted of them, beside all the others."""
+    """Copies records whose messages have a layout; `numbers` is the field of the wanted numbers."""
 
     def __init__(self, layout: Layout, numbers: Field, channel: int) -> None:
         self.size, self.code, self.count = BEFORE + layout.size, np.dtype(numbers.code), numbers.count
@@ -43,9 +43,10 @@ class Copier:
         self.able = all(at + size <= spans[0][1] for at, size in others)
 
     def copied(self, runs: Sequence[Run], rows: np.ndarray) -> Places | None:
-        """What comes before and, where they are few, among the numbers of every record; the numbers themselves are in `rows` (n, R).
+        """Copies the numbers of every record into `rows` (n, R), and returns the places of the copied bytes before them (and of the numbers
+        too, where they are few).
 
-        None where a record is not like the others: what is in `rows` then means nothing.
+        None where a record does not have the layout; the content of `rows` is then undefined.
         """
         if not self.able or any(run.first + (run.count - 1) * run.step + self.size > len(run.data) for run in runs):
             return None
@@ -70,11 +71,12 @@ class Copier:
 
 
 class _Copy:
-    """The bytes from `start` to `stop` of every record, one record after the other, and which of them must be the same in all."""
+    """Copies of the bytes from `start` to `stop` of every record, one after the other, and which of them must be the same in all
+    records."""
 
     def __init__(self, start: int, stop: int, fixed: Sequence[tuple[int, bytes]]) -> None:
         self.start, self.kind = start, np.dtype(f"V{stop - start}")
-        self.one = np.zeros((2, stop - start), np.uint8)  # what must be there, and where anything must
+        self.one = np.zeros((2, stop - start), np.uint8)  # the required bytes, and a mask of where bytes are required
         for at, same in fixed:
             if start <= at < stop:
                 self.one[0, at - start : at - start + len(same)] = np.frombuffer(same, np.uint8)
@@ -82,12 +84,12 @@ class _Copy:
         self._make_room(0)
 
     def _make_room(self, count: int) -> None:
-        self.records = np.zeros(8 * (count // 8 + 1), self.kind)  # eight records are whole words
+        self.records = np.zeros(8 * (count // 8 + 1), self.kind)  # eight records fill whole words
         self.bytes = self.records.view(np.uint8)
         self.same, self.where = (np.tile(row, self.records.size).view(np.uint64) for row in self.one)
 
     def taken(self, runs: Sequence[Run], total: int) -> bool:
-        """Whether all `total` records, which are now copied, are as they must be."""
+        """Copy `total` records, and return whether all hold the required bytes."""
         if total > self.records.size:
             self._make_room(2 * total)
         at = 0
@@ -99,5 +101,5 @@ class _Copy:
         return not (((self.bytes.view(np.uint64)[:words] ^ self.same[:words]) & self.where[:words]).any())
 
     def places(self, count: int) -> Places:
-        """Where the copied records lie."""
+        """The places of the copied records."""
         return Places.evenly(self.bytes, self.kind.itemsize, count)

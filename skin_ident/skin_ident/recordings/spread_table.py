@@ -17,7 +17,7 @@ _DISTANCE = re.compile(r"(?:.*?[_ ])??(-?\d+(?:\.\d+)?)[ _]*(mm|um|µm|cm|m)(?:[
 
 
 def is_spread_scan(text: str) -> bool:
-    """Whether the header says depth first and then one distance per column."""
+    """Whether the header has a depth first and then one distance per column."""
     titles, _ = header_of(text)
     first = titles[0].lower().startswith(("depth", "x", "indentation"))
     return first and len(titles) > 2 and all(_DISTANCE.fullmatch(title.lower()) for title in titles[1:])
@@ -37,7 +37,7 @@ def read_spread_scan(path: Path, declared: Declared | None = None) -> SpreadScan
 
 
 def _column(title: str) -> tuple[float, float]:
-    """Distance in m, and what makes newtons of the column."""
+    """Distance (m) of a column, and the factor that converts its values to newtons."""
     number, length, force = _DISTANCE.fullmatch(title.lower()).groups()
     if force not in FORCE:
         raise RecordingError(f"column {title!r} does not say its unit of force: write it as f_{number}{length}_n")

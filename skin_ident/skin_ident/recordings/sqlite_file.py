@@ -1,4 +1,4 @@
-"""rosbag2 sqlite3 files: what is in them, and the messages of the topics that are wanted, a few thousand at a time."""
+"""Reads rosbag2 sqlite3 files: their topics, and the messages of wanted topics, a few thousand at a time."""
 
 import sqlite3
 from collections import Counter
@@ -14,24 +14,24 @@ from skin_ident.recordings.mcap_file import Channel
 from skin_ident.recordings.mcap_read import Add
 from skin_ident.recordings.places import Places
 
-BATCH = 4096
-WHOLE = "topic_id = ? AND typeof(timestamp) = 'integer' AND typeof(data) = 'blob'"  # a flipped bit can make anything of a cell
+BATCH = 4096  # messages
+WHOLE = "topic_id = ? AND typeof(timestamp) = 'integer' AND typeof(data) = 'blob'"  # a flipped bit can change the type of a cell
 
 
 def open_sqlite(path: Path) -> sqlite3.Connection:
-    """A connection that changes nothing, and to which a file that is cut off is as long as it is. Raises `RecordingError`."""
+    """A read-only connection that can also read a file that is cut off, up to its end. Raises `RecordingError`."""
     if path.stat().st_size == 0:
         raise RecordingError(f"{path} is empty")
-    # what a killed recorder had not yet moved into the file lies in the log beside it
+    # the write-ahead log beside the file holds what a killed recorder had not yet moved into it
     how = "mode=ro" if path.with_name(f"{path.name}-wal").exists() else "mode=ro&immutable=1"
     db = sqlite3.connect(f"{path.resolve().as_uri()}?{how}", uri=True)
     if missing_bytes(path):
-        db.execute("PRAGMA writable_schema=ON")  # else any page that is missing makes all of them unreadable
+        db.execute("PRAGMA writable_schema=ON")  # otherwise one missing page makes all pages unreadable
     return db
 
 
 def missing_bytes(path: Path) -> int:
-    """By how much the file is shorter than its header says."""
+    """Number of bytes by which the file is shorter than its header says."""
     with path.open("rb") as file:
         head = file.read(100)
     page, count = int.from_bytes(head[16:18], "big"), int.from_bytes(head[28:32], "big")
@@ -40,7 +40,8 @@ def missing_bytes(path: Path) -> int:
 
 
 def survey_sqlite(path: Path) -> tuple[dict[int, Channel], dict[int, int]]:
-    """Topics and message counts by id; of a file that is cut off, what can be reached. Raises `RecordingError` for a file that is none."""
+    """Topics and message counts by id; for a file that is cut off, as far as they can be read. Raises `RecordingError` for any other
+    file."""
     db = open_sqlite(path)
     try:
         definitions = _definitions(db)
@@ -78,7 +79,7 @@ def _definitions(db: sqlite3.Connection) -> dict[str, tuple[str, str]]:
 
 
 def read_sqlite(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], bytes] | None = None) -> tuple[str, ...]:
-    """Hand the messages of the topics in `takers` over; `unpack` undoes a compression of single messages. Returns warnings."""
+    """Pass the messages of the topics in `takers` to them; `unpack` decompresses single messages. Returns warnings."""
     missing = missing_bytes(path)
     if missing:
         _read_what_is_left(path, takers, unpack)
@@ -97,7 +98,7 @@ def read_sqlite(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], by
 
 
 def _read_what_is_left(path: Path, takers: dict[int, Add], unpack: Callable[[bytes], bytes] | None) -> None:
-    """The messages of a file that is cut off, in the order in which they were written: its index lies at its end."""
+    """Read a file that is cut off without its index, which was at its end: messages come as written, and are sorted batch by batch."""
     query = f"SELECT timestamp, data FROM messages NOT INDEXED WHERE {WHOLE}"
     with closing(open_sqlite(path)) as db:
         for number, add in takers.items():
@@ -107,7 +108,7 @@ def _read_what_is_left(path: Path, takers: dict[int, Add], unpack: Callable[[byt
 
 
 def hand_over(batch: list[tuple[int, bytes]], add: Add, unpack: Callable[[bytes], bytes] | None) -> None:
-    """Join a batch of (log time, message) and hand it over."""
+    """Join a batch of (log time, message) and pass it to a taker."""
     messages = [data if unpack is None else unpack(data) for _, data in batch]
     sizes = np.fromiter(map(len, messages), np.int64, len(messages))
     add(Places(b"".join(messages), np.cumsum(sizes) - sizes), sizes, np.fromiter((stamp for stamp, _ in batch), np.int64, len(batch)))

@@ -1,30 +1,32 @@
-"""A depth that an encoder read in coarse steps, drawn again as the path that gave these readings.
+"""Reconstructs the path of the plunger from a depth that an encoder read in coarse steps.
 
-An encoder says when the plunger crossed from one cell to the next, to a sample; in between it says nothing. A staircase taken at its word
-has no speed and then too much of it, and a fit to such a speed finds too little damping (an error in a regressor draws its coefficient
-to zero: W. A. Fuller, Measurement Error Models, 1987). The path drawn here crosses each cell's border when the reading changed. It is in
-the middle of the cell half a crossing later, at the speed of the cell before; there it stays until half a crossing, at the speed of the
-next cell, before it leaves: straight on a ramp, level where the plunger rests. A cell that is left where it was entered holds the top of
-a parabola: with the cell r times as long as its neighbours, which are q wide, the top is beyond the border by
+An encoder tells, to a sample, when the plunger crossed from one cell (step) to the next, and nothing in between. The derivative of such a
+staircase is zero, and then too large. A fit to that speed finds too little damping, because an error in a regressor draws its coefficient
+to zero (W. A. Fuller, Measurement Error Models, 1987).
 
-    e = q / ((1 + 2 / r)^2 - 1),        and where that is more than q, the plunger has rested in the middle.
+The reconstructed path crosses the border between two cells when the reading changed. It reaches the middle of a cell half a crossing time
+later, at the speed of the cell before, and leaves the middle half a crossing time before the next border, at the speed of the next cell. So
+it is straight on a ramp, and level where the plunger rests. In a cell that is left where it was entered, the path is a parabola: if the
+plunger stayed r times as long as in the neighbouring cells, which are q wide, its top is beyond the border by
 
-An encoder with noise of its own flickers: while the plunger rests single readings fall into the next cell. Hundreds of such steps would be
-most of all the speed in a record of holds. Where a reading flickers and keeps to two cells for a while, it is averaged over that while.
+    e = q / ((1 + 2 / r)^2 - 1),        and if that is more than q, the plunger has rested in the middle.
+
+An encoder with noise flickers: while the plunger rests, single readings fall into the next cell. Hundreds of such steps would dominate the
+speed in a record of holds. So where the readings flicker and stay within two cells for a while, they are averaged.
 """
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d, uniform_filter1d
 
-FLICKS = 20  # single readings in another cell than those before and after, from which a record flickers
-RESTING = 25  # samples
+FLICKS = 20  # fewest single readings in another cell than those before and after for a record to count as flickering
+RESTING = 25  # samples of the window over which resting readings are averaged
 
 
 def drawn_again(x: np.ndarray) -> np.ndarray:
-    """Depth (N,) m without its staircase; itself where no two samples are alike.
+    """Depth (N,) m without its staircase; unchanged where no two neighbouring samples are equal.
 
-    Never further from what was read than half a step, which is the smallest change from one reading to the next, or than a sample's change;
-    or than a step where the reading flickers.
+    It differs from the readings by at most half a step (the smallest change between readings) or the change per sample, whichever is
+    larger; where readings flicker, by at most a step.
     """
     change = np.flatnonzero(np.diff(x) != 0.0) + 1
     if change.size == 0 or change.size == x.size - 1:
@@ -54,20 +56,20 @@ def drawn_again(x: np.ndarray) -> np.ndarray:
 
 
 def _steady(x: np.ndarray, again: np.ndarray, step: float) -> np.ndarray:
-    """`again`, but the mean of the readings where these keep to two cells, single ones left aside."""
+    """`again`, replaced by the running mean of the readings where these stay within two cells (apart from single readings)."""
     calm = median_filter(x, 5)
     rests = maximum_filter1d(calm, RESTING) - minimum_filter1d(calm, RESTING) < 1.5 * step
     return np.where(rests, uniform_filter1d(x, RESTING), again)
 
 
 def _rise(cell: np.ndarray, length: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """How far the top of each cell's parabola is beyond its border, signed; 0 where the cell holds none."""
+    """Signed distance of the parabola's top beyond the border of each cell; 0 where the path in the cell is no parabola."""
     up = np.diff(cell)
     rise = np.zeros(cell.size)
     if up.size < 2:
         return rise
     q = np.abs(up[:-1])
-    slow = (q < 1.5 * q.min()) & (length[1:-1] > 1.0)  # from cell to cell; faster, every reading stands for itself
+    slow = (q < 1.5 * q.min()) & (length[1:-1] > 1.0)  # moving by one cell at a time; at higher speed every reading is exact enough
     back = np.isclose(up[1:], -up[:-1], rtol=1e-3) & slow
     ratio = length[1:-1] / (0.5 * (before + after)[1:-1])
     beyond = q / ((1.0 + 2.0 / ratio) ** 2 - 1.0)

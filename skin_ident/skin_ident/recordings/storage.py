@@ -1,4 +1,4 @@
-"""The storage files of a bag as one: its topics, and their messages handed to whoever collects them."""
+"""The storage files of a bag as one: its topics, and their messages, which are passed to takers."""
 
 import tempfile
 from collections.abc import Callable
@@ -26,7 +26,8 @@ def is_bag(path: Path) -> bool:
 
 
 def _files(folder: Path) -> tuple[list[Path], str]:
-    """The files that the metadata of a bag names, in their order (all there are, where it names none that exists), and how compressed."""
+    """The files that the metadata of a bag names, in their order (all storage files, where it names none that exists), and the compression
+    mode."""
     try:
         content = yaml.safe_load((folder / METADATA).read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
         names = [Path(str(name)).name for name in content["relative_file_paths"]]
@@ -50,7 +51,7 @@ class File:
 
 @dataclass
 class Storage:
-    """A bag that has been looked into. Use it in a `with` block: unpacked files are temporary."""
+    """An open bag. Use it in a `with` block, because decompressed files are temporary."""
 
     path: Path
     files: list[File] = field(default_factory=list)
@@ -59,7 +60,7 @@ class Storage:
     _stack: ExitStack = field(default_factory=ExitStack)
 
     def __enter__(self) -> "Storage":
-        """Look into every file. Raises `RecordingError`."""
+        """Open every file and find its topics. Raises `RecordingError`."""
         files, self.mode = ([self.path], "") if self.path.is_file() else _files(self.path)
         try:
             self.files = [self._open(file) for file in files]
@@ -69,7 +70,7 @@ class Storage:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Remove what was unpacked."""
+        """Remove decompressed files."""
         self._stack.close()
 
     def _open(self, path: Path) -> File:
@@ -112,11 +113,11 @@ class Storage:
 
     @property
     def cut_off(self) -> bool:
-        """Whether one of the files ends before its end."""
+        """Whether one of the files is cut off or damaged."""
         return any(missing_bytes(file.path) > 0 if file.survey is None else file.survey.cut_at is not None for file in self.files)
 
     def read(self, takers: dict[str, Add]) -> tuple[str, ...]:
-        """Hand the messages of the named topics over, file by file; returns warnings."""
+        """Pass the messages of the named topics to their takers, file by file; returns warnings."""
         return tuple(w for file in self.files for w in self._read_file(file, takers))
 
     def _read_file(self, file: File, takers: dict[str, Add]) -> tuple[str, ...]:
@@ -135,7 +136,7 @@ def _unpacker() -> Callable[[bytes], bytes]:
 
 
 def _unpacking(add: Add) -> Add:
-    """`add` for messages that are compressed one by one."""
+    """A taker for messages that are compressed one by one; it passes them decompressed to `add`."""
     unpack = _unpacker()
 
     def taken(places: Places, sizes: np.ndarray, logs: np.ndarray) -> None:

@@ -1,4 +1,4 @@
-"""Tables as recordings; the reading itself is that of `skin_models.tables`, which the driver's replay shares."""
+"""Tables as recordings; they are read by `skin_models.tables`, as in the driver's replay."""
 
 from pathlib import Path
 
@@ -30,7 +30,8 @@ def read_table(path: Path, declared: Declared, keep: bool = False, text: str | N
 
 
 def _or_a_scan(path: Path, text: str | None) -> str:
-    """What is said of the other kind of table where the header begins with a depth, has no time, and names what is nothing else."""
+    """A hint at the format of spread scans, where the header begins with a depth, has no time, and has columns of unknown names; else
+    empty."""
     titles = header_of(read_text(path) if text is None else text)[0]
     kinds = [kind_of(title) for title in titles]
     strange = any(k == "taxel" and not t.lower().startswith("taxel") for k, t in zip(kinds, titles, strict=True))

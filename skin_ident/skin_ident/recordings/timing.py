@@ -1,8 +1,8 @@
-"""From stamps as they come to an even grid, with every repair counted.
+"""Brings samples with their original stamps to an even grid, and counts every repair.
 
-Repeated stamps are dropped, single late samples sorted in, small jitter snapped, larger jitter and short losses interpolated. A clock
-that steps back is refused, and a long gap ends the session: only its longest stretch is kept. Nothing is mended in silence, and nothing
-is copied that needs no mending: ten minutes of 64 taxels are 300 MB.
+Repeated stamps are dropped, single late samples are sorted in, small jitter is removed from the stamps, and larger jitter and short losses
+are interpolated. A clock that steps back raises an error. At a long gap the session is cut, and only its longest stretch is kept. Every
+repair is reported, and nothing is copied that needs no repair: ten minutes of 64 taxels are 300 MB.
 """
 
 from dataclasses import dataclass, field, replace
@@ -16,21 +16,21 @@ from skin_ident.stretches import runs
 from skin_models.tables.order import Mended, in_order
 from skin_models.words import counted
 
-SNAP = 0.01  # of the period: jitter below this is taken as even
-DECIMALS = 4  # of a period in which stamps may be written
-SAME, SURELY = 1e-6, 0.01  # of the last decimal: a whole number of them, as far as floating point tells, and where it cannot
+SNAP = 0.01  # of the period: stamps with less jitter are taken as even
+DECIMALS = 4  # numbers of decimals, relative to the period, that are tried for rounded stamps
+SAME, SURELY = 1e-6, 0.01  # of the last decimal: tolerance for whole multiples; a tolerance at which floating point cannot decide
 BRIDGED = 10  # samples: the longest loss that is interpolated
 
 
 @dataclass(frozen=True)
 class Track:
-    """Samples with their stamps: t (N,) s (or ns, as long as it is not yet even), blocks of rows (R_i, N), the `digits` (R_i, N) of
-    blocks that were interpolated, None of others, and how the stamps were `mended`."""
+    """Samples with their stamps: t (N,) s (ns in a topic's own track), blocks of rows (R_i, N), the `digits` (R_i, N) of blocks that were
+    interpolated (None for others), and how the stamps were `mended`."""
 
     t: np.ndarray
     blocks: tuple[np.ndarray, ...]
     warnings: tuple[str, ...] = ()
-    whole: bool = False  # known to hold nothing but numbers
+    whole: bool = False  # whether all values are known to be finite
     interpolated: bool = False
     digits: tuple[np.ndarray | None, ...] = ()
     mended: Mended = field(default_factory=Mended)
@@ -42,7 +42,7 @@ class Track:
         return replace(self, t=self.t[index], blocks=blocks, warnings=warnings, digits=digits)
 
     def warned(self, *warnings: str) -> "Track":
-        """The same with more warnings."""
+        """The track with more warnings."""
         return replace(self, warnings=(*self.warnings, *warnings))
 
 
@@ -53,7 +53,7 @@ def ordered(track: Track, name: str) -> Track:
 
 
 def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
-    """The track on an even grid, in s. Numbers that are missing are bridged where their run is short. Raises `RecordingError`."""
+    """The track on an even grid, in s. Short runs of missing numbers are interpolated. Raises `RecordingError`."""
     track = _enough(ordered(track, name), name)
     track = _enough(_bridged(longest_stretch(track, name), name), name)
     steps = np.rint((track.t - track.t[0]) / _period(track.t))
@@ -65,8 +65,11 @@ def even(track: Track, name: str, rate_hz: float | None = None) -> Track:
 
 
 def _period(t: np.ndarray) -> float:
-    """Of stamps t (N,) that may be rounded, late or lost: the median step is off by what a stamp is rounded to, and a long record would
-    seem to have lost samples; so the steps that it counts share the whole time."""
+    """The sampling period of stamps t (N,) that may be rounded, late or lost.
+
+    The median step is off by the rounding of stamps, which in a long record would look like lost samples. So it only serves to count the
+    steps, by which the whole time is then divided.
+    """
     between = np.diff(t)
     median = float(np.median(between))
     shared = float(t[-1] - t[0]) / max(float(np.rint(between / median).sum()), 1.0)
@@ -74,18 +77,20 @@ def _period(t: np.ndarray) -> float:
 
 
 def _rounded(t: np.ndarray, dt: float) -> float:
-    """By how much stamps t (N,) may be off for being written with few decimals: half of the last one each, as is the first of them."""
+    """The largest error of stamps t (N,) relative to the first due to few decimals: half of the last decimal for each of the two; 0 where
+    no rounding is seen."""
     begun = t - t[0]
     for places in range(DECIMALS):
         last = 10.0 ** (np.floor(np.log10(dt)) - places)
         exact = SAME + 4.0 * np.spacing(float(np.max(np.abs(t)))) / last
         if exact < SURELY and np.max(np.abs(begun / last - np.rint(begun / last))) < exact:
-            return last  # the first stamp is rounded, too
+            return last  # half for the stamp, half for the first one
     return 0.0
 
 
 def kept(track: Track, name: str, rate_hz: float | None = None) -> tuple[Track, bool]:
-    """The track with its own stamps, in s, and whether they are uneven; missing numbers are bridged. Raises `RecordingError`."""
+    """The track with its own stamps, in s, and whether they are uneven; short runs of missing numbers are interpolated. Raises
+    `RecordingError`."""
     track = _enough(ordered(track, name), name)
     track = _enough(_bridged(longest_stretch(track, name), name), name)
     dt = (track.t[-1] - track.t[0]) / (track.t.size - 1)
@@ -120,7 +125,7 @@ def _resampled(track: Track, dt: float) -> Track:
 
 
 def longest_stretch(track: Track, name: str) -> Track:
-    """The longest part without a gap of more than `BRIDGED` periods, or with numbers missing for as long."""
+    """The longest part without a gap, or a run of missing numbers, of more than `BRIDGED` periods."""
     steps = np.diff(track.t)
     cuts = steps > (BRIDGED + 1.5) * float(np.median(steps))
     missing = np.zeros(track.t.size, bool)
@@ -140,7 +145,7 @@ def longest_stretch(track: Track, name: str) -> Track:
 
 
 def _bridged(track: Track, name: str) -> Track:
-    """Short runs of missing numbers interpolated, those at the ends cut off."""
+    """The track with missing numbers interpolated, and cut to begin and end with a complete sample."""
     if track.whole or all(all_finite(rows) for rows in track.blocks):
         return track
     whole = np.logical_and.reduce([finite(rows) for rows in track.blocks])
@@ -164,7 +169,7 @@ def _rate_warning(dt: float, rate_hz: float | None) -> tuple[str, ...]:
 
 
 def _long_runs(flags: np.ndarray) -> np.ndarray:
-    """The same flags, without runs of `BRIDGED` or fewer."""
+    """The flags without their runs of `BRIDGED` or fewer."""
     out = np.zeros_like(flags)
     if flags.any():
         for start, stop in zip(*runs(flags), strict=True):

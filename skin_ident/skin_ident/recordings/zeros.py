@@ -1,4 +1,4 @@
-"""Zeros that were set within a record. The driver tells of them in `driver_state`; what lies before and after are two records."""
+"""Zeros that were changed within a record. The driver reports them in `driver_state`; the parts before and after are separate records."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,30 +13,30 @@ from skin_ident.recordings.timing import Track
 from skin_models.words import counted
 
 STATE_TYPE = "skin_testbed_msgs/msg/DriverState"
-INACTIVE = 0  # such a state says nothing of zeros
-TOLD = (  # flag, how often it was set (older drivers do not count), and what to say where it is set, and where it is so no more
+INACTIVE = 0  # a state that says nothing about zeros
+TOLD = (  # flag, its counter (older drivers have none), and the words for setting and for clearing it
     ("zeroed", "zero_count", "the depth was zeroed anew", "the zero of the depth was given up"),
     ("tared", "tare_count", "the loads were tared anew", "the tare of the loads was taken back"),
 )
-NAMED = 3  # times of one kind that a sentence gives
+NAMED = 3  # most times of one kind that a sentence gives
 
 
 @dataclass(frozen=True)
 class Change:
-    """What was done to a zero, and the stamp (ns) of the sample at which it was, by the driver's clock and by the recorder's."""
+    """A change of a zero: what was done, and when (ns), by the driver's clock and by the recorder's."""
 
     what: str
     stamp_ns: int
     log_ns: int
 
     def at(self, stamped: bool) -> int:
-        """Its time on the clock of a topic that is `stamped`, or is not."""
+        """Its time (ns) by the driver's clock for a topic that is `stamped`, else by the recorder's."""
         return self.stamp_ns if stamped else self.log_ns
 
 
 @dataclass
 class States:
-    """What a driver says of itself: collects the messages of its topic."""
+    """Collects the messages in which a driver reports its state."""
 
     topic: Topic
     heard: list[tuple[int, bytes]] = field(default_factory=list)
@@ -46,7 +46,7 @@ class States:
         self.heard += [(int(log), places.raw(i, size)) for i, (size, log) in enumerate(zip(sizes, log_ns, strict=True))]
 
     def changes(self) -> list[Change]:
-        """Every change of a zero, in time. What was before is told by the first message, which is latched."""
+        """Every change of a zero, in the order of time. The first message is latched, so it gives the state before any change."""
         try:
             store = typestore(self.topic)
         except RecordingError:  # a bag without definitions
@@ -68,7 +68,8 @@ class States:
 
 
 def states_beside(topics: Mapping[str, Topic], read: Sequence[Topic]) -> list[States]:
-    """The driver that speaks of the topics that are `read`: in the namespace of one of them; or the only one."""
+    """The states of the driver of the topics that are `read`: the one in the namespace of one of them, or the only one; empty where that is
+    not clear."""
     known = [t for t in topics.values() if t.kind == STATE_TYPE and t.count]
     spaces = {t.name.rpartition("/")[0] for t in read}
     beside = [t for t in known if t.name.rpartition("/")[0] in spaces]
@@ -76,8 +77,8 @@ def states_beside(topics: Mapping[str, Topic], read: Sequence[Topic]) -> list[St
 
 
 def of_one_zero(tracks: dict[str, Track], stamped: Mapping[str, bool], changes: Sequence[Change]) -> tuple[dict[str, Track], list[str]]:
-    """The tracks between two changes of a zero, and what is to be said of that: of all such parts the one in which the plunger is in the
-    skin for longest, or where that is not known, the longest. `stamped` says of every role whether its stamps are the driver's."""
+    """The tracks cut to one part between two changes of a zero, and a warning about that: the part in which the plunger is in the skin for
+    longest, or, without a depth, the longest part. `stamped` says for every role whether its stamps are the driver's."""
     first = next(iter(tracks))
     t = tracks[first].t
     inside = [c for c in changes if t.size and t[0] < c.at(stamped[first]) < t[-1]]
@@ -96,7 +97,8 @@ def of_one_zero(tracks: dict[str, Track], stamped: Mapping[str, bool], changes: 
 
 
 def _pieces(t: np.ndarray, edges: list[int]) -> list[np.ndarray]:
-    """Which samples (N,) lie before, between and after the edges. Those at an edge belong to none: a tare may be taken back within one."""
+    """Masks (N,) of the samples before, between and after the edges. A sample at an edge belongs to no part, because a tare may be taken
+    back within one sample."""
     return [(t > a) & (t < b) for a, b in pairwise([-np.inf, *edges, np.inf])]
 
 
